@@ -117,7 +117,7 @@ Kernel rescaled(Kernel kernel, const Similarity& factors, const Damping& damping
   {
     auto& [basis, omega, decay, residual, certificate] = modes;
     multiply(omega, frequency);
-    for (std::size_t n = 0; n < omega.size(); ++n) decay[n] = decay_rate(damping, RadPerSecond{omega[n]});
+    decay = decay_rates(damping, omega);
     auto& [below, upto_hz, by_inertia, shift, modes_below, found, left_out, complete, orthonormality, error,
            approximate] = certificate;
     upto_hz *= frequency;

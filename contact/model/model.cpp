@@ -46,8 +46,8 @@ Model::BodyBlock block_of(const PlacedBody& body, int first_mode, const Vector3d
   return block;
 }
 
-/// v_n = φ_nᵀ M v for the modes with ω_n = 0. This is exact, because these modes span the rigid motions that
-/// the supports leave free.
+/// v_n = φ_nᵀ M v for the modes with ω_n = 0, of a velocity or a displacement v. This is exact, because these
+/// modes span the rigid motions that the supports leave free.
 /// @param momentum  (3,modes) of each mode along and about the axes; @param velocity  along or about them
 /// @param energy  twice the kinetic energy of the rigid motion
 Vector rigid_rates(const PlacedBody& body, const Model::BodyBlock& block,
@@ -320,6 +320,12 @@ Model build_model(const Placement& placement, const Vector3d& gravity,
   }
   refuse_overlap(model);
   model.q0 = static_coordinates(model);
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    const Model::BodyBlock& block = model.bodies[k];
+    const Vector3d& d = bodies[k].displacement;
+    model.q0.segment(block.first_mode, block.modes) +=
+        rigid_rates(bodies[k], block, block.momentum, d, block.mass * d.squaredNorm(), "velocity");
+  }
   for (std::size_t k = 0; k < bodies.size(); ++k) add_receivers(model, static_cast<int>(k));
   return model;
 }

@@ -39,7 +39,7 @@ struct Model {
   // modes (N)
   Vector omega, decay;  ///< [rad/s], [1/s]
   Vector load;          ///< constant modal force, of gravity, f_n [kg^1/2 m/s²]
-  Vector q0;            ///< initial modal displacement, at rest under dead loads [kg^1/2 m]
+  Vector q0;            ///< initial modal displacement: static under dead loads, and rigid [kg^1/2 m]
   Vector v0;            ///< initial modal velocity, of the rigid modes [kg^1/2 m/s]
   // contact points (m) and their rows (n)
   Matrix B;  ///< (n,N) [kg^-1/2]
@@ -152,7 +152,8 @@ struct Model {
 /// Elastic modes start at rest under gravity and dead loads, q0_n = f_n/ω_n². With the static correction, a
 /// supported body so starts in its static equilibrium. Elastic modes carry no momentum, so for a body that
 /// can move rigidly this is the equilibrium with the inertia of its rigid acceleration (inertia relief): a
-/// free body falls without strain. Throws InputError if a kernel omits a paired candidate or lacks a load or
+/// free body falls without strain. A body with an initial displacement starts away from its place, at which
+/// its pairs are found. Throws InputError if a kernel omits a paired candidate or lacks a load or
 /// motion, if a support would jump or makes bodies overlap at the start, or if a pair has friction and a
 /// kernel lacks the tangential components.
 Model build_model(const Placement& placement, const Eigen::Vector3d& gravity,

@@ -39,7 +39,7 @@ class LinearityCheck {
 
   /// Call it after each step with a force.
   /// @param before  (N) q̇ at the start of the step
-  /// @param first  whether this is the first such step of the run
+  /// @param first  whether an episode begins with this step
   void observe(const Stepper& stepper, const Vector& before, bool first);
 
   /// Farthest rigid approach of points [m], over all pairs.
@@ -51,7 +51,7 @@ class LinearityCheck {
   double wave_speed_;
   std::vector<Eigen::Matrix3d> inverse_inertia_;  ///< by body, pseudo-inverse
   std::vector<double> spacing_;  ///< by pair, smallest distance between neighbouring candidates of a [m]
-  double approach_ = 0;  ///< largest normal approach speed of a point in the first step of contact [m/s]
+  double approach_ = 0;  ///< largest normal approach speed of a point in the first step of an episode [m/s]
   std::vector<double> nearer_;        ///< by pair, farthest rigid approach of its points [m]
   double slip_ = 0, slip_share_ = 0;  ///< worst tangential motion [m] and its share of the spacing
   double tilt_ = 0;                   ///< largest rotation of a free body while touching [rad]

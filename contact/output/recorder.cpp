@@ -30,7 +30,7 @@ double least_bytes(const Model& model, const RecorderOptions& options, std::int6
   const double rows = samples / options.every, bodies = model.bodies.size(),
                receivers = model.receivers.size();
   double numbers = rows * (1 + 9 + 12 * bodies);
-  if (receivers > 0) numbers += static_cast<double>(samples) * (1 + 9 * receivers);
+  if (receivers > 0) numbers += static_cast<double>(samples / options.receivers_every) * (1 + 9 * receivers);
   if (options.snapshot_every > 0)
     numbers += static_cast<double>(samples / options.snapshot_every) * (1.0 + model.omega.size());
   return sizeof(double) * numbers;
@@ -77,7 +77,7 @@ Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOp
     add_body(model.bodies[k].name, model.bodies[k].mass);
     write_body(model.bodies[k], k, options);
   }
-  make_model_rows();
+  make_model_rows(step, options.receivers_every);
   if (step.scheme == Scheme::at_rest) return;
   if (step.scheme == Scheme::compliant)
     // Steps move modes above half the rate into R and s; add the share of body a.
@@ -96,7 +96,7 @@ Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOp
   energy_row(initial_energy(model, step));
   persistency_->append(0);
   if (snapshot_every_ > 0) snapshot_row(0, model.q0);
-  receivers_row(0);
+  if (receiver_rows_) receiver_rows_->record(*receivers_);
 }
 
 Recorder::Recorder(const Model& model, const RecorderOptions& options)
@@ -168,7 +168,7 @@ Recorder::BodyRows& Recorder::add_body(const std::string& name, double mass) {
                                        .mass = mass});
 }
 
-void Recorder::make_model_rows() {
+void Recorder::make_model_rows(const StepOptions& step, int receivers_every) {
   const std::size_t m = gap_.size();
   contact_.displacement_a = &file_.rows("/contact/displacement_a", {m}, "m");
   contact_.displacement_b = &file_.rows("/contact/displacement_b", {m}, "m");
@@ -192,15 +192,7 @@ void Recorder::make_model_rows() {
       bodies_[k].snapshot =
           &file_.rows("/snapshots/" + body.name, {static_cast<std::size_t>(body.modes)}, "kg^1/2 m");
   }
-  if (!model_->receivers.empty()) receiver_time_ = &file_.rows("/receivers/time", {}, "s");
-  for (const Model::Receiver& receiver : model_->receivers) {
-    const std::string group = "/receivers/" + receiver.name;
-    receiver_rows_.push_back({&file_.rows(group + "/displacement", {3}, "m"),
-                              &file_.rows(group + "/velocity", {3}, "m/s"),
-                              &file_.rows(group + "/acceleration", {3}, "m/s^2")});
-    file_.attribute(group, "body", model_->bodies[receiver.body].name);
-    file_.attribute(group, "point", flat(Vector(receiver.point)));
-  }
+  if (!model_->receivers.empty()) receiver_rows_.emplace(file_, *model_, step, receivers_every);
 }
 
 void Recorder::record(const Stepper& stepper) {
@@ -232,7 +224,7 @@ void Recorder::record(const Stepper& stepper) {
   if (!modal) return;
   if (snapshot_every_ > 0 && sample % snapshot_every_ == 0) snapshot_row(t, modal->q);
   receivers_->observe(stepper);
-  receivers_row(t);
+  if (receiver_rows_) receiver_rows_->record(*receivers_);
 }
 
 /// Adds the impulses that `force` (n) exerts on the bodies in `duration` [s].
@@ -271,15 +263,6 @@ void Recorder::bodies_row(const Eigen::Matrix3Xd& velocity) {
     const Vector3d v = velocity.col(b);
     append(bodies_[b].velocity, v);
     append(bodies_[b].momentum, bodies_[b].mass * v);
-  }
-}
-
-void Recorder::receivers_row(double time) {
-  if (receiver_time_) receiver_time_->append(time);
-  for (std::size_t k = 0; k < receiver_rows_.size(); ++k) {
-    append(receiver_rows_[k].displacement, (*receivers_)[k].displacement);
-    append(receiver_rows_[k].velocity, (*receivers_)[k].velocity);
-    append(receiver_rows_[k].acceleration, (*receivers_)[k].acceleration);
   }
 }
 
@@ -352,6 +335,9 @@ void Recorder::snapshot_row(double time, const Vector& q) {
   }
 }
 
-void Recorder::commit(const std::filesystem::path& summary) { file_.commit(summary); }
+void Recorder::commit(const std::filesystem::path& summary) {
+  if (receiver_rows_) receiver_rows_->finish();
+  file_.commit(summary);
+}
 
 }  // namespace ricochet::contact

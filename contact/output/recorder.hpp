@@ -15,6 +15,7 @@
 
 #include "base/hdf5_writer.hpp"
 #include "contact/model/model.hpp"
+#include "contact/output/receiver_rows.hpp"
 #include "contact/output/receivers.hpp"
 #include "contact/static/equilibrium.hpp"
 #include "contact/stepping/stepper.hpp"
@@ -29,6 +30,7 @@ struct RecorderOptions {
   std::vector<std::string> kernel_files{};  ///< by body of the model
   std::int64_t every = 1;           ///< writes a row every n-th output sample, and in contact every n-th step
   std::int64_t snapshot_every = 0;  ///< writes modal coordinates every n-th output sample; 0 for never
+  int receivers_every = 1;          ///< output samples between rows of receivers
 };
 
 /// Lower bound on the size of a result [bytes]; rows that are written during contact are not counted.
@@ -74,16 +76,13 @@ class Recorder {
     // with friction
     Rows *tangential_force = nullptr, *tangential_displacement = nullptr, *state = nullptr;
   };
-  struct ReceiverRows {
-    Rows *displacement, *velocity, *acceleration;
-  };
 
   Recorder(const Model* model, const Vector& gap, const Vector& area, double step,
            const RecorderOptions& options);
   void write_points(const Model& model);
   void write_body(const Model::BodyBlock& body, std::size_t number, const RecorderOptions& options);
   BodyRows& add_body(const std::string& name, double mass);
-  void make_model_rows();
+  void make_model_rows(const StepOptions& step, int receivers_every);
   void push(const Vector& force, double duration);
   void bodies_row(const Vector& v, double from, double to);
   void bodies_row(const Eigen::Matrix3Xd& velocity);
@@ -92,7 +91,6 @@ class Recorder {
   void sides_row(double time, const Vector& q, const Vector& v, const Vector& u, const Vector& force);
   void friction_row(const Vector& w, const Vector& force, std::span<const ContactState> states);
   void snapshot_row(double time, const Vector& q);
-  void receivers_row(double time);
 
   const Model* model_;  ///< null with a table
   Vector gap_;          ///< (m)
@@ -106,11 +104,10 @@ class Recorder {
   Rows* time_;
   Rows* persistency_ = nullptr;
   Rows* snapshot_time_ = nullptr;
-  Rows* receiver_time_ = nullptr;
   ContactRows contact_{};
   std::vector<Rows*> energy_;  ///< total, then the terms
   std::vector<BodyRows> bodies_;
-  std::vector<ReceiverRows> receiver_rows_;
+  std::optional<ReceiverRows> receiver_rows_;
 };
 
 }  // namespace ricochet::contact

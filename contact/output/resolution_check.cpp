@@ -153,8 +153,7 @@ std::string ResolutionCheck::faster_approach() const {
   if (!(first_approach_ > 0) || !(fastest_approach_ > faster * first_approach_)) return "";
   return fmt::format(
       "touch {} begins at {:.4g} m/s, faster than the first one at {:.4g} m/s: restitution and relative "
-      "losses "
-      "refer to the first",
+      "losses of the run refer to the first; each of its episodes has its own approach and restitution",
       fastest_episode_, fastest_approach_, first_approach_);
 }
 

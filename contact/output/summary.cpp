@@ -39,46 +39,52 @@ void write(const Json& json, const std::filesystem::path& path) {
   temporary.commit();
 }
 
+Json json_of(const Sound& sound) {
+  return {{"file", sound.file}, {"full_scale_m_per_s", sound.full_scale_m_per_s}, {"rate_hz", sound.rate_hz}};
+}
+
 Json json_of(const Summary& summary) {
   Json episodes = Json::array(), exit_velocity = Json::object(), sounds = Json::object();
   for (const Episode& episode : summary.episodes)
     episodes.push_back({{"start_s", episode.start_s},
                         {"end_s", number(episode.end_s)},
                         {"impulse_ns", episode.impulse_ns},
-                        {"peak_force_n", episode.peak_force_n}});
+                        {"peak_force_n", episode.peak_force_n},
+                        {"approach_m_per_s", number(episode.approach_m_per_s)},
+                        {"restitution", number(episode.restitution)}});
   for (const auto& [name, v] : summary.exit_velocity) exit_velocity[name] = {v.x(), v.y(), v.z()};
-  for (const auto& [name, sound] : summary.sounds)
-    sounds[name] = {
-        {"file", sound.file}, {"full_scale_m_per_s", sound.full_scale_m_per_s}, {"rate_hz", sound.rate_hz}};
-  return {{"contact_start_s", number(summary.contact_start_s)},
-          {"contact_end_s", number(summary.contact_end_s)},
-          {"contact_steps", summary.contact_steps},
-          {"episodes", episodes},
-          {"peak_force_n", summary.peak_force_n},
-          {"impulse_ns", summary.impulse_ns},
-          {"exit_velocity", exit_velocity},
-          {"restitution", number(summary.restitution)},
-          {"energy_drift", number(summary.energy_drift)},
-          {"energy_lost_contact", number(summary.energy_lost_contact)},
-          {"energy_lost_friction", number(summary.energy_lost_friction)},
-          {"friction_impulse_ns", number(summary.friction_impulse_ns)},
-          {"max_slip_m", number(summary.max_slip_m)},
-          {"ambiguous_steps", summary.ambiguous_steps ? Json(*summary.ambiguous_steps) : Json()},
-          {"max_penetration_m", summary.max_penetration_m},
-          {"limited_steps", summary.limited_steps},
-          {"limited_residual", summary.limited_residual},
-          {"modes", summary.modes},
-          {"basis", summary.basis},
-          {"modes_in_residual", summary.modes_in_residual},
-          {"precision", summary.precision == Precision::float32 ? "single" : "double"},
-          {"candidates", summary.candidates},
-          {"unpaired", summary.unpaired},
-          {"max_active", summary.max_active},
-          {"error_estimate", shares(summary.error_estimate)},
-          {"sounds", sounds},
-          {"warnings", summary.warnings},
-          {"real_time_factor", summary.real_time_factor},
-          {"wall_s", summary.wall_s}};
+  for (const auto& [name, sound] : summary.sounds) sounds[name] = json_of(sound);
+  Json out{{"contact_start_s", number(summary.contact_start_s)},
+           {"contact_end_s", number(summary.contact_end_s)},
+           {"contact_steps", summary.contact_steps},
+           {"episodes", episodes},
+           {"peak_force_n", summary.peak_force_n},
+           {"impulse_ns", summary.impulse_ns},
+           {"exit_velocity", exit_velocity},
+           {"restitution", number(summary.restitution)},
+           {"energy_drift", number(summary.energy_drift)},
+           {"energy_lost_contact", number(summary.energy_lost_contact)},
+           {"energy_lost_friction", number(summary.energy_lost_friction)},
+           {"friction_impulse_ns", number(summary.friction_impulse_ns)},
+           {"max_slip_m", number(summary.max_slip_m)},
+           {"ambiguous_steps", summary.ambiguous_steps ? Json(*summary.ambiguous_steps) : Json()},
+           {"max_penetration_m", summary.max_penetration_m},
+           {"limited_steps", summary.limited_steps},
+           {"limited_residual", summary.limited_residual},
+           {"modes", summary.modes},
+           {"basis", summary.basis},
+           {"modes_in_residual", summary.modes_in_residual},
+           {"precision", summary.precision == Precision::float32 ? "single" : "double"},
+           {"candidates", summary.candidates},
+           {"unpaired", summary.unpaired},
+           {"max_active", summary.max_active},
+           {"error_estimate", shares(summary.error_estimate)},
+           {"sounds", sounds},
+           {"warnings", summary.warnings},
+           {"real_time_factor", summary.real_time_factor},
+           {"wall_s", summary.wall_s}};
+  if (summary.sound) out["sound"] = json_of(*summary.sound);
+  return out;
 }
 
 Json json_of(const EquilibriumSummary& summary) {

@@ -23,9 +23,14 @@ struct Episode {
   std::optional<double> end_s;  ///< no value if bodies touch in the last step of the run
   double impulse_ns = 0;        ///< Σ λ_i Δ
   double peak_force_n = 0;      ///< largest Σ_i λ_i of a step
+  /// Closing speed along the impulse of the episode when it began, of mass-mean velocities, with supported
+  /// bodies and obstacles at 0 [m/s]. No value if more than one pair touched.
+  std::optional<double> approach_m_per_s{};
+  /// Minus the ratio of exit to approach; no value without an end or an approach.
+  std::optional<double> restitution{};
 };
 
-/// A WAV file of a receiver's velocity.
+/// A WAV file of velocities of receivers.
 struct Sound {
   std::string file;
   double full_scale_m_per_s = 0;  ///< velocity of a sample of 1
@@ -69,6 +74,7 @@ struct Summary {
   int max_active = 0;
   std::optional<ErrorEstimate> error_estimate;  ///< set by the caller; no value if not estimated
   std::map<std::string, Sound> sounds;          ///< by receiver; set by the caller
+  std::optional<Sound> sound;                   ///< for players; set by the caller
   std::vector<std::string> warnings;
   double real_time_factor = 0;  ///< ratio of simulated time to time spent in steps
   double wall_s = 0;

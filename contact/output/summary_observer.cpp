@@ -25,6 +25,7 @@ SummaryObserver::SummaryObserver(const Model& model, double step, double wave_sp
       step_(step),
       before_(model.initial_rates()),
       impulse_(Matrix3Xd::Zero(3, model.pairs.size())),
+      episode_impulse_(impulse_),
       friction_impulse_(impulse_),
       slipped_(Vector::Zero(std::ssize(model.friction))),
       linearity_(std::in_place, model, wave_speed),
@@ -47,6 +48,7 @@ SummaryObserver::SummaryObserver(const Table& table, const Model* source, const 
       step_(options.step),
       before_(3 * std::ssize(bodies_)),
       impulse_(Matrix3Xd::Zero(3, std::ssize(bodies_))),
+      episode_impulse_(impulse_),
       closest_(gap_.size() > 0 ? gap_.minCoeff() : 0) {
   for (std::size_t b = 0; b < bodies_.size(); ++b) before_.segment<3>(3 * b) = bodies_[b].velocity;
   out_.candidates = table.points();
@@ -103,17 +105,22 @@ void SummaryObserver::observe(const Stepper& stepper) {
     out_.limited_residual = std::max(out_.limited_residual, left.violation / left.scale);
   const bool untouched = !out_.contact_start_s, touched = touching_;
   count_forces(stepper);
+  if (touching_ && !touched) {
+    episode_start_ = mean_velocities(stepper.time() - step_);
+    episode_impulse_.setZero();
+  }
   if (touching_ && untouched) {
-    at_start_ = mean_velocities(stepper.time() - step_);
+    at_start_ = episode_start_;
     energy_at_start_ = energy_before_;
   }
   if (touching_) {
     push(stepper.force());
     for (Eigen::Index f = 0; f < slipped_.size(); ++f) slipped_(f) += stepper.slip().speed(f) * step_;
     if (slipped_.size() > 0) out_.ambiguous_steps = stepper.ambiguous_steps();
-    if (modal) linearity_->observe(stepper, before_, out_.contact_steps == 1);
+    if (modal) linearity_->observe(stepper, before_, !touched);
   } else if (touched) {
     at_end_ = mean_velocities(stepper.time() - step_);
+    judge(out_.episodes.back(), true);
   }
   if (modal) {
     resolution_->observe(stepper, before_);
@@ -146,22 +153,34 @@ Matrix3Xd SummaryObserver::mean_velocities(double time) const {
 }
 
 void SummaryObserver::push(const Vector& force) {
-  for (Eigen::Index k = 0; k < impulse_.cols(); ++k)
+  for (Eigen::Index k = 0; k < impulse_.cols(); ++k) {
+    Vector3d impulse;
     if (model_) {
       const Model::PairBlock& pair = model_->pairs[k];
-      impulse_.col(k) += step_ * model_->normal.middleRows(pair.first_point, pair.points).transpose() *
-                         force.segment(pair.first_point, pair.points);
+      impulse = step_ * model_->normal.middleRows(pair.first_point, pair.points).transpose() *
+                force.segment(pair.first_point, pair.points);
       friction_impulse_.col(k) += step_ * model_->friction_resultant(pair, force);
     } else {
-      impulse_.col(k) += step_ * bodies_[k].push.transpose() * force;
+      impulse = step_ * bodies_[k].push.transpose() * force;
     }
+    impulse_.col(k) += impulse;
+    episode_impulse_.col(k) += impulse;
+  }
+}
+
+/// Sets the approach of the last episode and, if it has ended with the velocities at_end_, its restitution.
+void SummaryObserver::judge(Episode& episode, bool ended) const {
+  episode.approach_m_per_s = closing_speed(episode_start_, episode_impulse_);
+  if (ended && episode.approach_m_per_s && *episode.approach_m_per_s > 0)
+    episode.restitution = -*closing_speed(at_end_, episode_impulse_) / *episode.approach_m_per_s;
 }
 
 /// Closing speed of the bodies along the impulse, with supported bodies and obstacles at 0. Returns no value
 /// unless exactly one pair has an impulse.
-std::optional<double> SummaryObserver::closing_speed(const Matrix3Xd& velocity) const {
+std::optional<double> SummaryObserver::closing_speed(const Matrix3Xd& velocity,
+                                                     const Matrix3Xd& impulse) const {
   if (model_) {
-    const Eigen::RowVectorXd size = impulse_.colwise().norm();
+    const Eigen::RowVectorXd size = impulse.colwise().norm();
     if ((size.array() > 0).count() != 1) return {};
     Eigen::Index p = 0;
     size.maxCoeff(&p);
@@ -169,15 +188,15 @@ std::optional<double> SummaryObserver::closing_speed(const Matrix3Xd& velocity) 
     Vector3d relative = Vector3d::Zero();
     if (!model_->bodies[pair.a].supported) relative += velocity.col(pair.a);
     if (pair.b >= 0 && !model_->bodies[pair.b].supported) relative -= velocity.col(pair.b);
-    return relative.dot(impulse_.col(p).normalized());
+    return relative.dot(impulse.col(p).normalized());
   }
   // If other bodies push two bodies as well, their impulses are unequal. 1e-9 is far above the round-off of a
   // sum of steps.
-  const bool pair = impulse_.cols() == 2 && impulse_.rowwise().sum().norm() < 1e-9 * impulse_.norm();
-  if (impulse_.cols() != 1 && !pair) return {};
-  const double size = impulse_.col(0).norm();
+  const bool pair = impulse.cols() == 2 && impulse.rowwise().sum().norm() < 1e-9 * impulse.norm();
+  if (impulse.cols() != 1 && !pair) return {};
+  const double size = impulse.col(0).norm();
   if (!(size > 0)) return {};
-  return -velocity.cwiseProduct(impulse_).sum() / size;
+  return -velocity.cwiseProduct(impulse).sum() / size;
 }
 
 Summary SummaryObserver::summary() const {
@@ -203,13 +222,14 @@ Summary SummaryObserver::summary() const {
         "nothing touched: the smallest distance of a pair of points was {:.4g} m. Check velocity, gap, "
         "gravity and duration, and whether contact names the surfaces that meet",
         closest_));
+  if (touching_) judge(out.episodes.back(), false);
   if (!out.contact_end_s) return out;
   for (Eigen::Index k = 0; k < at_end_.cols(); ++k) {
     const auto body = static_cast<std::size_t>(k);
     out.exit_velocity[model_ ? model_->bodies[body].name : bodies_[body].name] = at_end_.col(k);
   }
-  if (const auto approach = closing_speed(at_start_); approach && *approach > 0)
-    out.restitution = -*closing_speed(at_end_) / *approach;
+  if (const auto approach = closing_speed(at_start_, impulse_); approach && *approach > 0)
+    out.restitution = -*closing_speed(at_end_, impulse_) / *approach;
   return out;
 }
 

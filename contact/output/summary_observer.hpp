@@ -38,7 +38,9 @@ class SummaryObserver {
   void observe_energy(const Energy& energy);
   Eigen::Matrix3Xd mean_velocities(double time) const;
   void push(const Vector& force);
-  std::optional<double> closing_speed(const Eigen::Matrix3Xd& velocity) const;
+  std::optional<double> closing_speed(const Eigen::Matrix3Xd& velocity,
+                                      const Eigen::Matrix3Xd& impulse) const;
+  void judge(Episode& episode, bool ended) const;
 
   const Model* model_ = nullptr;  ///< null with a table
   std::vector<FreeBody> bodies_;  ///< of a table
@@ -49,7 +51,9 @@ class SummaryObserver {
   double last_touch_ = 0;  ///< last instant at which a point was in contact [s]
   Vector before_;  ///< at the end of the previous step: (N) q̇, or (3·bodies) velocities with a table
   Eigen::Matrix3Xd at_start_, at_end_;  ///< by body, mass-mean velocity when contact began and last ended
+  Eigen::Matrix3Xd episode_start_;      ///< by body, mass-mean velocity when the last episode began
   Eigen::Matrix3Xd impulse_;            ///< Σ λ n Δ by pair; with a table by body [N s]
+  Eigen::Matrix3Xd episode_impulse_;    ///< the same in the last episode
   Eigen::Matrix3Xd friction_impulse_;   ///< Σ τ Δ by pair [N s]
   Vector slipped_;                      ///< (f) path of each point with friction [m]
   std::optional<LinearityCheck> linearity_;

@@ -22,6 +22,8 @@ struct PlacedBody {
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();       ///< [m]
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          ///< initial, of the centre of mass [m/s]
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< initial, about that centre, world [rad/s]
+  /// Initial rigid displacement from this place, at which pairs are found [m].
+  Eigen::Vector3d displacement = Eigen::Vector3d::Zero();
 };
 
 /// Rigid half-space {x : (x − point)·normal ≤ 0}.

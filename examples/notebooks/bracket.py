@@ -5,10 +5,13 @@ thick. Lengths are in millimetres.
 
     /usr/bin/python3 bracket.py        # needs python3-gmsh
 """
+import argparse
+
 import gmsh
 
 
 def main() -> None:
+    argparse.ArgumentParser(description=__doc__, usage=argparse.SUPPRESS).parse_args()
     gmsh.initialize()
     gmsh.option.setNumber("General.Terminal", 0)
     occ = gmsh.model.occ

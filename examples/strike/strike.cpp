@@ -16,8 +16,10 @@
 #include <exception>
 #include <numbers>
 #include <string>
+#include <string_view>
 
 #include "bar.hpp"
+#include "ricochet/ricochet.h"
 
 namespace {
 
@@ -120,9 +122,34 @@ std::size_t number(const std::string& text) {
   return value;
 }
 
+constexpr const char* usage = "usage: strike OUT.wav [KERNEL [CANDIDATE]]";
+
 int run(int count, char** arguments) {
+  for (int k = 1; k < count; ++k) {
+    const std::string_view word = arguments[k];
+    if (word == "--help" || word == "-h") {
+      std::printf(
+          "%s\n\n"
+          "Strikes a body with a mallet and writes the motion of its surface as a stereo sound.\n\n"
+          "  OUT.wav    the sound: left the point of the strike, right the first candidate\n"
+          "  KERNEL     a body prepared by ricochet-kernel; without it, an aluminium bar\n"
+          "  CANDIDATE  number of the candidate that is struck, from 0\n"
+          "  --help     shows this text\n"
+          "  --version  shows the version of Ricochet\n",
+          usage);
+      return 0;
+    }
+    if (word == "--version") {
+      std::printf("strike, Ricochet %d.%d.%d\n", RICOCHET_VERSION_MAJOR, RICOCHET_VERSION_MINOR,
+                  RICOCHET_VERSION_PATCH);
+      return 0;
+    }
+    if (word.starts_with('-'))
+      throw InputError(std::string(word) + ": is not an option: --help shows them; write a file as ./" +
+                       std::string(word));
+  }
   if (count < 2 || count > 4) {
-    std::fprintf(stderr, "usage: strike OUT.wav [KERNEL [CANDIDATE]]\n");
+    std::fprintf(stderr, "%s\n", usage);
     return 2;
   }
   const ricochet::SharedKernel body =

@@ -5,6 +5,7 @@ Lengths in millimetres.
 
     /usr/bin/python3 drawing.py        # needs python3-gmsh
 """
+import argparse
 import math
 
 import gmsh
@@ -43,6 +44,7 @@ HOLE = 24  # radius of the hole in the crown, by which the bell hangs
 
 
 def main():
+    argparse.ArgumentParser(description=__doc__, usage=argparse.SUPPRESS).parse_args()
     gmsh.initialize()
     occ = gmsh.model.occ
     outside, inside = ([occ.addPoint(r, 0, z) for r, z in profile] for profile in (OUTSIDE, INSIDE))

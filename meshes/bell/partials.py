@@ -4,7 +4,7 @@
 
 A partial goes as cos(m θ) around the bell. Its lip and its waist move outward together, or against each other.
 """
-import sys
+import argparse
 
 import h5py
 import numpy as np
@@ -25,7 +25,9 @@ def around(angle, outward):
     return np.linalg.lstsq(waves, outward, rcond=None)[0].reshape(2, len(WAVES), -1)
 
 
-with h5py.File(sys.argv[1]) as file:
+parser = argparse.ArgumentParser(description=__doc__, usage=argparse.SUPPRESS)
+parser.add_argument("kernel", nargs="+", help="kernel of the bell; of several, the first one")
+with h5py.File(parser.parse_args().kernel[0]) as file:
     hertz, decay = file["modes/angular_frequency"][:] / (2 * np.pi), file["modes/decay_rate"][:]
     (x, y, z), shape = file["view/node"][:].T, file["view/shape"][:]
 angle, height = np.arctan2(y, x), z / z.max()

@@ -5,8 +5,11 @@
 Into the working folder. The box has 3 x 2 x 2 equal bricks of eight nodes. N of such a brick is a product of hats along the axes,
 so that each integral over the box is a product of three over a line.
 """
+import argparse
+
 import numpy as np
 
+argparse.ArgumentParser(description=__doc__, usage=argparse.SUPPRESS).parse_args()
 DENSITY, YOUNG, POISSON = 2700.0, 70e9, 0.33  # SI, as all that follows
 SIZE, CELLS = (0.03, 0.02, 0.02), (3, 2, 2)  # the foot is z = 0, about the origin
 

@@ -36,6 +36,7 @@ void check_steppable(const scene::Scene& scene) {
   if (scene.contact.scheme == Scheme::at_rest) refuse("contact.scheme", "bodies at rest");
   if (scene.contact.instant == Instant::exact) refuse("contact.instant", "from event to event");
   if (scene.contact.max_pivots) refuse("contact.max_pivots", "with a bound on the work of a step");
+  if (!scene.strikes.empty()) refuse("strikes", "mallets that arrive later");
   if (scene.accuracy) refuse("accuracy", "with settings that error estimates choose");
   if (!scene.loads.tractions.empty()) refuse("loads.traction", "under loads other than gravity");
   if (!scene.loads.points.empty()) refuse("loads.point", "under loads other than gravity");

@@ -78,7 +78,7 @@ class BodyMotion(_Data):
 
 
 class ReceiverMotion(_Data):
-    """Motion of a receiver. S rows, at t = 0 and after every step (`Result.receiver_time`); world axes."""
+    """Motion of a receiver. S rows, at the times `Result.receiver_time`; world axes."""
 
     @cached_property
     def displacement(self) -> Floats:
@@ -312,7 +312,8 @@ class Result(_Data):
 
     @cached_property
     def receiver_time(self) -> Floats:
-        """(S) 0 and the time of every step [s]. Raises InputError if the scene has no receivers."""
+        """(S) times of the rows of receivers [s]: 0 and each output sample, or fewer with
+        `output.receivers_rate_hz`. Raises InputError if the scene has no receivers."""
         return self._read("receivers/time", None)
 
     @cached_property

@@ -32,7 +32,8 @@ contact::RecorderOptions ImpactFiles::recorder_options(const Impact& impact) con
           .created_by = std::string("ricochet-contact ") + RICOCHET_VERSION,
           .kernel_files = impact.kernels.file,
           .every = scene.output.every,
-          .snapshot_every = impact.table ? 0 : scene.output.snapshot_every};
+          .snapshot_every = impact.table ? 0 : scene.output.snapshot_every,
+          .receivers_every = scene.output.receivers_every(scene.time.rate)};
 }
 
 void ImpactFiles::prepared(const Impact& impact) {
@@ -50,8 +51,10 @@ void ImpactFiles::started(const Impact& impact, const contact::Stepper& stepper)
   base::check_place(result(), contact::least_bytes(model, options, impact.samples()));
   recorder_.emplace(model, impact.options, options);
   if (options_.motion) motion_.emplace(stepper, model, motion_options(impact.scene, impact.samples(), stem_));
-  in_scene(impact.scene,
-           [&] { sounds_.emplace(model.receivers, impact.samples(), impact.scene.time.rate.value); });
+  in_scene(impact.scene, [&] {
+    sounds_.emplace(model.receivers, impact.samples(), impact.scene.time.rate.value,
+                    impact.scene.output.sound);
+  });
   sounds_->record(recorder_->receivers());
   if (!options_.problems.empty())
     problems_.emplace(model, impact.options,
@@ -81,7 +84,10 @@ void ImpactFiles::at_rest(const Impact& impact, const contact::Equilibrium& equi
 void ImpactFiles::commit(ImpactSummary& figures) {
   recorder_->commit(summary());
   if (motion_) motion_->commit();
-  if (sounds_) std::get<contact::Summary>(figures).sounds = sounds_->write(stem_);
+  if (!sounds_) return;
+  auto& summary = std::get<contact::Summary>(figures);
+  summary.sounds = sounds_->write(stem_);
+  summary.sound = sounds_->write_for_players(stem_);
 }
 
 }  // namespace ricochet::programs

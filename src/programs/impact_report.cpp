@@ -14,6 +14,20 @@ std::string seconds(const std::optional<double>& value, const char* otherwise) {
   return value ? fmt::format("{:.6g} s", *value) : otherwise;
 }
 
+/// Number of episodes that are listed.
+constexpr std::size_t most_episodes = 12;
+
+/// "restitution 0.92 at 1 m/s, – at 2 m/s": restitution and approach of each episode.
+std::string episodes_of(const contact::Summary& s) {
+  std::string text;
+  for (const contact::Episode& episode : s.episodes) {
+    const auto number = [](const std::optional<double>& x) { return x ? fmt::format("{:.4g}", *x) : "–"; };
+    text += fmt::format("{}{} at {} m/s", text.empty() ? "restitution " : ", ", number(episode.restitution),
+                        number(episode.approach_m_per_s));
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string report(const contact::Summary& s) {
@@ -23,6 +37,7 @@ std::string report(const contact::Summary& s) {
   };
   std::string modes;
   for (const auto& [name, count] : s.modes) {
+    if (name.find('.') != std::string::npos) continue;  // a further strike of a mallet
     const std::string& basis = s.basis.at(name);
     modes += fmt::format("{}{} {}{}", modes.empty() ? "" : ", ", name, count,
                          basis == "approximate modes" ? " (approximate)"
@@ -45,6 +60,7 @@ std::string report(const contact::Summary& s) {
     for (const auto& [name, v] : s.exit_velocity)
       line("exit velocity", fmt::format("{} [{:.6g}, {:.6g}, {:.6g}] m/s", name, v.x(), v.y(), v.z()));
     if (s.restitution) line("restitution", fmt::format("{:.6g}", *s.restitution));
+    if (s.episodes.size() > 1 && s.episodes.size() <= most_episodes) line("each episode", episodes_of(s));
     if (s.energy_lost_contact)
       line("energy to contact", fmt::format("{:.3g} %", 100 * *s.energy_lost_contact));
     if (s.energy_lost_friction)
@@ -57,6 +73,8 @@ std::string report(const contact::Summary& s) {
   line("deepest penetration", fmt::format("{:.3g} m", s.max_penetration_m));
   for (const auto& [name, sound] : s.sounds)
     line("sound", fmt::format("{}, full scale {:.3g} m/s", sound.file, sound.full_scale_m_per_s));
+  if (s.sound)
+    line("sound", fmt::format("{}, full scale {:.3g} m/s", s.sound->file, s.sound->full_scale_m_per_s));
   if (s.limited_steps > 0)
     line("limited steps",
          fmt::format("{} by max_pivots, residual up to {:.2g}", s.limited_steps, s.limited_residual));

@@ -41,6 +41,7 @@ Prepared prepare(Impact& impact, const ImpactRequest& request, KernelStore& stor
   out.forcing = in_scene(scene, [&] { return forcing_of(scene); });
   out.placement = store.placements.place(scene, impact.kernels.pointers());
   impact.model = in_scene(scene, [&] { return model_of(scene, out.placement, out.forcing); });
+  in_scene(scene, [&] { refuse_early_contact(scene, *impact.model); });
   if (scene.contact.scheme != Scheme::at_rest) in_scene(scene, [&] { contact::refuse_sag(*impact.model); });
   console.end(
       fmt::format("{} contact points, {} modes", impact.model->gap.size(), impact.model->omega.size()));

@@ -233,8 +233,7 @@ kernels::Kernel kernel_on_one_rank(const scene::KernelRequest& request) {
   kernel.modes.basis = "imported";
   kernel.modes.angular_frequency.assign(body.omega.begin(), body.omega.end());
   kernel.modes.residual.assign(body.residual.begin(), body.residual.end());
-  for (const double omega : body.omega)
-    kernel.modes.decay_rate.push_back(kernels::decay_rate(request.body.damping, RadPerSecond{omega}));
+  kernel.modes.decay_rate = kernels::decay_rates(request.body.damping, kernel.modes.angular_frequency);
   kernel.modes.certificate.count_found = body.omega.size();
   kernel.modes.certificate.upto_hz =
       request.modes.up_to ? request.modes.up_to->value

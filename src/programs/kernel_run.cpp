@@ -168,8 +168,7 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::f
   kernel.modes.angular_frequency = modes.angular_frequency;
   kernel.modes.residual = modes.residual;
   kernel.modes.certificate = modes.certificate;
-  for (double omega : modes.angular_frequency)
-    kernel.modes.decay_rate.push_back(kernels::decay_rate(body.damping, RadPerSecond{omega}));
+  kernel.modes.decay_rate = kernels::decay_rates(body.damping, modes.angular_frequency);
   const bool residual = request.modes.residual_flexibility && patches.geometry.size() > 0;
   const surface::Residual form = !residual                 ? surface::Residual::none
                                  : request.normal_residual ? surface::Residual::normal
@@ -259,6 +258,7 @@ std::vector<std::filesystem::path> compute_kernels(const scene::Scene& scene, bo
   for (std::size_t k = 0; k < requests.size(); ++k) {
     scene::KernelRequest request = limited_to(requests[k], needs[k]);
     const std::string there = stored(k);
+    if (!there.empty() && !scene.bodies[k].copy_of.empty()) continue;
     if (!there.empty()) {
       if (first) forget(checkpoint_of(there));
       console.say(fmt::format("{}: already there: {}", request.body.name, there));

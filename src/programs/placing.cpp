@@ -22,13 +22,16 @@ std::vector<contact::PlacedBody> placed_bodies(const scene::Scene& scene, const 
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
     const scene::Body& body = scene.bodies[k];
     const auto rotation = scene::rotation_of(body);
+    // A body that is at its place with its velocity at the time T falls freely until then.
+    const Eigen::Vector3d v = vector(body.velocity), fall = body.arrival * vector(scene.loads.gravity);
     bodies.push_back(
         {.name = body.name,
          .kernel = kernels[k],
          .rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotation.data()),
          .translation = vector(body.translate),
-         .velocity = vector(body.velocity),
-         .angular_velocity = vector(body.angular_velocity)});
+         .velocity = v - fall,
+         .angular_velocity = vector(body.angular_velocity),
+         .displacement = body.arrival * (fall / 2 - v)});
   }
   return bodies;
 }
@@ -71,6 +74,24 @@ void refuse_rods(const scene::Scene& scene, const contact::Placement& placement)
 }
 
 }  // namespace
+
+void refuse_early_contact(const scene::Scene& scene, const contact::Model& model) {
+  const contact::Vector u = model.initial_displacement();
+  for (const contact::Model::PairBlock& pair : model.pairs) {
+    const auto arrives = [&](int k) {
+      return k >= 0 && scene.bodies[static_cast<std::size_t>(k)].arrival > 0;
+    };
+    if (!arrives(pair.a) && !arrives(pair.b)) continue;
+    const scene::Body& mallet = scene.bodies[static_cast<std::size_t>(arrives(pair.a) ? pair.a : pair.b)];
+    const auto gap = model.gap.segment(pair.first_point, pair.points);
+    // On a parabola that ends in front of the surface, only the start can be behind it.
+    if (((u.segment(pair.first_point, pair.points) - gap).array() > 0).any())
+      throw InputError(fmt::format(
+          "strikes: \"{}\" would start behind the surface that it strikes at {:g} s: with this gravity, "
+          "raise its speed, or let it strike earlier",
+          mallet.name, mallet.arrival));
+  }
+}
 
 std::string friction_on_rod(const std::string& body) {
   return fmt::format(

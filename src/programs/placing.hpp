@@ -60,6 +60,10 @@ Driven forcing_of(const scene::Scene& scene);
 /// contact::build_model and contact::add_belt, and if a rod has friction.
 contact::Model model_of(const scene::Scene& scene, const contact::Placement& placement, const Driven& driven);
 
+/// Throws InputError if a mallet would start inside a body that it strikes later, because gravity turns it on
+/// its way.
+void refuse_early_contact(const scene::Scene& scene, const contact::Model& model);
+
 /// The complaint about friction on a rod.
 std::string friction_on_rod(const std::string& body);
 

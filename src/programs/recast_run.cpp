@@ -45,6 +45,7 @@ scene::KernelRequest wanted_of(const scene::KernelRequest& had, const RecastOpti
     material.density *= options.density;
   }
   wanted.body.scale *= options.scale;
+  scene::scale_sources(wanted, options.scale);
   if (wanted.spacing) *wanted.spacing *= options.scale;
   if (options.points) {
     wanted.points = of_whole_surface(had, *options.points, kernel.surface.size());

@@ -65,6 +65,7 @@ contact::Placement PlacementStore::place(const scene::Scene& scene, const Kernel
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     out.bodies[k].velocity = bodies[k].velocity;
     out.bodies[k].angular_velocity = bodies[k].angular_velocity;
+    out.bodies[k].displacement = bodies[k].displacement;
   }
   for (std::size_t k = 0; k < pairs.size(); ++k) out.pairs[k].request.friction = pairs[k].friction;
   return out;

@@ -49,8 +49,20 @@ Damping read_damping(Table& body) {
     damping = {Damping::Law::rayleigh, (*value)[0], (*value)[1]};
     ++given;
   }
+  if (auto rows = table->pairs("t60")) {
+    if (!std::ranges::is_sorted(*rows, std::ranges::less_equal{}, [](const auto& row) { return row[0]; }))
+      table->complain("t60", "the frequencies must ascend: sort the rows, and give each frequency once");
+    damping = {.law = Damping::Law::t60, .table = std::move(*rows)};
+    ++given;
+  }
+  if (auto factors = table->list("by_mode")) {
+    damping = {.law = Damping::Law::by_mode, .by_mode = std::move(*factors)};
+    ++given;
+  }
   table->refuse_unread();
-  if (given > 1) body.complain("damping", "give one law only: ratio, loss_factor, rayleigh or viscosity");
+  if (given > 1)
+    body.complain("damping",
+                  "give one law only: ratio, loss_factor, rayleigh, viscosity, t60 or by_mode");
   return damping;
 }
 

@@ -44,6 +44,7 @@ const Section& request_keys() {
                                {{"body", Type::table, "", "", {}, ""},
                                 {"modes", Type::table, "", "", {}, ""},
                                 {"contact", Type::table, "", "", {}, ""},
+                                {"loads", Type::table, "", "", {}, ""},
                                 {"output", Type::table, "", "", {}, ""}}};
   return section;
 }
@@ -117,11 +118,6 @@ KernelRequest request_of(const kernels::Header& header, const std::string& origi
                              origin, error.description())));
   }
   Table root(parsed, request_keys(), origin, "");
-  for (const char* sources : {"loads", "output.receiver"})
-    if (parsed.at_path(sources))
-      root.complain(
-          sources,
-          "kernels with loads, moving supports or receivers are for one scene only: compute another kernel");
   root.refuse_unknown();
   auto body = root.table("body", body_keys);
   if (!body) root.complain("body", "is missing. Compute it again with ricochet-kernel.");
@@ -142,6 +138,7 @@ KernelRequest request_of(const kernels::Header& header, const std::string& origi
   }
   if (auto output = root.table("output", output_keys)) {
     request.view = output->boolean("view").value_or(false);
+    read_sources(root, *output, request);
     output->refuse_unread();
   }
   root.refuse_unread();
@@ -153,7 +150,7 @@ KernelRequest request_of(const kernels::Header& header, const std::string& origi
 }
 
 std::optional<kernels::Similarity> similarity(const KernelRequest& had, const KernelRequest& wanted) {
-  if (!toml_sources(wanted).empty() || wanted.modes.open()) return std::nullopt;
+  if (wanted.modes.open()) return std::nullopt;
   const Body &a = had.body, &b = wanted.body;
   if (had.mesh_sha256 != wanted.mesh_sha256 || a.geometry != b.geometry || a.order != b.order ||
       a.size_factor != b.size_factor || a.refine != b.refine || (!a.refine.empty() && a.scale != b.scale) ||
@@ -175,6 +172,9 @@ std::optional<kernels::Similarity> similarity(const KernelRequest& had, const Ke
   const auto has = [&](std::int64_t point) { return std::ranges::count(*had.points, point) > 0; };
   if (had.points && !(wanted.points && std::ranges::all_of(*wanted.points, has))) return std::nullopt;
   if (wanted.within_reach && had.points && !had.within_reach) return std::nullopt;
+  KernelRequest scaled = had;
+  scale_sources(scaled, by.scale);
+  if (!same_sources(scaled, wanted)) return std::nullopt;
   return by;
 }
 
@@ -183,6 +183,8 @@ kernels::Kernel derived(kernels::Kernel kernel, const KernelRequest& had, const 
   if (!factors) fail(kernel, "is of another body or has other candidates: compute the requested kernel");
   if (!is_rod(kernel, had.body)) factors->area.reset();
   if (wanted.view && !kernel.view) fail(kernel, "has no visualisation surface: compute it with one");
+  if (wanted.body.damping.law == Damping::Law::by_mode && kernel.modes.certificate.left_out > 0)
+    fail(kernel, "some of its modes were left out, so that damping by mode does not apply: compute the kernel");
   kernel = kernels::rescaled(std::move(kernel), *factors, wanted.body.damping);
   const bool turned = had.direction != wanted.direction;
   if (turned) kernel = kernels::restricted_to_direction(std::move(kernel), *wanted.direction);
@@ -202,10 +204,13 @@ kernels::Kernel derived(kernels::Kernel kernel, const KernelRequest& had, const 
     kernel.surface.residual_flexibility.clear();
     kernel.surface.normal_residual = false;
     kernel.loads.body_force_residual.clear();
-    if (kernel.view) {
-      kernel.view->residual_flexibility.clear();
-      kernel.view->body_force_residual.clear();
-    }
+    for (kernels::Load& load : kernel.applied) load.residual.clear();
+    const auto without_residual = [](auto& motion) {
+      for (auto* part : {&motion.residual_flexibility, &motion.body_force_residual, &motion.load_residual})
+        part->clear();
+    };
+    for (kernels::Receiver& receiver : kernel.receivers) without_residual(receiver);
+    if (kernel.view) without_residual(*kernel.view);
   }
   if (!wanted.view) kernel.view.reset();
   kernel.body = wanted.body.name;

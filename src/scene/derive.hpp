@@ -14,7 +14,8 @@ KernelRequest request_of(const kernels::Header& header, const std::string& origi
 
 /// Factors that turn the body of `had` into the body of `wanted`; no value if the bodies or their candidates
 /// differ in any other way. The candidates of `wanted` may be a subset of those of `had`, and it may request
-/// one direction where `had` has all three components. Damping, modes and view are not compared.
+/// one direction where `had` has all three components. Its loads, moving supports and
+/// receivers must be the same. Damping, modes and view are not compared.
 std::optional<kernels::Similarity> similarity(const KernelRequest& had, const KernelRequest& wanted);
 
 /// Derives the kernel that `wanted` requests from a kernel that answers `had`. Throws a one-line InputError

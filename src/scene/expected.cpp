@@ -141,6 +141,10 @@ std::string expected(const Key& key, const std::string& dotted, const toml::node
       return whole_number(given);
     case Type::integers:
       return "must be a list of whole numbers";
+    case Type::list:
+    case Type::pairs:
+      return fmt::format("must be a list of {}: write {} = {}",
+                         key.type == Type::list ? "numbers" : "pairs of numbers", key.name, key.example);
     case Type::boolean:
       return truth(given);
     case Type::text:

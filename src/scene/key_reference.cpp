@@ -13,7 +13,8 @@ namespace {
 
 /// Name of each Type, in the order of its members.
 constexpr std::array names{"number",           "whole number",
-                           "whole numbers",    "true or false",
+                           "whole numbers",    "list of numbers",
+                           "list of pairs",    "true or false",
                            "string",           "string or list of them",
                            "two numbers",      "[x, y, z]",
                            "[x, y, z]",        "table",

@@ -117,6 +117,7 @@ const Section scene_keys{
       "[time], with duration"},
      {"loads", Type::table, "", none, any(), "gravity, tractions, point forces, moving supports",
       "[loads], with gravity = [0, 0, -9.81]"},
+     {"strikes", Type::tables, "", none, any(), "`[[strikes]]`, blows by mallets"},
      {"output", Type::table, "", none, any(), "what is written, and receivers",
       "[output], with its keys below"}}};
 
@@ -205,7 +206,17 @@ const Section damping_keys{
      {"loss_factor", Type::number, "1", none, at_least("0"), "δ = loss_factor · ω / 2"},
      {"viscosity", Type::number, "s", none, at_least("0"), "δ = viscosity · ω² / 2 (Kelvin–Voigt)"},
      {"rayleigh", Type::pair, "[1/s, s]", none, any(),
-      "[α, β]: δ = (α + β ω²) / 2; α also damps rigid motion"}}};
+      "[α, β]: δ = (α + β ω²) / 2; α also damps rigid motion"},
+     {"t60", Type::pairs, "[Hz, s]", none, above("0"),
+      "rows of a frequency, ascending, and the time T60 in which a mode of this frequency decays by 60 dB: δ "
+      "= ln(1000) / T60. Between rows, log T60 is linear in log f; beyond the first and the last row, T60 is "
+      "constant. Rigid motion is not damped",
+      "[[100, 2.0], [1000, 0.8]]"},
+     {"by_mode", Type::list, "1", none, at_least("0"),
+      "loss factors of the elastic modes, from the lowest on: δ = η · ω / 2. Further modes have the last "
+      "one. "
+      "Not for Ritz vectors and not with `flexibility_error`, which leave no mode its number",
+      "[1e-3, 2e-3]"}}};
 
 const Section obstacle_keys{
     "[obstacles.NAME]",
@@ -395,12 +406,28 @@ const Section motion_keys{
      history_of_source(),
      name_of_source("the group, or the obstacle")}};
 
+const Section strike_keys{
+    "[[strikes]]",
+    "A blow by a mallet: a free body, which need not be given again for each blow. It is at its place at the "
+    "time "
+    "of the strike, and flies freely before and after it; `gap` and `reach` of its pairs hold for each "
+    "strike. "
+    "Mallets do not touch each other. Not with `accuracy`, table kernels or bodies at rest.",
+    {{"mallet", Type::text, "", required, any(), "name of a body without supports, receivers and loads"},
+     {"time", Type::number, "s", required, at_least("0"),
+      "time at which the mallet is at its place; it touches when it has crossed the rest of its gap"},
+     {"speed", Type::number, "m/s", "that of the mallet's `velocity`", above("0"), "its speed at this time"},
+     {"direction", Type::direction, "", "that of the mallet's `velocity`", any(),
+      "direction of its velocity, in world axes"},
+     {"translate", Type::vector, "m", "that of the mallet", any(), "its place, as for bodies"},
+     {"rotate_deg", Type::vector, "degrees", "that of the mallet", any(), "its orientation, as for bodies"}}};
+
 const Section output_keys{
     "[output]",
     "",
     {{"every", Type::integer, "samples", shown(Output{}.every), from_to("1", "1e9"),
       "interval between rows of the result, in output samples; between rows of the contact, in contact "
-      "steps"},
+      "steps; for receivers see `receivers_rate_hz`"},
      {"view", Type::boolean, "", shown(Output{}.view), any(),
       "keep each body's visualisation surface in its kernel, for pictures: the modes and, with "
       "`residual_flexibility`, the static response to each candidate. Each of them takes 12 bytes "
@@ -410,6 +437,17 @@ const Section output_keys{
      {"vtk_every", Type::integer, "samples", shown(Output{}.vtk_every), at_least("0"),
       "interval between frames of the [motion for ParaView](results.md#motion-in-paraview); 0: none. Sets "
       "`view`; not with `kernel = \"table\"`"},
+     {"receivers_rate_hz", Type::number, "Hz",
+      "rate_hz; with `every` above 1 at least " + std::to_string(static_cast<int>(audio_rows.value)),
+      above("0"),
+      "rows of receivers per second, rounded up so that rate_hz is a whole multiple, and at least rate_hz "
+      "/ " +
+          std::to_string(most_samples_per_receiver_row) +
+          ". Below rate_hz, a low-pass filter removes what the rows cannot represent. Sound files do not "
+          "depend on it"},
+     {"sound", Type::table, "", none, any(),
+      "`[output.sound]`, one or two receivers as a sound file for players",
+      "{ receivers = \"mic\", direction = [0, 0, 1] }"},
      {"receiver", Type::tables, "", none, any(), "`[[output.receiver]]`, points whose motion is recorded"}}};
 
 const Section receiver_keys{"[[output.receiver]]",
@@ -420,10 +458,31 @@ const Section receiver_keys{"[[output.receiver]]",
                              body_of_source(),
                              place_of_source("the point")}};
 
+const Section sound_keys{
+    "[output.sound]",
+    "A sound file for players, `<slug>.wav`, besides the files of the receivers: mono or stereo, normalised "
+    "to "
+    "its largest sample.",
+    {{"receivers", Type::texts, "", required, any(),
+      "name of a receiver (mono), or a list of two (left and right)"},
+     {"direction", Type::direction, "", required, any(),
+      "component of the velocity that is heard, in world axes, for example the normal of the wall"},
+     {"high_pass_hz", Type::number, "Hz", shown(Sound{}.high_pass_hz), from_to("0", "1000"),
+      "corner of a high-pass filter (Butterworth, fourth order), which removes rigid motion; 0: none. It "
+      "must "
+      "be below half of `time.rate_hz`"},
+     {"fade", Type::number, "s", shown(Sound{}.fade), at_least("0"),
+      "duration of the fade at the end (raised cosine); 0: none"},
+     {"format", Type::text, "", shown("pcm24"), one_of({"pcm16", "pcm24", "float"}),
+      "samples: integers of 16 or 24 bits, or floats of 32 bits. The header is the plain one that all "
+      "players "
+      "read"}}};
+
 std::vector<const Section*> all_sections() {
-  return {&scene_keys,    &body_keys,    &refine_keys, &material_keys, &damping_keys, &obstacle_keys,
-          &modes_keys,    &contact_keys, &pair_keys,   &friction_keys, &time_keys,    &loads_keys,
-          &traction_keys, &point_keys,   &motion_keys, &output_keys,   &receiver_keys};
+  return {&scene_keys,    &body_keys,     &refine_keys,   &material_keys, &damping_keys,
+          &obstacle_keys, &modes_keys,    &contact_keys,  &pair_keys,     &friction_keys,
+          &time_keys,     &loads_keys,    &traction_keys, &point_keys,    &motion_keys,
+          &output_keys,   &receiver_keys, &sound_keys,    &strike_keys};
 }
 
 }  // namespace ricochet::scene

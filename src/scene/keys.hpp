@@ -15,6 +15,8 @@ enum class Type {
   number,
   integer,
   integers,
+  list,   ///< numbers, at least one
+  pairs,  ///< pairs of numbers, at least one
   boolean,
   text,
   texts,      ///< a string or a list of strings
@@ -52,7 +54,7 @@ struct Section {
 
 extern const Section scene_keys, body_keys, refine_keys, material_keys, damping_keys, obstacle_keys,
     modes_keys, contact_keys, pair_keys, friction_keys, time_keys, loads_keys, traction_keys, point_keys,
-    motion_keys, output_keys, receiver_keys;
+    motion_keys, output_keys, receiver_keys, sound_keys, strike_keys;
 
 /// All sections, in the order of the reference.
 std::vector<const Section*> all_sections();

@@ -128,9 +128,7 @@ void refuse_second(const Table& table, const std::vector<Forcing>& before, const
 
 void move_to_frame(const Body& body, Vector3& at) {
   for (std::size_t k = 0; k < 3; ++k) at[k] -= body.translate[k];
-  at = in_body(body, at);
-  // Rounding keeps the hashes independent of round-off.
-  for (double& x : at) x = std::round(x * 1e12) / 1e12;
+  at = rounded(in_body(body, at));
 }
 
 }  // namespace
@@ -169,6 +167,35 @@ std::vector<Receiver> read_receivers(Table& output, const Scene& scene) {
   return receivers;
 }
 
+Vector3 rounded(Vector3 vector) {
+  for (double& x : vector) x = std::round(x * 1e12) / 1e12;
+  return vector;
+}
+
+std::optional<Sound> read_sound(Table& output, const std::vector<Receiver>& receivers) {
+  auto table = output.table("sound", sound_keys);
+  if (!table) return std::nullopt;
+  Sound sound;
+  sound.receivers = table->texts("receivers");
+  if (sound.receivers.empty())
+    table->complain("receivers", "is missing: name one receiver (mono) or two (left and right)");
+  if (sound.receivers.size() > 2) table->complain("receivers", "must name one receiver or two");
+  std::vector<std::string> names;
+  for (const Receiver& receiver : receivers) names.push_back(receiver.name);
+  for (const std::string& name : sound.receivers)
+    if (std::ranges::count(names, name) == 0)
+      table->complain("receivers", "there is no receiver \"" + name + '"' + existing_names(name, names));
+  sound.direction = table->required("direction", table->direction("direction"),
+                                    "the component that is heard, for example the normal of the wall");
+  sound.high_pass_hz = table->number("high_pass_hz").value_or(sound.high_pass_hz);
+  sound.fade = table->number("fade").value_or(sound.fade);
+  if (const auto format = table->text("format"))
+    sound.format = static_cast<SampleFormat>(std::ranges::find(sample_format_names, *format) -
+                                             sample_format_names.begin());
+  table->refuse_unread();
+  return sound;
+}
+
 void take_sources(const Scene& all, const Body& placed, KernelRequest& request) {
   for (const auto& [from, to] :
        {std::pair{&all.loads.tractions, &request.tractions},
@@ -202,6 +229,44 @@ std::string toml_sources(const KernelRequest& request) {
     text += fmt::format("[[output.receiver]]\nname = {}\nat = {}\n", toml_string(receiver.name),
                         toml_vector(receiver.at));
   return text;
+}
+
+void read_sources(Table& root, Table& output, KernelRequest& request) {
+  const char* remedy = "compute the kernel again with ricochet-kernel";
+  if (auto loads = root.table("loads", loads_keys)) {
+    for (const auto& [key, keys, target] : {std::tuple{"traction", &traction_keys, &request.tractions},
+                                            std::tuple{"point", &point_keys, &request.point_forces},
+                                            std::tuple{"motion", &motion_keys, &request.motions}})
+      for (Table& entry : loads->array(key, *keys)) {
+        Forcing& driven = target->emplace_back();
+        driven.name = entry.required("name", entry.text("name"), remedy);
+        if (target == &request.point_forces)
+          driven.at = entry.required("at", entry.vector("at"), remedy);
+        else
+          driven.group = entry.required("group", entry.text("group"), remedy);
+        entry.refuse_unread();
+      }
+    loads->refuse_unread();
+  }
+  for (Table& entry : output.array("receiver", receiver_keys)) {
+    Receiver& receiver = request.receivers.emplace_back();
+    receiver.name = entry.required("name", entry.text("name"), remedy);
+    receiver.at = entry.required("at", entry.vector("at"), remedy);
+    entry.refuse_unread();
+  }
+}
+
+bool same_sources(const KernelRequest& a, const KernelRequest& b) {
+  const auto same = [](const auto& x, const auto& y) {
+    if constexpr (requires { x.group; })
+      if (x.group != y.group) return false;
+    for (std::size_t k = 0; k < 3; ++k)
+      if (std::abs(x.at[k] - y.at[k]) > 2e-12) return false;  // two roundings
+    return x.name == y.name;
+  };
+  return std::ranges::equal(a.tractions, b.tractions, same) &&
+         std::ranges::equal(a.point_forces, b.point_forces, same) &&
+         std::ranges::equal(a.motions, b.motions, same) && std::ranges::equal(a.receivers, b.receivers, same);
 }
 
 }  // namespace ricochet::scene

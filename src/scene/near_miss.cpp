@@ -132,7 +132,9 @@ std::string sections_with(const std::string& name, bool is_table) {
     if (key->type == Type::table && top)
       titles.push_back(fmt::format("[{}]", name));
     else if (key->type == Type::tables)
-      titles.push_back(fmt::format("[[{}.{}]]", section->title.substr(1, section->title.size() - 2), name));
+      titles.push_back(
+          top ? fmt::format("[[{}]]", name)
+              : fmt::format("[[{}.{}]]", section->title.substr(1, section->title.size() - 2), name));
     else
       titles.push_back(top ? "the top of the file, before all tables" : section->title);
   }

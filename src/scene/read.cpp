@@ -13,6 +13,7 @@
 #include "src/scene/loads.hpp"
 #include "src/scene/modes.hpp"
 #include "src/scene/overrides.hpp"
+#include "src/scene/strikes.hpp"
 #include "src/scene/table.hpp"
 
 namespace ricochet::scene {
@@ -83,7 +84,17 @@ void read_output(Table& root, Scene& scene) {
     table->complain("view", "vtk_every needs the visualisation surfaces: leave view out, or set it to true");
   output.view = view.value_or(output.vtk_every > 0);
   output.snapshot_every = table->integer("snapshot_every").value_or(output.snapshot_every);
+  if (const auto rate = table->number("receivers_rate_hz")) {
+    const double samples = scene.time.rate.value / *rate;
+    if (scene.time.duration > 0 && !(samples >= 1 && samples <= most_samples_per_receiver_row))
+      table->complain("receivers_rate_hz", fmt::format("must be from rate_hz / {} to rate_hz = {:g}",
+                                                       most_samples_per_receiver_row, scene.time.rate.value));
+    output.receivers_rate = Hertz{*rate};
+  }
   output.receivers = read_receivers(*table, scene);
+  output.sound = read_sound(*table, output.receivers);
+  if (output.receivers_rate && output.receivers.empty())
+    table->complain("receivers_rate_hz", "needs [[output.receiver]]: add one, or leave it out");
   table->refuse_unread();
 }
 
@@ -128,6 +139,16 @@ void refuse_what_needs_elements(Table& root, const Scene& scene) {
       root.complain(what,
                     fmt::format("is not possible with bodies.{}, a body file: leave it out", body.name));
   }
+}
+
+/// Refuses damping by mode if the basis leaves no mode its number.
+void refuse_unnumbered_modes(Table& root, const Scene& scene) {
+  if (scene.modes.basis == Basis::modes && !scene.modes.flexibility_error && !scene.modes.open()) return;
+  for (const Body& body : scene.bodies)
+    if (body.damping.law == Damping::Law::by_mode)
+      root.complain(fmt::format("bodies.{}.damping.by_mode", body.name),
+                    "needs numbered modes: set modes.basis = \"modes\" with up_to_hz or count, without "
+                    "flexibility_error, or give t60");
 }
 
 /// Refuses names longer than the 255 bytes that file systems allow. The longest names are those of temporary
@@ -221,12 +242,13 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   const bool by_table = static_cast<bool>(parsed["contact"]["table"]);
   const bool meets = purpose == Purpose::impact || parsed.contains("contact");
   if (by_table) {
-    for (const char* key : {"bodies", "obstacles", "modes", "loads"})
+    for (const char* key : {"bodies", "obstacles", "modes", "loads", "strikes"})
       if (parsed.contains(key)) root.complain(key, "is replaced by contact.table: leave one of them out");
   } else {
     read_bodies(root, scene);
     scene.modes = read_modes(root, meets && !off);
     refuse_what_needs_elements(root, scene);
+    refuse_unnumbered_modes(root, scene);
     if (scene.modes.open() && !scene.accuracy) scene.accuracy = default_accuracy;
     find_open(scene);
   }
@@ -238,6 +260,7 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   read_output(root, scene);
   refuse_what_does_not_go(root, scene);
   refuse_long_names(scene);
+  if (meets) read_strikes(root, scene);
   root.refuse_unread();
   if (!meets) {
     for (const Body& body : scene.bodies)

@@ -5,7 +5,6 @@
 #include <fmt/ranges.h>
 #include <openssl/evp.h>
 
-#include <cmath>
 #include <fstream>
 #include <regex>
 #include <set>
@@ -62,8 +61,7 @@ std::string mesh_hash(const std::filesystem::path& path, const std::string& key,
 /// A direction in the frame of the body. Its sign is chosen so that the first nonzero component is positive,
 /// and it is rounded so that round-off does not change hashes.
 Vector3 own_axis(const Body& body, const Vector3& world) {
-  Vector3 own = in_body(body, world);
-  for (double& x : own) x = std::round(x * 1e12) / 1e12;
+  Vector3 own = rounded(in_body(body, world));
   double sign = 1;
   for (std::size_t k = 3; k-- > 0;)
     if (own[k] != 0) sign = own[k] > 0 ? 1 : -1;
@@ -87,6 +85,9 @@ KernelRequest kernel_request(const Scene& scene, const Body& body, MeshHashes* k
   request.body = body;
   request.body.translate = request.body.rotate_deg = request.body.velocity =
       request.body.angular_velocity = {};
+  request.body.arrival = 0;
+  request.body.copy_of.clear();
+  if (!body.copy_of.empty()) request.body.name = body.copy_of;  // one file serves all strikes
   request.modes = scene.modes;
   request.view = scene.output.view;
 
@@ -145,6 +146,15 @@ void seal(KernelRequest& request) {
   request.toml += fmt::format("[output]\nview = {}\n", request.view);
   request.toml += toml_sources(request);
   request.hash = sha256(fmt::format("{}\n{}\n{}", kernel_generation, request.mesh_sha256, request.toml));
+}
+
+void scale_sources(KernelRequest& request, double factor) {
+  const auto scale = [&](Vector3& at) {
+    for (double& x : at) x *= factor;
+    at = rounded(at);
+  };
+  for (Forcing& driven : request.point_forces) scale(driven.at);
+  for (Receiver& receiver : request.receivers) scale(receiver.at);
 }
 
 std::filesystem::path kernel_path(const std::filesystem::path& out, const KernelRequest& request) {

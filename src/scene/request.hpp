@@ -52,6 +52,9 @@ bool may_be_normal(const KernelRequest& request);
 /// Sets `toml` and `hash` from all other members.
 void seal(KernelRequest& request);
 
+/// Multiplies the positions of point forces and receivers, for a body of another size.
+void scale_sources(KernelRequest& request, double factor);
+
 /// `<out>/<body>-<first 12 digits of hash>.kernel.h5`
 std::filesystem::path kernel_path(const std::filesystem::path& out, const KernelRequest& request);
 

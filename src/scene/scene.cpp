@@ -14,6 +14,12 @@ int Time::steps_per_sample() const {
   return static_cast<int>(std::clamp(ratio, 1.0, most_steps_per_sample));
 }
 
+int Output::receivers_every(Hertz rate) const {
+  const double wanted = receivers_rate ? receivers_rate->value : every > 1 ? audio_rows.value : rate.value;
+  const double ratio = std::floor(rate.value / wanted * (1 + 1e-12));
+  return static_cast<int>(std::clamp(ratio, 1.0, double{most_samples_per_receiver_row}));
+}
+
 const Body* Scene::find_body(const std::string& name) const {
   const auto found = std::ranges::find(bodies, name, &Body::name);
   return found == bodies.end() ? nullptr : &*found;

@@ -3,6 +3,7 @@
 // in this file are those of the documentation. SI units.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -13,6 +14,7 @@
 #include "kernels/damping.hpp"
 #include "ricochet/quantity.hpp"
 #include "ricochet/step_options.hpp"
+#include "ricochet/units.hpp"
 
 namespace ricochet::scene {
 
@@ -51,6 +53,8 @@ struct Body {
   Damping damping;
   Vector3 velocity{};                ///< initial velocity of the centre of mass [m/s]
   Vector3 angular_velocity{};        ///< initial, about the centre of mass, world axes [rad/s]
+  double arrival = 0;                ///< time at which it is at its place, with its velocity [s]
+  std::string copy_of{};             ///< the mallet of which it is a copy, for a further strike
   std::vector<std::string> contact;  ///< physical groups that may touch
   /// Fixed components by physical group: a subset of "xyz", in that order.
   std::map<std::string, std::string> support;
@@ -185,13 +189,48 @@ struct Receiver {
   bool operator==(const Receiver&) const = default;
 };
 
+enum class SampleFormat { pcm16, pcm24, float32 };
+/// Names of the formats in a scene, in their order.
+inline constexpr std::array sample_format_names{"pcm16", "pcm24", "float"};
+
+/// One or two receivers as a sound for players.
+struct Sound {
+  std::vector<std::string> receivers;  ///< one: mono; two: left and right
+  Vector3 direction{};       ///< unit vector, world axes: the component of the velocity that is heard
+  double high_pass_hz = 20;  ///< 0: none
+  double fade = 0.02;        ///< at the end [s]
+  SampleFormat format = SampleFormat::pcm24;
+  bool operator==(const Sound&) const = default;
+};
+
+/// Rate to which receivers are reduced if other rows are omitted: enough for sound.
+inline constexpr Hertz audio_rows{44100};
+/// Largest number of output samples between rows of receivers.
+inline constexpr int most_samples_per_receiver_row = 1000;
+
 struct Output {
   int every = 1;                    ///< steps between rows of the result
   bool view = false;                ///< keep the visualisation surface in the kernels
   std::int64_t snapshot_every = 0;  ///< steps between snapshots of the modal coordinates; 0: none
   std::int64_t vtk_every = 0;  ///< steps between frames of the motion for ParaView; 0: none. Needs `view`
-  std::vector<Receiver> receivers;  ///< [[output.receiver]]
+  std::vector<Receiver> receivers;        ///< [[output.receiver]]
+  std::optional<Sound> sound{};           ///< [output.sound]
+  std::optional<Hertz> receivers_rate{};  ///< of rows of receivers; no value: see receivers_every
+  /// Output samples between rows of receivers, for `rate` output samples per second.
+  int receivers_every(Hertz rate) const;
   bool operator==(const Output&) const = default;
+};
+
+/// A blow by a mallet, a body that flies freely until then. The first strike of a mallet is that of the body
+/// itself, and each further one that of a copy; copies do not touch each other.
+struct Strike {
+  std::string mallet;
+  double time = 0;      ///< when the mallet is at its place [s]
+  double speed = 0;     ///< there [m/s]
+  Vector3 direction{};  ///< of its velocity; unit vector
+  Vector3 translate{};  ///< its place, as for bodies [m]
+  Vector3 rotate_deg{};
+  bool operator==(const Strike&) const = default;
 };
 
 struct Scene {
@@ -201,7 +240,9 @@ struct Scene {
   /// scene leaves open and requests error estimates.
   std::optional<double> accuracy;
   std::vector<Quantity> accuracy_of{Quantity::impulse, Quantity::rebound};
-  std::vector<Body> bodies;  ///< sorted by name; empty with contact.table
+  /// Sorted by name, with copies of mallets behind; empty with contact.table.
+  std::vector<Body> bodies;
+  std::vector<Strike> strikes{};  ///< [[strikes]], already applied to bodies and pairs
   std::vector<Obstacle> obstacles;
   Modes modes;
   Contact contact;

@@ -91,7 +91,10 @@ std::optional<double> Table::number(const std::string& key) {
       word && keys_ != nullptr && std::ranges::count(keys_->find(key)->range.choices, *word) > 0)
     return std::nullopt;
   if (!node->is_number()) refuse_type(key, *node);
-  const double number = number_of(*node);
+  return checked(key, number_of(*node));
+}
+
+double Table::checked(const std::string& key, double number) const {
   if (!std::isfinite(number)) complain(key, "must be finite");
   if (std::abs(number) > largest_number) complain(key, "must be from -1e30 to 1e30");
   check_range(key, number);
@@ -127,6 +130,35 @@ std::optional<std::vector<std::int64_t>> Table::integers(const std::string& key)
     values.push_back(entry.as_integer()->get());
   }
   return values;
+}
+
+double Table::entry_of(const std::string& key, const toml::node& node, const toml::node& entry) const {
+  if (!entry.is_number()) refuse_type(key, node);
+  return checked(key, number_of(entry));
+}
+
+std::optional<std::vector<double>> Table::list(const std::string& key) {
+  const toml::node* node = value(key, Type::list);
+  if (node == nullptr) return std::nullopt;
+  const auto* entries = node->as_array();
+  if (entries == nullptr || entries->empty()) refuse_type(key, *node);
+  std::vector<double> numbers;
+  for (const toml::node& entry : *entries) numbers.push_back(entry_of(key, *node, entry));
+  return numbers;
+}
+
+std::optional<std::vector<std::array<double, 2>>> Table::pairs(const std::string& key) {
+  const toml::node* node = value(key, Type::pairs);
+  if (node == nullptr) return std::nullopt;
+  const auto* rows = node->as_array();
+  if (rows == nullptr || rows->empty()) refuse_type(key, *node);
+  std::vector<std::array<double, 2>> pairs;
+  for (const toml::node& row : *rows) {
+    const auto* two = row.as_array();
+    if (two == nullptr || two->size() != 2) refuse_type(key, *node);
+    pairs.push_back({entry_of(key, *node, *two->get(0)), entry_of(key, *node, *two->get(1))});
+  }
+  return pairs;
 }
 
 std::optional<bool> Table::boolean(const std::string& key) {

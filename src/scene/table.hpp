@@ -43,6 +43,10 @@ class Table {
   std::optional<double> number(const std::string& key);
   std::optional<std::int64_t> integer(const std::string& key);
   std::optional<std::vector<std::int64_t>> integers(const std::string& key);
+  /// At least one number, each within the range of the key.
+  std::optional<std::vector<double>> list(const std::string& key);
+  /// At least one pair of numbers, each number within the range of the key.
+  std::optional<std::vector<std::array<double, 2>>> pairs(const std::string& key);
   std::optional<bool> boolean(const std::string& key);
   std::optional<std::string> text(const std::string& key);
   std::optional<Vector3> vector(const std::string& key);
@@ -88,6 +92,10 @@ class Table {
   [[noreturn]] void refuse_type(const std::string& key, const toml::node& given) const;
   std::optional<Table> free_table(const std::string& key, Type type);
   Vector3 vector_at(const std::string& key, const toml::node& node, double largest) const;
+  /// Throws InputError unless the number is finite, not too large, and within the range of the key.
+  double checked(const std::string& key, double number) const;
+  /// The entry of the list `node` as a checked number.
+  double entry_of(const std::string& key, const toml::node& node, const toml::node& entry) const;
   void check_range(const std::string& key, double value) const;
   /// The dotted name of `key`, or that of the table itself if `key` is empty.
   std::string dotted(const std::string& key) const {

@@ -64,6 +64,11 @@ std::string material_of(const Material& m) {
 std::string damping_of(const Damping& d) {
   if (d.law == Damping::Law::rayleigh)
     return fmt::format("{{ rayleigh = [{}, {}] }}", toml_number(d.first), toml_number(d.second));
+  std::string text;
+  for (const auto& [hertz, seconds] : d.table)
+    text += fmt::format("{}[{}, {}]", text.empty() ? "" : ", ", toml_number(hertz), toml_number(seconds));
+  for (const double factor : d.by_mode) text += (text.empty() ? "" : ", ") + toml_number(factor);
+  if (!text.empty()) return fmt::format("{{ {} = [{}] }}", d.table.empty() ? "by_mode" : "t60", text);
   for (const auto& [key, law] : damping_laws)
     if (law == d.law) return fmt::format("{{ {} = {} }}", key, toml_number(d.first));
   return "{}";
@@ -192,12 +197,26 @@ std::string loads_of(const Scene& scene) {
   return text;
 }
 
+std::string sound_of(const Sound& sound) {
+  std::string receivers;
+  for (const std::string& name : sound.receivers)
+    receivers += (receivers.empty() ? "" : ", ") + toml_string(name);
+  const char* format = sample_format_names[static_cast<std::size_t>(sound.format)];
+  return fmt::format(
+      "\n[output.sound]\nreceivers = [{}]\ndirection = {}\nhigh_pass_hz = {}\nfade = {}\nformat = \"{}\"\n",
+      receivers, toml_vector(sound.direction), toml_number(sound.high_pass_hz), toml_number(sound.fade),
+      format);
+}
+
 std::string output_of(const Output& output) {
   std::string text = fmt::format("\n[output]\nevery = {}\nview = {}\nsnapshot_every = {}\nvtk_every = {}\n",
                                  output.every, output.view, output.snapshot_every, output.vtk_every);
+  if (output.receivers_rate)
+    text += fmt::format("receivers_rate_hz = {}\n", toml_number(output.receivers_rate->value));
   for (const Receiver& receiver : output.receivers)
     text += fmt::format("\n[[output.receiver]]\nname = {}\nbody = {}\nat = {}\n", toml_string(receiver.name),
                         toml_string(receiver.body), toml_vector(receiver.at));
+  if (output.sound) text += sound_of(*output.sound);
   return text;
 }
 
@@ -215,11 +234,19 @@ std::string to_toml(const Scene& scene) {
                       path_of(scene, scene.contact.table), scheme_of(scene.contact),
                       toml_number(scene.time.rate.value), toml_number(scene.time.duration),
                       scene.output.every, scene.output.view);
-  for (const Body& body : scene.bodies)
+  for (const Body& body : scene.bodies) {
+    if (!body.copy_of.empty()) continue;
     text += fmt::format(
         "\n[bodies.{}]\nmesh = {}\n{}translate = {}\nrotate_deg = {}\nvelocity = {}\nangular_velocity = {}\n",
         body.name, path_of(scene, body.mesh), toml_body_matter(body), toml_vector(body.translate),
         toml_vector(body.rotate_deg), toml_vector(body.velocity), toml_vector(body.angular_velocity));
+  }
+  for (const Strike& strike : scene.strikes)
+    text += fmt::format(
+        "\n[[strikes]]\nmallet = {}\ntime = {}\nspeed = {}\ndirection = {}\ntranslate = {}\nrotate_deg = "
+        "{}\n",
+        toml_string(strike.mallet), toml_number(strike.time), toml_number(strike.speed),
+        toml_vector(strike.direction), toml_vector(strike.translate), toml_vector(strike.rotate_deg));
   for (const Obstacle& o : scene.obstacles)
     text += fmt::format("\n[obstacles.{}]\npoint = {}\nnormal = {}\nvelocity = {}\n", toml_string(o.name),
                         toml_vector(o.point), toml_vector(o.normal), toml_vector(o.velocity));
@@ -228,7 +255,12 @@ std::string to_toml(const Scene& scene) {
   text += fmt::format("\n[contact]\nkernel = \"{}\"\n",
                       scene.contact.kernel == ContactKernel::table ? "table" : "modes");
   text += scheme_of(scene.contact);
+  const auto copied = [&](const std::string& name) {
+    const Body* const body = scene.find_body(name);
+    return body != nullptr && !body->copy_of.empty();
+  };
   for (const Pair& pair : scene.contact.pairs) {
+    if (copied(pair.a) || copied(pair.b)) continue;
     text += fmt::format("\n[[contact.pair]]\nbetween = [{}, {}]\n", toml_string(pair.a), toml_string(pair.b));
     if (pair.direction) text += "direction = " + toml_vector(*pair.direction) + "\n";
     if (pair.along) text += "along = " + toml_vector(*pair.along) + "\n";

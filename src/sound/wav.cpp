@@ -15,29 +15,28 @@
 namespace ricochet::sound {
 namespace {
 
-constexpr int channels = 3;
 constexpr double largest_ratio = 256;  // limit of one pass of libsamplerate; the inverse is the lower limit
 
-std::vector<float> pass(const std::vector<float>& in, double ratio) {
-  const std::size_t frames = in.size() / channels;
-  std::vector<float> out(channels *
+std::vector<float> pass(const std::vector<float>& in, int channels, double ratio) {
+  const std::size_t width = static_cast<std::size_t>(channels), frames = in.size() / width;
+  std::vector<float> out(width *
                          (static_cast<std::size_t>(std::ceil(static_cast<double>(frames) * ratio)) + 16));
   SRC_DATA data{};
   data.data_in = in.data();
   data.data_out = out.data();
   data.input_frames = static_cast<long>(frames);
-  data.output_frames = static_cast<long>(out.size() / channels);
+  data.output_frames = static_cast<long>(out.size() / width);
   data.src_ratio = ratio;
   if (const int error = src_simple(&data, SRC_SINC_BEST_QUALITY, channels); error != 0)
     throw SolverError(fmt::format("resampling by {:.6g}: {}", ratio, src_strerror(error)));
-  out.resize(channels * static_cast<std::size_t>(data.output_frames_gen));
+  out.resize(width * static_cast<std::size_t>(data.output_frames_gen));
   return out;
 }
 
-std::vector<float> resampled(std::vector<float> sound, double ratio) {
+std::vector<float> resampled(std::vector<float> sound, int channels, double ratio) {
   const int passes =
       std::max(1, static_cast<int>(std::ceil(std::abs(std::log(ratio)) / std::log(largest_ratio))));
-  for (int k = 0; k < passes; ++k) sound = pass(sound, std::pow(ratio, 1.0 / passes));
+  for (int k = 0; k < passes; ++k) sound = pass(sound, channels, std::pow(ratio, 1.0 / passes));
   return sound;
 }
 
@@ -57,7 +56,7 @@ double audio_rate(double rate_hz) {
 
 void check_length(std::int64_t frames, double rate_hz) {
   const double seconds = static_cast<double>(frames) / rate_hz, rate = audio_rate(rate_hz);
-  const double longest = (4294967295.0 - 4096) / (channels * sizeof(float)) / rate;  // 4 kB for the headers
+  const double longest = (4294967295.0 - 4096) / (3 * sizeof(float)) / rate;  // 4 kB for the headers
   if (seconds > longest)
     throw InputError(fmt::format(
         "time.duration = {:.6g} s: a WAV file at {:g} Hz holds {:.6g} s at most. Shorten it, or take "
@@ -65,10 +64,11 @@ void check_length(std::int64_t frames, double rate_hz) {
         seconds, rate, longest));
 }
 
-Scale write_wav(const std::filesystem::path& path, const std::vector<float>& velocity, double rate_hz) {
+Scale write_wav(const std::filesystem::path& path, const std::vector<float>& velocity, double rate_hz,
+                const Form& form) {
   const Scale found{audio_rate(rate_hz), 0};
   std::vector<float> sound =
-      found.rate_hz == rate_hz ? velocity : resampled(velocity, found.rate_hz / rate_hz);
+      found.rate_hz == rate_hz ? velocity : resampled(velocity, form.channels, found.rate_hz / rate_hz);
   float largest = 0;
   for (const float x : sound) largest = std::max(largest, std::abs(x));
   const Scale scale{found.rate_hz, largest > 0 ? largest : 1.0};
@@ -77,16 +77,19 @@ Scale write_wav(const std::filesystem::path& path, const std::vector<float>& vel
   base::AtomicFile temporary(path);
   SF_INFO info{};
   info.samplerate = static_cast<int>(scale.rate_hz);
-  info.channels = channels;
-  info.format = SF_FORMAT_WAV | SF_FORMAT_FLOAT;
+  info.channels = form.channels;
+  info.format = SF_FORMAT_WAV | (form.samples == scene::SampleFormat::pcm16   ? SF_FORMAT_PCM_16
+                                 : form.samples == scene::SampleFormat::pcm24 ? SF_FORMAT_PCM_24
+                                                                              : SF_FORMAT_FLOAT);
   SNDFILE* raw = sf_open(temporary.path().c_str(), SFM_WRITE, &info);
   if (raw == nullptr) fail(path);
   // libsndfile writes the date into a PEAK chunk, but equal runs must give equal files.
   sf_command(raw, SFC_SET_ADD_PEAK_CHUNK, nullptr, SF_FALSE);
-  const std::string comment =
-      fmt::format("velocity along x, y, z; a sample of 1 is {:.9g} m/s", scale.full_scale_m_per_s);
-  sf_set_string(raw, SF_STR_COMMENT, comment.c_str());
-  const auto frames = static_cast<sf_count_t>(sound.size() / channels);
+  if (form.comment)
+    sf_set_string(
+        raw, SF_STR_COMMENT,
+        fmt::format("velocity along x, y, z; a sample of 1 is {:.9g} m/s", scale.full_scale_m_per_s).c_str());
+  const auto frames = static_cast<sf_count_t>(sound.size() / static_cast<std::size_t>(form.channels));
   const bool whole = sf_writef_float(raw, sound.data(), frames) == frames;
   if (sf_close(raw) != 0 || !whole) fail(path);
   temporary.commit();

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The velocity of a receiver as a sound file: WAV, 32-bit float, one channel for each world axis x, y, z.
+// Velocities of receivers as sound files: WAV with the plain header, without the extensible one.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <vector>
+
+#include "src/scene/scene.hpp"
 
 namespace ricochet::sound {
 
@@ -15,6 +17,13 @@ struct Scale {
   double full_scale_m_per_s = 0;
 };
 
+/// How a sound is stored.
+struct Form {
+  int channels = 3;
+  scene::SampleFormat samples = scene::SampleFormat::float32;
+  bool comment = true;  ///< whether the file states its scale and that its channels are x, y and z
+};
+
 /// Sample rate of the file: `rate_hz` itself if players support it (44.1, 48, 88.2, 96, 176.4, 192 kHz).
 /// Other multiples of 44.1 kHz are converted to 44.1 kHz, and all other rates to 48 kHz.
 double audio_rate(double rate_hz);
@@ -23,7 +32,8 @@ double audio_rate(double rate_hz);
 void check_length(std::int64_t frames, double rate_hz);
 
 /// Writes the file under a temporary name and renames it. Throws InputError if the file cannot be written.
-/// @param velocity  (frames,3) [m/s] at `rate_hz`, from t = 0
-Scale write_wav(const std::filesystem::path& path, const std::vector<float>& velocity, double rate_hz);
+/// @param velocity  (frames,channels) [m/s] at `rate_hz`, from t = 0
+Scale write_wav(const std::filesystem::path& path, const std::vector<float>& velocity, double rate_hz,
+                const Form& form = {});
 
 }  // namespace ricochet::sound

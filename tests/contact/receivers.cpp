@@ -189,4 +189,43 @@ TEST(Reaction, of_a_foot_that_moves_gives_the_bar_its_momentum) {
   }
 }
 
+// Modes up to 0.13 Hz, rows at 2 Hz. 33 rows from the ends, only the ripple of the filter remains.
+TEST(Receiver, in_a_result_with_fewer_rows_keeps_its_motion) {
+  const Kernel bar = damped_bar(3, 0.01);
+  const Model model = upright(bar, 100, {tip(0.1, {{0, 1e3}, {1, 1}})}, -1e-3);
+  const StepOptions options{.step = 0.025, .steps_per_sample = 2};
+  constexpr int every = 10, samples = 1009;
+  constexpr std::size_t rows = samples / every + 1;
+  const auto displacement = [&](int receivers_every, std::size_t count) {
+    const Folder folder;
+    Recorder recorder(model, options, {.path = folder / "bar.result.h5", .receivers_every = receivers_every});
+    const auto stepper = make_stepper(model, options);
+    while (stepper->steps() < 2 * samples) {
+      EXPECT_EQ(stepper->step(), StepStatus::ok);
+      recorder.record(*stepper);
+    }
+    recorder.commit();
+    const Reader file(folder / "bar.result.h5", "");
+    const auto time = file.read<double>("/receivers/time", {count});
+    for (std::size_t k = 0; k < count; ++k)
+      EXPECT_DOUBLE_EQ(time[k], 0.05 * static_cast<double>(k) * receivers_every);
+    std::vector<double> out;
+    for (const char* name : {"displacement", "velocity", "acceleration"}) {
+      const auto values = file.read<double>("/receivers/" + model.receivers[0].name + "/" + name, {count, 3});
+      for (std::size_t k = 0; k < count; ++k) out.push_back(values[3 * k + 1]);
+    }
+    return out;
+  };
+  const auto all = displacement(1, samples + 1), few = displacement(every, rows);
+  double largest = 0, worst = 0;
+  for (std::size_t part = 0; part < 3; ++part)
+    for (std::size_t k = 33; k + 34 < rows; ++k) {
+      const double expected = all[part * (samples + 1) + every * k];
+      largest = std::max(largest, std::abs(expected));
+      worst = std::max(worst, std::abs(few[part * rows + k] - expected));
+    }
+  EXPECT_GT(largest, 0.1);
+  EXPECT_LT(worst, 2e-5 * largest);
+}
+
 }  // namespace receivers_test

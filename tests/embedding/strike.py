@@ -38,5 +38,20 @@ for channel in sound.T:
         peak = (near.start + np.argmax(spectrum[near])) * bin_hz
         assert abs(peak - frequency) < 0.5, (peak, frequency)  # a third of the resolution of the window
 
+before = set(folder.iterdir())
+for words, status, part in [
+    (["--help"], 0, "usage: strike OUT.wav"),
+    ([path, "-h"], 0, "usage: strike OUT.wav"),
+    (["--version"], 0, "Ricochet "),
+    (["--loud"], 2, "strike: --loud: is not an option"),
+    (["--loud.wav", path], 2, "strike: --loud.wav: is not an option"),
+    ([], 2, "usage: strike OUT.wav"),
+]:
+    run = subprocess.run([program, *words], capture_output=True, text=True, cwd=folder)
+    said, silent = (run.stderr, run.stdout) if status else (run.stdout, run.stderr)
+    assert (run.returncode, silent) == (status, "") and part in said, run
+    assert status == 0 or said.count("\n") == 1, run
+assert set(folder.iterdir()) == before
+
 refused = subprocess.run([program, path, "nowhere.h5"], capture_output=True, text=True)
 assert refused.returncode == 2 and refused.stderr.count("\n") == 1 and "nowhere.h5" in refused.stderr, refused

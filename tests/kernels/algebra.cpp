@@ -135,6 +135,39 @@ TEST(Rescaling, gives_decay_rates_by_the_law_at_the_new_frequencies) {
   EXPECT_EQ(rates({Law::rayleigh, 2, 1e-3})[0], 1);  // α also damps rigid motion
 }
 
+/// Times in which the elastic modes of a free bar decay by 60 dB, ln(1000)/δ [s].
+std::vector<double> decay_times(const Damping& law) {
+  const Kernel kernel = rescaled(Bar{.clamped = false}.kernel(), {}, law);
+  EXPECT_EQ(kernel.modes.decay_rate[0], 0);  // rigid motion
+  std::vector<double> times;
+  for (std::size_t n = 1; n < kernel.modes.size(); ++n)
+    times.push_back(std::log(1000) / kernel.modes.decay_rate[n]);
+  return times;
+}
+
+// The elastic modes are harmonics of 0.36 Hz, so that T60 ∝ 1/f is a line in the logarithms.
+TEST(DecayTimes, are_interpolated_between_rows_and_constant_beyond) {
+  const double lowest = Bar{}.speed() / (2 * Bar{}.length);
+  const auto times =
+      decay_times({.law = Damping::Law::t60, .table = {{2 * lowest, 6}, {4 * lowest, 3}, {8 * lowest, 12}}});
+  const double expected[] = {6, 6, 4, 3, 0, 0, 0, 12, 12, 12};  // 6 · 2/n from the second to the fourth
+  for (std::size_t n : {0, 1, 2, 3, 7, 8, 9}) EXPECT_NEAR(times[n], expected[n], 1e-12) << n;
+  EXPECT_NEAR(times[4], 3 * 25.0 / 16, 1e-12);  // ∝ f² from the fourth to the eighth
+  EXPECT_NEAR(times.back(), 12, 1e-12);
+  for (const double time : decay_times({.law = Damping::Law::t60, .table = {{100, 2.5}}}))
+    EXPECT_NEAR(time, 2.5, 1e-12);
+}
+
+// The half-power bandwidth of a mode is η f.
+TEST(LossFactorsByMode, count_from_the_lowest_elastic_mode_and_end_with_the_last) {
+  const double lowest = Bar{}.speed() / (2 * Bar{}.length);
+  const auto times = decay_times({.law = Damping::Law::by_mode, .by_mode = {0.01, 0.04, 0.02}});
+  const double factors[] = {0.01, 0.04, 0.02, 0.02};
+  for (std::size_t n = 0; n < 4; ++n)
+    EXPECT_NEAR(std::log(1000) / times[n] / std::numbers::pi, factors[n] * lowest * static_cast<double>(n + 1),
+                1e-12);
+}
+
 // N(t) = Σ φ φ sin(ωt)/ω has the unit s/kg, hence N'(t) = N(t ω'/ω) ω/(ω' m).
 TEST(Rescaling, stretches_kernel_functions_in_time) {
   const Kernel old = Bar{}.kernel();

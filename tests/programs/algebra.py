@@ -7,7 +7,7 @@ import h5py
 import numpy as np
 
 import scenes
-from programs import BIN, ProgramTest, Run, contact, kernel
+from programs import BIN, ProgramTest, Run, contact, kernel, static_responses
 
 SCENE = scenes.block_on_floor(
     "Algebra",
@@ -205,6 +205,32 @@ class Algebra(ProgramTest):
             [*rod, material.format(1, 1, 1)], [*rod, OTHER[0], *OTHER[3:], material.format(3, 0.5, 0.2)]
         )
 
+    def test_receivers_loads_and_moving_supports_at_places_that_scale(self):
+        def sources(scale):
+            at = [scale * x for x in (0.1, 0.2, 0.3)]
+            return [
+                "bodies.block.support={side='xyz'}",
+                f"output.receiver=[{{name='mic',body='block',at={at}}}]",
+                "loads.traction=[{body='block',group='foot',vector=[0,0,1]}]",
+                f"loads.point=[{{body='block',at={at[::-1]},vector=[0,0,1]}}]",
+                "loads.motion=[{body='block',group='side',vector=[0,1,0]}]",
+            ]
+
+        damping = "bodies.block.damping={t60=[[0.2,9],[1.2,0.5]]}"
+        self.check(sources(1), [*sources(2), *OTHER, damping, "modes.up_to_hz=1"])
+        # Sums of modes and static parts, which do not depend on the end of the band.
+        (derived,) = set(self.fresh.glob("*.kernel.h5"))
+        found, expected = (static_responses(path) for path in (self.out / derived.name, derived))
+        self.assertEqual(set(found), set(expected))
+        for name, values in expected.items():
+            self.assert_close(found[name], values, 1e-7, name, np.abs(values).max())
+        old, _ = self.path(self.fresh, *sources(1))
+        again = self.folder / "recast"
+        self.succeed(self.recast(old, *FACTORS, "--up-to-hz", 0.9, "--out", again))
+        sets = [*sources(2), *OTHER[:3], OTHER[4], "modes.up_to_hz=0.9"]
+        run = self.succeed(kernel(self.scene, again, *sets, quiet=False))
+        self.assertIn("block: already there", run.out)
+
     def test_what_does_not_follow_is_computed(self):
         self.path(self.out)
         for sets in (
@@ -259,11 +285,11 @@ class Algebra(ProgramTest):
             np.testing.assert_array_equal(b["surface/node"], a["surface/node"][:][[1, 3]])
             np.testing.assert_array_equal(b["surface/shape"], a["surface/shape"][:][[1, 3]])
 
-    def test_kernels_with_receivers_are_drawn_but_fit_one_scene_only(self):
+    def test_kernels_with_receivers_are_drawn_but_keep_their_candidates(self):
         old, _ = self.path(self.out, 'output.receiver=[{name="mic",body="block",at=[0,0,0]}]')
-        run = self.recast(old, "--young-factor", 2)
+        run = self.recast(old, "--points", "1,3")
         self.assertEqual(run.status, 2)
-        self.assertIn("kernels with loads, moving supports or receivers are for one scene only", run.err)
+        self.assertIn("has loads, moving supports or receivers: compute the requested kernel", run.err)
         self.succeed(self.recast(old, "--vtk"))
         self.assertTrue(old.with_name(old.name.replace(".kernel.h5", ".modes.xdmf")).is_file())
 

@@ -33,6 +33,19 @@ class Example(unittest.TestCase):
         ends = f"{(exact(30) + exact(31)) / 2},{(exact(75) + exact(76)) / 2}"
         self.check(self.eigenvalues(2, "-eps_interval", ends, "-eps_all"), range(31, 76))
 
+    def test_answers_and_refuses_options_in_one_line(self):
+        for word, status, part in (
+            ("--help", 0, "eigenpairs -k K.petsc -m M.petsc"),
+            ("--version", 0, "eigenpairs, with "),
+            ("--loud", 2, "eigenpairs: --loud: is not an option: --help shows them\n"),
+        ):
+            for ranks in (1, 2):
+                command = [*programs.mpirun(ranks), programs.BIN / "eigenpairs", word]
+                run = subprocess.run(list(map(str, command)), capture_output=True, text=True)
+                self.assertEqual(run.returncode, status)
+                said = run.stderr if status else run.stdout
+                self.assertEqual(said.count(part), 1, said)
+
     def test_is_an_option_of_programs_that_are_linked_with_slepc_alone(self):
         source = (programs.ROOT / "examples/eps/eigenpairs.c").read_text()
         alone = "\n".join(

@@ -164,6 +164,70 @@ TEST(Similar, bodies_of_several_materials_have_common_factors) {
   EXPECT_FALSE(similarity(had, with("6")));
 }
 
+// A scene with a receiver and a load of each kind, and a kernel of them. Positions are in the axes of the
+// body.
+TEST(Similar, bodies_have_the_same_loads_and_receivers_at_places_that_scale) {
+  const std::vector<Override> heard = {"output.receiver=[{name=\"mic\",body=\"ball\",at=[0.1,0,0.3]}]"};
+  const std::vector<Override> all = {heard[0], "bodies.ball.support={foot=\"z\"}",
+                                     "loads.traction=[{body=\"ball\",group=\"skin\",vector=[0,0,1]}]",
+                                     "loads.point=[{body=\"ball\",at=[0,0,0.2],vector=[0,0,1]}]",
+                                     "loads.motion=[{body=\"ball\",group=\"foot\",vector=[0,0,1]}]"};
+  const auto with = [&](const Override& set, const std::vector<Override>& base) {
+    std::vector<Override> sets = base;
+    sets.push_back(set);
+    return request_of_ball(sets);
+  };
+  const KernelRequest had = request_of_ball(all);
+  EXPECT_EQ(request_of({had.hash, had.toml, had.mesh_sha256}, "FILE").toml, had.toml);
+  for (const char* set : {"bodies.ball.damping={t60=[[100,2]]}", "bodies.ball.material.young=2e9",
+                          "loads.point[0].vector=[1,0,0]"})
+    EXPECT_TRUE(similarity(had, with(set, all))) << set;
+  for (const char* set :
+       {"output.receiver[0].name=other", "output.receiver[0].at=[0.1,0,0.2]", "loads.point[0].at=[0,0,0.1]",
+        "loads.traction[0].name=other", "bodies.ball.scale=2", "output.receiver=[]", "loads={}"})
+    EXPECT_FALSE(similarity(had, with(set, all))) << set;
+
+  KernelRequest twice = had;
+  twice.body.scale = 2;
+  *twice.spacing *= 2;
+  EXPECT_FALSE(similarity(had, twice));
+  scale_sources(twice, 2);
+  EXPECT_EQ(twice.receivers[0].at, (Vector3{0.2, 0, 0.6}));
+  EXPECT_TRUE(similarity(had, twice));
+}
+
+TEST(Derived, kernels_with_receivers_take_another_damping_and_keep_their_static_rows) {
+  const Override heard = "output.receiver=[{name=\"mic\",body=\"ball\",at=[0.1,0,0.3]}]";
+  const KernelRequest had = request_of_ball({heard}),
+                      damped = request_of_ball({heard, "bodies.ball.damping={t60=[[100,2]]}"}),
+                      bare = request_of_ball({heard, "modes.residual_flexibility=false"});
+  Kernel kernel = kernel_of(had);
+  const std::size_t n = kernel.modes.size();
+  kernel.receivers = {{.name = "mic",
+                       .point = {0.1, 0, 0.3},
+                       .shape = std::vector<double>(3 * n, 0.5),
+                       .residual_flexibility = std::vector<double>(3 * kernel.surface.size(), 1e-9),
+                       .body_force_residual = std::vector<double>(9, 1e-6),
+                       .load_residual = {},
+                       .motion_residual = {}}};
+  const Kernel found = derived(kernel, had, damped);
+  EXPECT_EQ(found.receivers, kernel.receivers);
+  EXPECT_EQ(found.surface.shape, kernel.surface.shape);
+  for (const double rate : found.modes.decay_rate) EXPECT_NEAR(rate, std::log(1000) / 2, 1e-14);
+  const Kernel without = derived(kernel, had, bare);
+  validate(without, "the kernel");
+  EXPECT_TRUE(without.receivers[0].residual_flexibility.empty());
+}
+
+TEST(Derived, damping_by_mode_needs_all_modes) {
+  const KernelRequest had = request_of_ball(),
+                      wanted = request_of_ball({"bodies.ball.damping={by_mode=[0.1]}"});
+  Kernel kernel = kernel_of(had);
+  EXPECT_NEAR(derived(kernel, had, wanted).modes.decay_rate[2], 0.05 * Bar{}.omega(3), 1e-13);
+  kernel.modes.certificate.left_out = 1;
+  EXPECT_THAT(complaint_of([&] { derived(kernel, had, wanted); }), HasSubstr("damping by mode"));
+}
+
 TEST(Derived, kernels_answer_the_new_request) {
   const Kernel kernel =
       derived_with({"bodies.ball.material.young=4e9", "bodies.ball.damping.ratio=0.01", "modes.up_to_hz=28"});

@@ -61,6 +61,19 @@ vector = [0, 0, 1]
 name = "mic"
 body = "ball"
 at = [0, 0, 0]
+[output.sound]
+receivers = "mic"
+direction = [0, 0, 1]
+[bodies.hammer]
+mesh = "hammer.geo"
+contact = "skin"
+material = { density = 1000, young = 1e9 }
+velocity = [0, 0, -1]
+[[contact.pair]]
+between = ["hammer", "floor"]
+[[strikes]]
+mallet = "hammer"
+time = 0.001
 )";
 
 /// The error of the scene, or an empty string if it is accepted.

@@ -139,6 +139,17 @@ TEST(SceneValues, of_each_law_of_damping_are_read) {
   }
 }
 
+TEST(SceneValues, of_decay_times_and_losses_by_mode_are_read) {
+  const auto damping = [](const std::string& text) {
+    return scene_of(smallest, {"bodies.ball.damping=" + text}).bodies[0].damping;
+  };
+  const Damping times = damping("{t60=[[100,2],[1e3,0.5]]}"), losses = damping("{by_mode=[1e-3,2e-3]}");
+  EXPECT_EQ(times.law, Damping::Law::t60);
+  EXPECT_EQ(times.table, (std::vector<std::array<double, 2>>{{100, 2}, {1000, 0.5}}));
+  EXPECT_EQ(losses.law, Damping::Law::by_mode);
+  EXPECT_THAT(losses.by_mode, ElementsAre(1e-3, 2e-3));
+}
+
 TEST(SceneValues, of_contact_are_read_and_its_directions_made_unit) {
   const Contact contact = scene_of(fullest).contact;
   EXPECT_EQ(contact.scheme, Scheme::impulse);
@@ -184,6 +195,23 @@ TEST(SceneValues, of_everything_else_are_read) {
 TEST(SceneValues, of_frames_for_paraview_keep_visualisation_surfaces) {
   EXPECT_TRUE(scene_of(smallest, {"output.vtk_every=5"}).output.view);
   EXPECT_FALSE(scene_of(smallest, {"output.vtk_every=0"}).output.view);
+}
+
+// 352.8 kHz is 8 times 44.1 kHz; 1 MHz is 22 times 45.5 kHz.
+TEST(SceneValues, of_rows_of_receivers_divide_the_output_rate) {
+  const Override mic = "output.receiver=[{name=\"mic\",body=\"ball\",at=[0,0,1]}]";
+  const auto every = [&](const char* rate, const char* set) {
+    const Scene scene = scene_of(smallest, {mic, std::string("time.rate_hz=") + rate, set});
+    return scene.output.receivers_every(scene.time.rate);
+  };
+  EXPECT_EQ(every("352800", "title=any"), 1);
+  EXPECT_EQ(every("352800", "output.every=100"), 8);
+  EXPECT_EQ(every("1e6", "output.every=2"), 22);
+  EXPECT_EQ(every("1000", "output.every=2"), 1);
+  EXPECT_EQ(every("352800", "output.receivers_rate_hz=352800"), 1);
+  EXPECT_EQ(every("352800", "output.receivers_rate_hz=44100"), 8);
+  EXPECT_EQ(every("352800", "output.receivers_rate_hz=40000"), 8);
+  EXPECT_EQ(every("300", "output.receivers_rate_hz=100"), 3);
 }
 
 TEST(SceneValues, of_contact_adapted_bases_are_read) {

@@ -220,12 +220,71 @@ TEST(Refused, is_damping_without_a_law_or_with_two) {
   expect_body_lines(
       {{"damping = { ratio = -0.1 }", "damping.ratio = -0.1: must not be negative"},
        {"damping = { ratio = 0.1, viscosity = 0.1 }",
-        "damping = {…}: give one law only: ratio, loss_factor, rayleigh or viscosity"},
+        "damping = {…}: give one law only: ratio, loss_factor, rayleigh, viscosity, t60 or by_mode"},
+       {"damping = { t60 = [[1, 2]], by_mode = [1] }",
+        "damping = {…}: give one law only: ratio, loss_factor, rayleigh, viscosity, t60 or by_mode"},
+       {"damping = { t60 = 2 }",
+        "damping.t60 = 2: must be a list of pairs of numbers: write t60 = [[100, 2.0], [1000, 0.8]]"},
+       {"damping = { t60 = [] }",
+        "damping.t60 = []: must be a list of pairs of numbers: write t60 = [[100, 2.0], [1000, 0.8]]"},
+       {"damping = { t60 = [[1, 2, 3]] }",
+        "damping.t60 = [[1, 2, 3]]: must be a list of pairs of numbers: write t60 = [[100, 2.0], [1000, "
+        "0.8]]"},
+       {"damping = { t60 = [[100, 0]] }", "damping.t60 = [[100, 0]]: must be above 0"},
+       {"damping = { t60 = [[100, inf]] }", "damping.t60 = [[100, inf]]: must be finite"},
+       {"damping = { t60 = [[100, 1], [100, 2]] }",
+        "damping.t60 = [[100, 1], [100, 2]]: the frequencies must ascend: sort the rows, and give each "
+        "frequency once"},
+       {"damping = { by_mode = 1e-3 }",
+        "damping.by_mode = 0.001: must be a list of numbers: write by_mode = [1e-3, 2e-3]"},
+       {"damping = { by_mode = [1, \"2\"] }",
+        "damping.by_mode = [1, \"2\"]: must be a list of numbers: write by_mode = [1e-3, 2e-3]"},
+       {"damping = { by_mode = [-1] }", "damping.by_mode = [-1]: must not be negative"},
        {"damping = { rayleigh = 1 }", "damping.rayleigh = 1: must be two numbers, [alpha, beta]"},
        {"damping = { rayleigh = [1] }", "damping.rayleigh = [1]: must be two numbers, [alpha, beta]"},
        {"damping = { rayleigh = [1, -2.5] }",
         "damping.rayleigh = [1, -2.5]: must be two numbers, neither negative"},
        {"damping = { rate = 1 }", "damping.rate = 1: unknown key. Did you mean \"ratio\"?"}});
+}
+
+TEST(Refused, is_damping_by_mode_of_modes_without_numbers) {
+  for (const char* modes : {"{basis=\"contact\",up_to_hz=1e3}", "{up_to_hz=1e3,flexibility_error=1e-2}"})
+    EXPECT_EQ(
+        complaint_about(smallest, {"bodies.ball.damping.by_mode=[1]", std::string("modes=") + modes}),
+        "scene.toml: bodies.ball.damping.by_mode = [1]: needs numbered modes: set modes.basis = \"modes\" "
+        "with up_to_hz or count, without flexibility_error, or give t60");
+}
+
+TEST(Refused, are_rows_of_receivers_that_do_not_exist_or_at_other_rates) {
+  const Override mic = "output.receiver=[{name=\"mic\",body=\"ball\",at=[0,0,1]}]";
+  for (const char* rate : {"88200", "44"})
+    EXPECT_EQ(complaint_about(smallest, {mic, std::string("output.receivers_rate_hz=") + rate}),
+              std::string("scene.toml: output.receivers_rate_hz = ") + rate +
+                  ": must be from rate_hz / 1000 to rate_hz = 44100");
+  EXPECT_EQ(
+      complaint_about(smallest, {"output.receivers_rate_hz=4410"}),
+      "scene.toml: output.receivers_rate_hz = 4410: needs [[output.receiver]]: add one, or leave it out");
+}
+
+TEST(Refused, is_a_sound_of_receivers_that_do_not_exist_or_are_too_many) {
+  const std::vector<std::pair<std::string, std::string>> sounds = {
+      {"{direction=[1,0,0]}", "receivers: is missing: name one receiver (mono) or two (left and right)"},
+      {"{receivers=\"mic\"}",
+       "direction: is missing: the component that is heard, for example the normal of the wall"},
+      {"{receivers=\"mik\",direction=[1,0,0]}",
+       "receivers = \"mik\": there is no receiver \"mik\". Did you mean \"mic\"?"},
+      {"{receivers=[\"mic\",\"mic\",\"mic\"],direction=[1,0,0]}",
+       "receivers = [\"mic\", \"mic\", \"mic\"]: must name one receiver or two"},
+      {"{receivers=\"mic\",direction=[0,0,0]}", "direction = [0, 0, 0]: must not be zero"},
+      {"{receivers=\"mic\",direction=[1,0,0],fade=-1}", "fade = -1: must not be negative"},
+      {"{receivers=\"mic\",direction=[1,0,0],high_pass_hz=1001}",
+       "high_pass_hz = 1001: must be from 0 to 1000"},
+      {"{receivers=\"mic\",direction=[1,0,0],format=\"mp3\"}",
+       "format = \"mp3\": must be \"pcm16\", \"pcm24\" or \"float\""}};
+  for (const auto& [sound, line] : sounds)
+    EXPECT_EQ(complaint_about(smallest, {"output.receiver=[{name=\"mic\",body=\"ball\",at=[0,0,1]}]",
+                                         "output.sound=" + sound}),
+              "scene.toml: output.sound." + line);
 }
 
 TEST(Refused, is_a_support_that_holds_no_components) {
@@ -448,7 +507,7 @@ TEST(Refused, is_reported_in_one_line_for_any_keys) {
       {"[time]", "[\"a\\nb\"]\n[time]",
        "a b = {…}: "
        "unknown key. The keys here are accuracy, accuracy_of, bodies, contact, loads, modes, obstacles, "
-       "output, time, "
+       "output, strikes, time, "
        "title."},
       {"\"ball\", \"floor\"", "\"ball\", \"a\\nb\"",
        "contact.between = [\"ball\", \"a\\u000Ab\"]: there is no body or obstacle \"a b\": there are "

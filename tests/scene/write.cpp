@@ -32,9 +32,7 @@ void expect_same(const Body& a, const Body& b) {
     EXPECT_EQ(a.materials[k].poisson, b.materials[k].poisson);
     EXPECT_EQ(a.materials[k].area, b.materials[k].area);
   }
-  EXPECT_EQ(a.damping.law, b.damping.law);
-  EXPECT_EQ(a.damping.first, b.damping.first);
-  EXPECT_EQ(a.damping.second, b.damping.second);
+  EXPECT_EQ(a.damping, b.damping);
   EXPECT_EQ(a.velocity, b.velocity);
   EXPECT_EQ(a.angular_velocity, b.angular_velocity);
   EXPECT_EQ(a.contact, b.contact);
@@ -89,10 +87,7 @@ void expect_same(const Scene& a, const Scene& b) {
   EXPECT_EQ(a.time.duration, b.time.duration);
   EXPECT_EQ(a.time.precision, b.time.precision);
   EXPECT_EQ(a.loads, b.loads);
-  EXPECT_EQ(a.output.every, b.output.every);
-  EXPECT_EQ(a.output.view, b.output.view);
-  EXPECT_EQ(a.output.snapshot_every, b.output.snapshot_every);
-  EXPECT_EQ(a.output.vtk_every, b.output.vtk_every);
+  EXPECT_EQ(a.output, b.output);
 }
 
 /// Writes the scene and reads it back from a file in the same folder.
@@ -133,7 +128,8 @@ TEST(Resolved, scene_of_table_kernels_reads_back) {
 
 TEST(Resolved, scene_with_each_law_of_damping_reads_back) {
   for (const char* law :
-       {"{}", "{ratio=0.1}", "{loss_factor=0.002}", "{rayleigh=[3,1e-7]}", "{viscosity=1e-6}"})
+       {"{}", "{ratio=0.1}", "{loss_factor=0.002}", "{rayleigh=[3,1e-7]}", "{viscosity=1e-6}",
+        "{t60=[[20,3]]}", "{t60=[[100,2],[1000,0.8]]}", "{by_mode=[1e-3,0,2e-3]}"})
     expect_to_come_back(smallest, {std::string("bodies.ball.damping=") + law});
 }
 
@@ -166,6 +162,16 @@ TEST(Resolved, directions_do_not_drift) {
       SCOPED_TRACE(vector);
       expect_to_come_back(smallest, {"contact.direction=" + vector, "obstacles.floor.normal=" + vector});
     }
+}
+
+TEST(Resolved, scene_with_receivers_reads_back) {
+  const Override mic = "output.receiver=[{name=\"mic\",body=\"ball\",at=[0,0,1]}]";
+  expect_to_come_back(smallest, {mic});
+  expect_to_come_back(smallest, {mic, "output.receivers_rate_hz=11025"});
+  expect_to_come_back(smallest, {mic, "output.sound={receivers=\"mic\",direction=[1,2,3]}"});
+  expect_to_come_back(smallest, {mic,
+                                 "output.sound={receivers=[\"mic\",\"mic\"],direction=[1,0,0],high_pass_hz=0,"
+                                 "fade=0.5,format=\"float\"}"});
 }
 
 TEST(Resolved, pair_that_was_swapped_reads_back) {

@@ -1,3 +1,3 @@
 # SPDX-License-Identifier: BSD-2-Clause
 add_serial_tests(sound sound LIBRARIES ricochet_sound PkgConfig::SNDFILE
-  FILES wav)
+  FILES receiver_sounds shaping wav)

@@ -51,6 +51,7 @@ const glosses = {
   imbalance: ["what forces and loads do not cancel, relative"],
   force_n: ["force", "N"],
   approach_m: ["approach", "m"],
+  approach_m_per_s: ["approach velocity along the impulse", "m/s"],
   contact_points: ["points that press"],
   contact_area_m2: ["their area", "m²"],
   peak_pressure_pa: ["largest pressure", "Pa"],
@@ -127,7 +128,8 @@ function contactSection() {
   if (run.static) return;
   const {episodes, exit_velocity: exit} = summary, most = 40;
   if (episodes.length > 1) {
-    const keys = ["start_s", "end_s", "impulse_ns", "peak_force_n"];
+    const keys = ["start_s", "end_s", "impulse_ns", "peak_force_n", "approach_m_per_s", "restitution"]
+      .filter(key => key in episodes[0]);  // older summaries have fewer
     at.append(make("h3", {}, "Episodes"), listed(episodes.slice(0, most), "episodes", keys, "episode"));
     if (episodes.length > most) at.append(note(`The first ${most} of ${episodes.length}; summary.json has all.`));
   }

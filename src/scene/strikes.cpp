@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/scene/strikes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "src/scene/near_miss.hpp"
+#include "src/scene/table.hpp"
+
+namespace ricochet::scene {
+
+namespace {
+
+/// Throws InputError if a scene of this kind has no strikes.
+void check_scene(const Table& table, const Scene& scene) {
+  if (scene.contact.scheme == Scheme::at_rest)
+    table.complain("", "bodies at rest strike nothing: leave it out, or choose another contact.scheme");
+  if (scene.contact.kernel == ContactKernel::table)
+    table.complain("", "table kernels know no strikes: leave it out, or set contact.kernel = \"modes\"");
+  if (scene.accuracy)
+    table.complain("",
+                   "errors of several strikes are not estimated: leave it out, or give [modes] and set "
+                   "accuracy = \"off\"");
+}
+
+/// Throws InputError if the body cannot be a mallet.
+void check_mallet(const Table& table, const Body& body, const Scene& scene) {
+  if (!body.support.empty())
+    table.complain("mallet",
+                   fmt::format("bodies.{} has a support, so it cannot fly: name a free body", body.name));
+  if (body.angular_velocity != Vector3{})
+    table.complain(
+        "mallet",
+        fmt::format("bodies.{}.angular_velocity would turn it before the strike: leave it out", body.name));
+  const auto on_mallet = [&](const auto& all) {
+    return std::ranges::any_of(all, [&](const auto& one) { return one.body == body.name; });
+  };
+  if (on_mallet(scene.output.receivers) || on_mallet(scene.loads.tractions) || on_mallet(scene.loads.points))
+    table.complain("mallet",
+                   fmt::format("bodies.{} has a receiver or a load, which a mallet cannot have: leave "
+                               "it out",
+                               body.name));
+  for (const Pair& pair : scene.contact.pairs)
+    if (pair.b == body.name && pair.gap)
+      table.complain(
+          "mallet",
+          fmt::format("its gap would move \"{}\", the first name in contact.between: name the mallet "
+                      "first",
+                      pair.a));
+}
+
+/// Reads a strike; missing keys have the values of the mallet.
+Strike read_strike(Table& table, const Body& mallet) {
+  Strike strike{.mallet = mallet.name, .translate = mallet.translate, .rotate_deg = mallet.rotate_deg};
+  strike.time = table.required_number("time");
+  const Vector3& v = mallet.velocity;
+  const double own_speed = std::hypot(v[0], v[1], v[2]);
+  const auto speed = table.number("speed");
+  const auto direction = table.direction("direction");
+  for (const auto& [key, given] :
+       {std::pair{"speed", speed.has_value()}, {"direction", direction.has_value()}})
+    if (!given && !(own_speed > 0))
+      table.complain(key, fmt::format("is missing: give it, or bodies.{}.velocity", mallet.name));
+  strike.speed = speed.value_or(own_speed);
+  strike.direction = direction ? *direction : Vector3{v[0] / own_speed, v[1] / own_speed, v[2] / own_speed};
+  if (const auto at = table.vector("translate")) strike.translate = *at;
+  if (const auto turn = table.vector("rotate_deg")) strike.rotate_deg = *turn;
+  table.refuse_unread();
+  return strike;
+}
+
+void set_strike(Body& body, const Strike& strike) {
+  body.arrival = strike.time;
+  body.translate = strike.translate;
+  body.rotate_deg = strike.rotate_deg;
+  for (std::size_t k = 0; k < 3; ++k) body.velocity[k] = strike.speed * strike.direction[k];
+}
+
+/// Adds a copy of the mallet, named after the number of its strike, with copies of its pairs.
+void add_copy(Scene& scene, const Body& mallet, const Strike& strike, std::size_t number) {
+  Body copy = mallet;
+  copy.copy_of = mallet.name;
+  copy.name += fmt::format(".{}", number);
+  set_strike(copy, strike);
+  std::vector<Pair> pairs;
+  for (Pair pair : scene.contact.pairs) {
+    if (!pair.names(mallet.name)) continue;
+    (pair.a == mallet.name ? pair.a : pair.b) = copy.name;
+    pairs.push_back(pair);
+  }
+  scene.contact.pairs.insert(scene.contact.pairs.end(), pairs.begin(), pairs.end());
+  scene.bodies.push_back(std::move(copy));
+}
+
+}  // namespace
+
+void read_strikes(Table& root, Scene& scene) {
+  const std::vector<Body> mallets = scene.bodies;
+  for (Table& table : root.array("strikes", strike_keys)) {
+    check_scene(table, scene);
+    const std::string name = table.required("mallet", table.text("mallet"), "name the body that strikes");
+    const auto mallet = std::ranges::find(mallets, name, &Body::name);
+    if (mallet == mallets.end()) {
+      std::vector<std::string> names;
+      for (const Body& body : mallets) names.push_back(body.name);
+      table.complain("mallet", "there is no body \"" + name + '"' + existing_names(name, names));
+    }
+    check_mallet(table, *mallet, scene);
+    const Strike strike = read_strike(table, *mallet);
+    if (scene.time.duration > 0 && !(strike.time < scene.time.duration))
+      table.complain("time",
+                     fmt::format("is not before the end, time.duration = {:g}: lengthen the run, or leave "
+                                 "this strike out",
+                                 scene.time.duration));
+    const auto before = std::ranges::count(scene.strikes, name, &Strike::mallet);
+    if (before > 0)
+      add_copy(scene, *mallet, strike, static_cast<std::size_t>(before) + 1);
+    else
+      set_strike(scene.bodies[static_cast<std::size_t>(mallet - mallets.begin())], strike);
+    scene.strikes.push_back(strike);
+  }
+}
+
+}  // namespace ricochet::scene

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""A rod falls on a wall several times in one scene. Velocities and times are compared with free fall; one kernel serves all
+strikes, and another scene with the rod alone repeats a strike."""
+
+import unittest
+
+import h5py
+import numpy as np
+
+import scenes
+from programs import ProgramTest, contact, kernel
+
+# E = ρ = A = 1 and L = 1. Without elastic modes the rod is a mass on the spring of its residual flexibility.
+GRAVITY, GAP, STEP = 5e-5, 1e-3, 0.01
+TIMES, SPEEDS = [0.0, 30.0, 60.0], [0.01, 0.02, 0.005]
+STRIKES = "".join(
+    f'[[strikes]]\nmallet = "rod"\ntime = {time}\nspeed = {speed}\n' for time, speed in zip(TIMES, SPEEDS)
+)
+
+
+def scene(strikes, velocity=(0.01, 0, 0)):
+    body = (
+        'mesh = "rod.geo"\norder = 1\nmaterial = { density = 1.0, young = 1.0, area = 1.0 }\n'
+        f'contact = "right"\nvelocity = {list(velocity)}'
+    )
+    return scenes.scene(
+        {"rod": body},
+        "count = 1",
+        f"gap = {GAP}",
+        f"rate_hz = {1 / STEP}\nduration = 80",
+        {"wall": "point = [1.5, 0, 0]\nnormal = [-1, 0, 0]"},
+        "Strikes",
+        f"[loads]\ngravity = [{GRAVITY}, 0, 0]\n{strikes}",
+    )
+
+
+class Strikes(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.write("rod.geo", scenes.rod())
+        self.scene, self.out = self.write("strikes.toml", scene(STRIKES)), self.folder / "out"
+
+    def test_each_strike_has_its_time_and_speed(self):
+        run = self.succeed(kernel(self.scene, self.out, quiet=False))
+        self.assertEqual(len(list(self.out.glob("*.kernel.h5"))), 1, run.out)
+        run = self.succeed(contact(self.scene, self.out, quiet=False))
+        episodes = self.summary(self.out)["episodes"]
+        names = ["rod", "rod.2", "rod.3"]
+        with h5py.File(self.out / "strikes.result.h5") as file:
+            time = file["time"][:]
+            velocity = {name: file[f"bodies/{name}/velocity"][:, 0] for name in names}
+        struck = []
+        for name, when, speed in zip(names, TIMES, SPEEDS):
+            row = round(when / STEP)
+            before = velocity[name][: row + 1]
+            np.testing.assert_allclose(before, speed + GRAVITY * (time[: row + 1] - when), rtol=0, atol=1e-12)
+            # From the place at `when`, the gap closes by s = v t + g t²/2.
+            closing = (np.sqrt(speed**2 + 2 * GRAVITY * GAP) - speed) / GRAVITY
+            struck.append((when + closing, speed + GRAVITY * closing))
+        self.assertEqual(len(episodes), 3)
+        for episode, (start, approach) in zip(episodes, struck):
+            self.assertAlmostEqual(episode["start_s"], start, delta=1.5 * STEP)
+            self.assertAlmostEqual(episode["approach_m_per_s"], approach, delta=1.1 * GRAVITY * STEP)
+            self.assertAlmostEqual(episode["restitution"], 1, delta=0.02)
+        self.assertIn("each episode", run.out)
+
+    def test_a_strike_alone_is_the_impact_of_the_body_itself(self):
+        alone = self.write("alone.toml", scene('[[strikes]]\nmallet = "rod"\ntime = 0\n'))
+        plain = self.write("plain.toml", scene(""))
+        self.succeed(kernel(plain, self.out))
+        found = []
+        for file in (plain, alone):
+            self.succeed(contact(file, self.out))
+            found.append(self.summary(self.out))
+        for key in ("episodes", "peak_force_n", "impulse_ns", "exit_velocity", "restitution"):
+            self.assertEqual(found[0][key], found[1][key])
+
+    def test_strikes_that_do_not_fit_are_refused_in_one_line(self):
+        for sets, part in [
+            (["strikes[0].time=90"], "strikes[0].time = 90: is not before the end"),
+            (["strikes[0].direction=[0,1,0]"], "cannot move rigidly that way"),
+            (["loads.gravity=[2e-4,0,0]"], '"rod.3" would start behind the surface that it strikes at 60 s'),
+        ]:
+            for program in (kernel, contact):
+                run = program(self.scene, self.out, *sets)
+                if program is kernel and run.status == 0:
+                    continue  # motion matters to the impact only
+                self.assertEqual((run.status, run.err.count("\n")), (2, 1), run.err)
+                self.assertIn(part, run.err)
+
+
+if __name__ == "__main__":
+    unittest.main()
