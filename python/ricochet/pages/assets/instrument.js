@@ -98,7 +98,7 @@ class Instrument {
     this.speed = slider(-2, 1, 0.01, Math.log10(Math.min(10, Math.max(0.01, data.speed))));
     this.damping = slider(-1, 2, 0.01, 0);
     this.volume = slider(0, 2, 0.01, 1);
-    this.outputs = new Map([this.chooser, this.speed, this.damping, this.volume].map(input => [input, make("output")]));
+    this.outputs = new Map([this.chooser, this.speed, this.damping, this.volume].map(input => [input, make("output", {"aria-hidden": "true"})]));
     const field = (text, input) => make("label", {}, text, input, ...(this.outputs.has(input) ? [this.outputs.get(input)] : []));
     const form = make("form", {class: "controls instrument"}, this.button, field("Place", this.chooser), field("Mallet", this.mallet),
       field("Speed", this.speed), field("Damping", this.damping), field("Volume", this.volume));
