@@ -119,8 +119,8 @@ void Player::process(std::span<float> left, std::span<float> right) noexcept {
     } else if (!silent_) {
       body_.glide();
     }
-    left[i] = silent_ ? 0.0F : static_cast<float>(left_.dot(body_.rates()));
-    right[i] = silent_ ? 0.0F : static_cast<float>(right_.dot(body_.rates()));
+    left[i] = silent_ ? 0.0F : static_cast<float>(body_.velocity(left_));
+    right[i] = silent_ ? 0.0F : static_cast<float>(body_.velocity(right_));
   }
   if (body_.alone() && !silent_) silent_ = body_.rest_below(inaudible);
 }

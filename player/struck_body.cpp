@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "contact/stepping/propagator.hpp"
+#include "player/loops.hpp"
 
 namespace ricochet::player {
 namespace {
@@ -21,19 +22,6 @@ Eigen::Index most_points(const Instrument& instrument) {
   Eigen::Index most = 0;
   for (const Place& place : instrument.places) most = std::max(most, place.gap.size());
   return most;
-}
-
-/// Σ a_n b_n in four sums, which compilers turn into vector instructions.
-template <class A, class B>
-double dot(const A& a, const B& b) noexcept {
-  const Eigen::Index n = a.size();
-  const double *const x = a.data(), *const y = b.data();
-  double sums[4] = {0, 0, 0, 0};
-  Eigen::Index k = 0;
-  for (; k + 4 <= n; k += 4)
-    for (Eigen::Index i = 0; i < 4; ++i) sums[i] += x[k + i] * y[k + i];
-  for (; k < n; ++k) sums[0] += x[k] * y[k];
-  return (sums[0] + sums[1]) + (sums[2] + sums[3]);
 }
 
 bool has_residual(const Instrument& instrument) {
@@ -196,27 +184,29 @@ MeanForce::Trial StruckBody::attempt(const MeanWeights& weights) noexcept {
 
 bool StruckBody::step() noexcept {
   const Eigen::Index n = modes_;
-  auto q = q_.head(n), v = v_.head(n), g = g_.head(n), dq = dq_.head(n), push = push_.head(n);
-  g = -stiffness_.head(n).cwiseProduct(q);
-  dq = contact_.S.head(n).cwiseProduct(v) + contact_.c.head(n).cwiseProduct(g);
-  push = q + dq;
+  auto next = push_.head(n);
+  increment(stiffness_.data(), contact_.S.data(), contact_.c.data(), q_.data(), v_.data(), g_.data(),
+            dq_.data(), n);
+  next = q_.head(n) + dq_.head(n);
   for (int slot = 0; slot < slots_; ++slot)
     for (Eigen::Index i = slot * points_; i < slot * points_ + count_[slot]; ++i)
-      free_u_(i) = dot(B_.row(i).head(n), push);
+      free_u_(i) = dot(&B_(i, 0), next.data(), n);
   const MeanForce::Trial trial = mean_.solve([this](const MeanWeights& weights) { return attempt(weights); });
 
   force_ = next_force_.head(rows_).sum();
-  if (trial.status != SolveStatus::solved || !std::isfinite(trial.removed + force_ + push.sum())) {
+  if (trial.status != SolveStatus::solved || !std::isfinite(trial.removed + force_ + next.sum())) {
     rest();
     return false;
   }
-  push.setZero();
-  for (Eigen::Index i = 0; i < rows_; ++i)
-    if (next_force_(i) != 0) push += next_force_(i) * B_.row(i).head(n).transpose();
-  dq -= contact_.c.head(n).cwiseProduct(push);
-  g -= push;
-  q += dq;
-  v = contact_.rate.head(n).cwiseProduct(v) + contact_.S.head(n).cwiseProduct(g);
+  if (force_ != 0) {
+    auto push = push_.head(n);
+    push.setZero();
+    for (Eigen::Index i = 0; i < rows_; ++i)
+      if (next_force_(i) != 0) push += next_force_(i) * B_.row(i).head(n).transpose();
+    dq_.head(n) -= contact_.c.head(n).cwiseProduct(push);
+    g_.head(n) -= push;
+  }
+  advance(contact_.rate.data(), contact_.S.data(), g_.data(), dq_.data(), q_.data(), v_.data(), n);
   removed_ += trial.removed;
   residual_ = 0.5 * trial.in_residual;
   rest_.swap(next_rest_);
@@ -226,10 +216,9 @@ bool StruckBody::step() noexcept {
 }
 
 void StruckBody::glide() noexcept {
-  auto q = q_.head(N_), v = v_.head(N_), g = g_.head(N_);
-  g = -stiffness_.head(N_).cwiseProduct(q);
-  q += free_.S.cwiseProduct(v) + free_.c.cwiseProduct(g);
-  v = free_.rate.cwiseProduct(v) + free_.S.cwiseProduct(g);
+  increment(stiffness_.data(), free_.S.data(), free_.c.data(), q_.data(), v_.data(), g_.data(), dq_.data(),
+            N_);
+  advance(free_.rate.data(), free_.S.data(), g_.data(), dq_.data(), q_.data(), v_.data(), N_);
   force_ = 0;
 }
 

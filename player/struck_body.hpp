@@ -16,6 +16,7 @@
 #include "contact/complementarity/complementarity.hpp"
 #include "contact/stepping/mean_force.hpp"
 #include "player/instrument.hpp"
+#include "player/loops.hpp"
 
 namespace ricochet::player {
 
@@ -57,8 +58,9 @@ class StruckBody {
   bool rest_below(double least) noexcept;
   void rest() noexcept;  ///< takes all mallets away and stops all motion
 
-  double force() const { return force_; }     ///< Σ λ̄ of the last step [N]
-  auto rates() const { return v_.head(N_); }  ///< (N) q̇ of the body
+  double force() const { return force_; }  ///< Σ λ̄ of the last step [N]
+  /// Σ row · q̇ over the modes of the body. @param row  (N)
+  double velocity(const Vector& row) const noexcept { return dot(row.data(), v_.data(), N_); }
   /// √(q̇² + ω²q²) of a mode of the body.
   double amplitude(Eigen::Index n) const noexcept {
     return std::sqrt(v_(n) * v_(n) + stiffness_(n) * q_(n) * q_(n));
