@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ricochet import runs
+from ricochet import programs, runs
 from ricochet.errors import InputError
 from ricochet.interchange.instrument import Blow, Instrument, instrument_of
 from ricochet.kernel import Kernel
@@ -51,7 +51,7 @@ def write_instrument(
         instrument = instrument_of(scene, found, body)
     else:
         instrument, scene, found = of_scene(source, body, spacing, settings, kernels, ranks)
-        folder = kernels or scene.out
+        folder = kernels or programs.out_folder(source)
     path = out or folder / f"{scene.slug}.html"
     save_page(
         run_of_instrument(instrument, scene, found[instrument.body]), path, "instrument.html", INSTRUMENT
@@ -78,7 +78,9 @@ def of_scene(
 
 def all_over(blow: Blow, spacing: float | None, folder: Path, ranks: int) -> dict[str, Kernel]:
     """Kernels with candidates all over the mallet and, at distances of `spacing`, all over the body. Missing
-    ones are computed."""
+    ones are computed. Without a reach or a zone, those of the scene have them."""
+    if spacing is None and not blow.pair.keys() & {"reach", "zone"}:
+        return runs.kernels(blow.scene, ranks, folder)
     modes = blow.table["modes"] | {"residual_components": "all"}
     pair = {key: value for key, value in blow.pair.items() if key not in ("reach", "zone", "spacing")}
     bodies, contact = {blow.mallet: blow.bodies[blow.mallet]}, {}
@@ -87,9 +89,9 @@ def all_over(blow: Blow, spacing: float | None, folder: Path, ranks: int) -> dic
     folder_of_scene = blow.scene.file.parent
     table = blow.table | {"title": f"{blow.scene.title}, {blow.mallet}", "modes": modes, "bodies": bodies}
     mallet = runs.kernels(Scene(table | contact, folder_of_scene), ranks, folder)[blow.mallet]
-    size = float(np.ptp(mallet.node, axis=0).max())
+    size = spacing or 0.5 * float(np.ptp(mallet.node, axis=0).max())
     table |= {"title": f"{blow.scene.title}, {blow.body}", "bodies": blow.bodies}
-    table["contact"] = pair | {"spacing": spacing or size / 2}
+    table["contact"] = pair | ({"spacing": size} if size > 0 else {})  # the end of a rod has no size
     table["output"] = {"view": True, "receiver": blow.receivers}
     return {
         blow.mallet: mallet,

@@ -90,6 +90,8 @@ def place_of(selector):
 
 
 class Bell(unittest.TestCase):
+    shown = "document.getElementById('play').dataset"  # what the page tells tests
+
     @classmethod
     def setUpClass(cls):
         scope = tempfile.TemporaryDirectory(prefix="ricochet-test-")
@@ -163,10 +165,9 @@ class Bell(unittest.TestCase):
 
     def test_it_is_struck_by_mouse_finger_and_keys_and_heard(self):
         browser = self.browser()
-        shown = "document.getElementById('play').dataset"
 
         def struck(number):
-            browser.wait_for(f"{shown}.strikes === '{number}' && {shown}.peak")
+            browser.wait_for(f"{self.shown}.blows === '{number}'")
 
         browser.open(self.page)
         before = browser.evaluate("document.querySelector('.status').textContent")
@@ -221,7 +222,6 @@ class Bell(unittest.TestCase):
 
         def peak_after(change, number):
             browser.evaluate(f"({act})({change})")
-            browser.evaluate(f"delete {self.shown}.peak")
             browser.click(*browser.evaluate(place_of("#play button.strike")))
             struck(number)
             return float(browser.evaluate(f"{self.shown}.peak"))
@@ -233,12 +233,27 @@ class Bell(unittest.TestCase):
         browser.evaluate(f"({act})(played.damping, 2, 'input')")
         browser.wait_for("Math.max(...played.voice.spectrum()) < -100")
 
-    shown = "document.getElementById('play').dataset"
-
     def keep(self, browser, wide):
         if KEEP:
             browser.screenshot(KEEP / f"instrument-{wide}.png")
             shutil.copy(self.page, KEEP)
+
+    def test_the_page_is_small(self):
+        instrument = run_of(self.page.read_text())["instrument"]
+        self.assertLess(len(base64.b64decode(instrument["wasm"])), 300_000)
+        self.assertLess(self.page.stat().st_size, 5e6)
+        self.assertGreater(instrument["points"]["shape"][0], 50)
+
+    def test_scenes_without_a_mallet_are_refused_in_one_line(self):
+        for words, reason in (
+            ([self.folder / "bell.toml", "--body", "drum"], "no pair of 'drum' with another body"),
+            ([self.result.path, "--spacing", "0.1"], "is a result"),
+            ([self.folder / "none.toml"], "none.toml"),
+        ):
+            done = Run([BIN / "ricochet", "export", "--web", *words, "-o", self.folder / "none.html"])
+            self.assertEqual((done.status, done.err.count("\n")), (2, 1), done.err)
+            self.assertIn(reason, done.err)
+        self.assertFalse((self.folder / "none.html").exists())
 
     def test_every_control_has_a_name_and_can_be_reached_by_keyboard(self):
         browser = self.browser()

@@ -151,11 +151,14 @@ class Striking:
         )
 
 
-def instrument_of(scene: Scene, kernels: Mapping[str, Kernel], body: str | None = None) -> Instrument:
+def instrument_of(
+    scene: Scene, kernels: Mapping[str, Kernel], body: str | None = None, most: int = MOST_PLACES
+) -> Instrument:
     """The instrument of a scene in which two bodies meet. Places are the candidates of the kernel of `body`
     that the other body, the mallet, can reach with the same tip as in the scene.
 
     body: which of them sounds; default: the one with receivers, otherwise the one with supports.
+    most: largest number of places besides that of the scene.
 
     Raises InputError for a scene without such a pair, and for kernels that do not fit.
     """
@@ -172,7 +175,7 @@ def instrument_of(scene: Scene, kernels: Mapping[str, Kernel], body: str | None 
         system, speed = striking.system({"velocity": tip.out}, None, pickups), 1.0
     own = striking.place(system, tip.point, -tip.out, OWN_POINTS)
     own = replace(own, rate=own.rate / speed)
-    places = [own, *tip.elsewhere(struck)]
+    places = [own, *tip.elsewhere(struck, most)]
     sound = system["pickups"][:, striking.modes[blow.body]]
     channels, sound = loudest(channels, sound, own.rows[:, : len(struck.angular_frequency)])
     time = scene.resolved["time"]
@@ -209,7 +212,8 @@ def channels_of(blow: Blow, kernel: Kernel) -> tuple[list[str], list[_core.Picku
             [_core.Pickup(blow.body, name, 0, np.eye(3)[axis].tolist()) for name, axis in wanted],
         )
     far = int(np.argmax(np.linalg.norm(kernel.node - kernel.node.mean(axis=0), axis=1)))
-    return [f"point {far}"], [_core.Pickup(blow.body, "", far, kernel.normal[far].tolist())]
+    along = kernel.normal[far] if kernel.direction is None else kernel.direction
+    return [f"point {far}"], [_core.Pickup(blow.body, "", far, along.tolist())]
 
 
 def loudest(names: list[str], sound: Array, rows: Array) -> tuple[list[str], Array]:
@@ -235,14 +239,14 @@ class Tip:
         self.turned = np.asarray(system["rotation"][which])
         self.at = self.turned.T @ (own - np.asarray(system["translation"][which]))  # its own axes
 
-    def elsewhere(self, kernel: Kernel) -> list[Place]:
+    def elsewhere(self, kernel: Kernel, most: int) -> list[Place]:
         """Places at the candidates of the body, in front of which the mallet fits."""
         asked = self.striking.blow.bodies[self.striking.blow.body]
         turned = rotation_of(asked.get("rotate_deg", [0, 0, 0]))
         points = kernel.node @ turned.T + np.array(asked.get("translate", [0, 0, 0]), float)
         normals = kernel.normal @ turned.T
-        out, bar = [], Progress(min(MOST_PLACES, len(points)))
-        for k in spread(points, MOST_PLACES):
+        out, bar = [], Progress(min(most, len(points)))
+        for k in spread(points, most):
             bar.advance("places")
             with contextlib.suppress(InputError):  # the mallet does not fit, or its kernel ends there
                 out.append(self.in_front(points[k], normals[k]))

@@ -20,6 +20,7 @@ from ricochet.result_file import is_there
 from ricochet.scene import Scene
 
 TRIANGLES = 20_000  # maximum number of the body
+REPORTED = 8  # maximum number of places on the page of a run, because each takes a tenth of a second
 ELEVATION = 0.4  # of the viewpoint [rad]
 
 
@@ -29,7 +30,7 @@ def module() -> bytes:
         if is_there(path):
             return path.read_bytes()
     raise InputError(
-        f"{FOLDER / 'player.wasm'}: there is no such file, which pages to play need. "
+        "player.wasm: pages to play need this file, which a build without emscripten does not make. "
         "Run scripts/setup --web and scripts/build."
     )
 
@@ -106,7 +107,7 @@ def of_run(path: Path, folder: Path) -> dict[str, Any]:
     """The instrument of a result for its page, or {"missing": reason}."""
     try:
         scene, kernels = of_result(Result(path), folder)
-        instrument = instrument_of(scene, kernels)
+        instrument = instrument_of(scene, kernels, most=REPORTED)
         return played(instrument, scene, kernels[instrument.body])
     except InputError as problem:
         return {"missing": str(problem)}
@@ -120,4 +121,5 @@ def of_result(result: Result, folder: Path) -> tuple[Scene, dict[str, Kernel]]:
         if not is_there(file):
             raise InputError(f"{file}: there is no such kernel. Name its folder with --kernels.")
         found[name] = Kernel(file)
-    return Scene(result.scene, result.path.parent), found
+    table = {key: value for key, value in result.scene.items() if key != "loads"}
+    return Scene(table, result.path.parent), found

@@ -69,7 +69,7 @@ class Voice {
 
 class Instrument {
   constructor(section, data, picture, canvas) {
-    Object.assign(this, {data, picture, canvas, section, strikes: 0, place: 0});
+    Object.assign(this, {data, picture, canvas, section, blows: 0, place: 0});
     this.points = unpack(data.points);
     this.normals = unpack(data.normals);
     this.frequency = unpack(data.frequency);
@@ -198,7 +198,6 @@ class Instrument {
       this.status.textContent = `No sound: ${error.message}`;
       throw error;
     }
-    this.section.dataset.strikes = ++this.strikes;
     this.bounce();
     this.listenOn();
   }
@@ -214,7 +213,7 @@ class Instrument {
       `${quantity(this.struck.speed, "m/s", 3)}: ${force}. ${tones}`;
     this.forcePlot.setAttribute("aria-label", `Contact force: ${force}.`);
     this.spectrumPlot.setAttribute("aria-label", `Spectrum. ${tones}`);
-    Object.assign(this.section.dataset, {peak, partials: loud.join(" ")});
+    Object.assign(this.section.dataset, {peak, partials: loud.join(" "), blows: ++this.blows});
     this.drawForce();
   }
 
@@ -322,8 +321,13 @@ class Instrument {
     this.line(paper, Array.from({length: count}, (_, k) => [wide * k / count, y(levels[k])]), "--body0");
     paper.textAlign = "left";
     paper.fillStyle = cssText("--ink");
-    for (const f of (this.section.dataset.partials ?? "").split(" ").filter(Boolean).map(Number))
-      if (f < top) paper.fillText(`${Math.round(f)}`, Math.min(wide - 3 * em, wide * f / top + 0.3 * em), 0.9 * em + y(levels[Math.round(f / half * levels.length)] + 3));
+    const named = [];
+    for (const f of (this.section.dataset.partials ?? "").split(" ").filter(Boolean).map(Number)) {
+      const x = Math.min(wide - 3 * em, wide * f / top + 0.3 * em), at = 0.9 * em + y(levels[Math.round(f / half * levels.length)] + 3);
+      if (f > top || named.some(other => Math.abs(other - x) < 3 * em)) continue;
+      named.push(x);
+      paper.fillText(`${Math.round(f)}`, x, at);
+    }
     return highest - this.top;
   }
 }
