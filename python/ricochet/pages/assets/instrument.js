@@ -324,7 +324,7 @@ class Instrument {
     const named = [];
     for (const f of (this.section.dataset.partials ?? "").split(" ").filter(Boolean).map(Number)) {
       const x = Math.min(wide - 3 * em, wide * f / top + 0.3 * em), at = 0.9 * em + y(levels[Math.round(f / half * levels.length)] + 3);
-      if (f > top || named.some(other => Math.abs(other - x) < 3 * em)) continue;
+      if (f > top || at > high || named.some(other => Math.abs(other - x) < 3 * em)) continue;
       named.push(x);
       paper.fillText(`${Math.round(f)}`, x, at);
     }
