@@ -16,6 +16,10 @@ using contact::MeanForce;
 using contact::MeanWeights;
 using contact::SolveStatus;
 
+/// Gap of rows without a contact point [m], which therefore never close. It is small because the tolerance of
+/// the solver is relative to the largest gap.
+constexpr double absent = 1e-9;
+
 constexpr contact::SolveOptions same_matrix{.same_matrix = true};
 
 Eigen::Index most_points(const Instrument& instrument) {
@@ -58,6 +62,7 @@ StruckBody::StruckBody(const Instrument& instrument, int mallets, double step, d
   for (Vector* x : {&free_.S, &free_.c, &free_.rate}) x->setZero(N_);
   for (Vector* x : {&gap_, &u_, &free_u_, &rhs_, &rest_, &next_rest_, &next_u_, &next_end_, &next_force_})
     x->setZero(rows);
+  gap_.setConstant(absent);
   B_.setZero(rows, modes);
   for (Eigen::MatrixXd* x : {&M_, &R_, &S_, &S_mean_}) x->setZero(rows, rows);
   stiffness_.head(N_) = instrument.omega.cwiseAbs2();
@@ -117,7 +122,7 @@ void StruckBody::take(int slot) noexcept {
     x->middleRows(row, points_).setZero();
     x->middleCols(row, points_).setZero();
   }
-  gap_.segment(row, points_).setOnes();  // rows without a point never close
+  gap_.segment(row, points_).setConstant(absent);
   for (Vector* x : {&u_, &free_u_, &rest_, &next_end_, &next_force_, &next_u_, &next_rest_})
     x->segment(row, points_).setZero();
   renumber();
