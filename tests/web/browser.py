@@ -26,7 +26,8 @@ PATIENCE_S = 60
 
 
 class Browser:
-    """One page. `messages` are those of its console and its errors; `requests` are the addresses that it asked for."""
+    """One page. `messages` are those of its console and its errors; `requests` are the
+    addresses outside the page that it asked for."""
 
     def __init__(self, profile):
         reading, self.to = os.pipe()
@@ -67,7 +68,7 @@ class Browser:
         text, self.rest = self.rest.split(b"\0", 1)
         message = json.loads(text)
         method, told = message.get("method"), message.get("params", {})
-        if method == "Network.requestWillBeSent":
+        if method == "Network.requestWillBeSent" and not told["request"]["url"].startswith("data:"):
             self.requests.append(told["request"]["url"])
         elif method == "Runtime.consoleAPICalled":
             self.messages.append(" ".join(str(part.get("value")) for part in told["args"]))

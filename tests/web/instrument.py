@@ -238,6 +238,17 @@ class Bell(unittest.TestCase):
             browser.screenshot(KEEP / f"instrument-{wide}.png")
             shutil.copy(self.page, KEEP)
 
+    def test_the_page_of_a_run_can_be_played_too(self):
+        page = self.run_ricochet("report", self.result.path, "--out", self.folder / "report.html")
+        browser = self.browser()
+        browser.open(page)
+        browser.click(*browser.evaluate(place_of("#play button.strike")))
+        browser.wait_for(f"{self.shown}.blows === '1'")
+        peak = float(browser.evaluate(f"{self.shown}.peak"))
+        # The first place is that of the run, but the rate of the device may differ from that of the scene.
+        self.assertAlmostEqual(peak, self.result.summary["peak_force_n"], delta=0.1 * peak)
+        self.assertEqual((browser.messages, browser.requests), ([], [page.resolve().as_uri()]))
+
     def test_the_page_is_small(self):
         instrument = run_of(self.page.read_text())["instrument"]
         self.assertLess(len(base64.b64decode(instrument["wasm"])), 300_000)
