@@ -15,7 +15,7 @@ function instrument(section, data) {
   if (!picture.gl) return section.append(make("p", {class: "note"}, "This browser shows no WebGL 2, which the picture of the body needs."));
   if (typeof AudioWorkletNode === "undefined" || typeof WebAssembly === "undefined")
     section.append(make("p", {class: "warning"}, "This browser cannot compute sound here (no AudioWorklet or no WebAssembly). " +
-      "Open the page from a file or over https, in a browser of 2021 or later."));
+      "Open the page from a file or over https, in a browser of 2023 or later."));
   return new Instrument(section, data, picture, canvas);
 }
 
