@@ -14,6 +14,7 @@ import numpy as np
 from ricochet import _core
 from ricochet.arrays import Array
 from ricochet.errors import InputError
+from ricochet.interchange.rotations import angles_of, rotation_of, turn_between
 from ricochet.kernel import Kernel
 from ricochet.progress import Progress
 from ricochet.scene import Scene
@@ -266,9 +267,6 @@ class Tip:
         return striking.place(striking.system(keys, 0.0, []), point, normal, MOST_POINTS)
 
 
-# ---- Geometry ----
-
-
 def spread(points: Array, most: int) -> Iterator[int]:
     """Indices of at most `most` points, each the farthest from those before it."""
     away = np.full(len(points), np.inf)
@@ -277,39 +275,3 @@ def spread(points: Array, most: int) -> Iterator[int]:
         yield chosen
         away = np.minimum(away, np.linalg.norm(points - points[chosen], axis=1))
         chosen = int(np.argmax(away))
-
-
-def rotation_of(degrees: Array | list[float]) -> Array:
-    """(3,3) about the fixed axes x, then y, then z."""
-    out = np.eye(3)
-    for axis, angle in enumerate(np.radians(degrees)):
-        one, two = (axis + 1) % 3, (axis + 2) % 3
-        turn = np.eye(3)
-        turn[one, one] = turn[two, two] = np.cos(angle)
-        turn[one, two], turn[two, one] = -np.sin(angle), np.sin(angle)
-        out = turn @ out
-    return out
-
-
-def angles_of(rotation: Array) -> Array:
-    """The degrees of which rotation_of makes this rotation."""
-    y = np.arctan2(-rotation[2, 0], np.hypot(rotation[2, 1], rotation[2, 2]))
-    z = np.arctan2(rotation[1, 0], rotation[0, 0])
-    back = rotation_of([0, 0, -np.degrees(z)]) @ rotation
-    x = np.arctan2(-back[1, 2], back[1, 1])
-    return np.degrees([x, y, z])
-
-
-def turn_between(start: Array, end: Array) -> Array:
-    """(3,3) the smallest rotation from one unit vector to another."""
-    axis = np.cross(start, end)
-    sine, cosine = float(np.linalg.norm(axis)), float(start @ end)
-    if sine < 1e-12:
-        if cosine > 0:
-            return np.eye(3)
-        axis = np.cross(start, np.eye(3)[np.argmin(np.abs(start))])
-        sine = float(np.linalg.norm(axis))
-        return 2 * np.outer(axis, axis) / sine**2 - np.eye(3)
-    x, y, z = axis / sine
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.eye(3) + sine * cross + (1 - cosine) * cross @ cross

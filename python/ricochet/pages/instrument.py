@@ -10,7 +10,8 @@ import numpy as np
 from ricochet import programs
 from ricochet.arrays import Array
 from ricochet.errors import InputError
-from ricochet.interchange.instrument import Instrument, instrument_of, rotation_of
+from ricochet.interchange.instrument import Instrument, instrument_of
+from ricochet.interchange.rotations import rotation_of
 from ricochet.kernel import Kernel
 from ricochet.pages.motion import coarser, packed, tube
 from ricochet.pages.page import FOLDER
