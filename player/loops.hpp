@@ -37,4 +37,15 @@ inline void advance(const double* __restrict rate, const double* __restrict S, c
   }
 }
 
+/// Both at once, for free flight.
+inline void fly(const double* __restrict stiffness, const double* __restrict S, const double* __restrict c,
+                const double* __restrict rate, double* __restrict q, double* __restrict v,
+                std::ptrdiff_t n) noexcept {
+  for (std::ptrdiff_t k = 0; k < n; ++k) {
+    const double g = -stiffness[k] * q[k], speed = v[k];
+    q[k] += S[k] * speed + c[k] * g;
+    v[k] = rate[k] * speed + S[k] * g;
+  }
+}
+
 }  // namespace ricochet::player

@@ -42,7 +42,8 @@ Player::Player(const Instrument& instrument, double rate_hz)
       body_(instrument, most_mallets, 1 / (rate_hz * per_sample_), 1 / rate_hz),
       left_(instrument.left),
       right_(instrument.right),
-      forces_(most_forces) {
+      forces_(most_forces),
+      mono_(instrument.left == instrument.right) {
   for (Eigen::Index n = 0; n < left_.size(); ++n)
     if (instrument.omega(n) == 0 || instrument.omega(n) >= std::numbers::pi * rate_hz)
       left_(n) = right_(n) = 0;
@@ -120,7 +121,7 @@ void Player::process(std::span<float> left, std::span<float> right) noexcept {
       body_.glide();
     }
     left[i] = silent_ ? 0.0F : static_cast<float>(body_.velocity(left_));
-    right[i] = silent_ ? 0.0F : static_cast<float>(body_.velocity(right_));
+    right[i] = silent_ || mono_ ? left[i] : static_cast<float>(body_.velocity(right_));
   }
   if (body_.alone() && !silent_) silent_ = body_.rest_below(inaudible);
 }

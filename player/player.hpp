@@ -79,6 +79,7 @@ class Player {
   Eigen::VectorXd left_, right_;  ///< (N) without modes that cannot be heard at this rate
   std::array<Slot, most_mallets> slots_{};
   std::vector<double> forces_;
+  bool mono_;  ///< whether both channels are the same
   std::size_t force_count_ = 0;
   double peak_force_ = 0, damping_ = 1;
   bool new_damping_ = false, silent_ = true;

@@ -221,9 +221,7 @@ bool StruckBody::step() noexcept {
 }
 
 void StruckBody::glide() noexcept {
-  increment(stiffness_.data(), free_.S.data(), free_.c.data(), q_.data(), v_.data(), g_.data(), dq_.data(),
-            N_);
-  advance(free_.rate.data(), free_.S.data(), g_.data(), dq_.data(), q_.data(), v_.data(), N_);
+  fly(stiffness_.data(), free_.S.data(), free_.c.data(), free_.rate.data(), q_.data(), v_.data(), N_);
   force_ = 0;
 }
 

@@ -33,7 +33,7 @@ Sound render(Player& player, std::size_t samples) {
 
 /// Forces of all contact steps, and the velocities of the pickups after each sample, by the library.
 struct Reference {
-  std::vector<double> force, velocity;
+  std::vector<double> force, velocity, right;
   double peak = 0;
   Reference(Scene scene, double contact_rate_hz, std::int64_t samples) {
     scene.rate_hz = contact_rate_hz;
@@ -45,8 +45,10 @@ struct Reference {
         simulation.step_block(std::ssize(force), {.velocity = every.data(), .total_force = force.data()});
     EXPECT_EQ(done.status, StepStatus::ok);
     for (std::size_t k = static_cast<std::size_t>(per_sample); k <= force.size();
-         k += static_cast<std::size_t>(per_sample))
+         k += static_cast<std::size_t>(per_sample)) {
       velocity.push_back(every[2 * (k - 1)]);
+      right.push_back(every[2 * (k - 1) + 1]);
+    }
     for (const double f : force) peak = std::max(peak, f);
   }
 };
@@ -68,7 +70,10 @@ TEST(Player, has_the_forces_and_the_sound_of_the_library) {
     for (std::size_t k = forces.size(); k < library.force.size(); ++k) ASSERT_EQ(library.force[k], 0) << k;
     const double loudest = *std::ranges::max_element(library.velocity);
     for (std::size_t k = 0; k < 400; ++k)  // 1e-6: single precision of the sound
+    {
       ASSERT_NEAR(sound.left[k], library.velocity[k], 1e-6 * loudest) << k;
+      ASSERT_NEAR(sound.right[k], library.right[k], 1e-6 * loudest) << k;
+    }
     EXPECT_EQ(player.mallets(), 0);
     EXPECT_EQ(player.failures(), 0);
   }
