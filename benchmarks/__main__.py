@@ -11,7 +11,7 @@ import sys
 
 from ricochet import errors
 
-SUBCOMMANDS = ("modes", "basis", "settings", "contact", "friction", "sweep", "scale")
+SUBCOMMANDS = ("modes", "basis", "settings", "contact", "friction", "sweep", "scale", "web")
 
 
 def main():

@@ -52,7 +52,8 @@ _ricochet() {
         return
     fi
     case $what in
-        plot|report|export|ricochet-recast) endings=h5 ;;
+        plot|report|ricochet-recast) endings=h5 ;;
+        export) endings='h5 toml' ;;
         calculix) endings=inp ;;
         matrices) endings='mtx txt' ;;
         surfaces) endings='step stp brep geo msh' ;;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "contact/api/scene_model.hpp"
 #include "contact/input/history_file.hpp"
 #include "python/bindings/arrays.hpp"
 #include "ricochet/ricochet.hpp"
@@ -153,6 +154,42 @@ py::dict energy(const Simulation& simulation) {
   return out;
 }
 
+py::array_t<double> array(const contact::Matrix& values) {
+  py::array_t<double> out({values.rows(), values.cols()});
+  std::copy_n(values.data(), values.size(), out.mutable_data());
+  return out;
+}
+
+py::array_t<double> array(const contact::Vector& values) {
+  return py::array_t<double>(values.size(), values.data());
+}
+
+/// The constant system of a scene that Simulation steps (contact/model/model.hpp), by the names of its parts.
+py::dict contact_system(const scene::Scene& scene, const std::vector<Kernel>& kernels,
+                        const std::vector<Pickup>& pickups) {
+  check_steppable(scene);
+  const Scene asked = scene_of(scene, kernels, pickups);
+  const contact::Model model = programs::in_scene(scene, [&] { return model_of(asked); });
+  py::dict out;
+  out["B"] = array(model.B);
+  out["R"] = array(model.R);
+  out["gap"] = array(model.gap);
+  out["area"] = array(model.area);
+  out["point_a"] = array(model.point_a);
+  out["point_b"] = array(model.point_b);
+  out["normal"] = array(model.normal);
+  out["rate"] = array(model.v0);
+  py::list rotations, translations;
+  for (const contact::Model::BodyBlock& body : model.bodies) {
+    rotations.append(array(contact::Matrix(body.rotation)));
+    translations.append(array(contact::Vector(body.translation)));
+  }
+  out["rotation"] = rotations;
+  out["translation"] = translations;
+  out["pickups"] = array(pickups_of(asked, model));
+  return out;
+}
+
 py::array_t<double> pickups(const Simulation& simulation,
                             double (Simulation::*what)(std::size_t) const noexcept) {
   py::array_t<double> out(length(simulation.pickups()));
@@ -168,6 +205,7 @@ void bind_simulation(py::module_& module) {
       .def(py::init([](std::string body, std::string receiver, std::size_t candidate, Vector3 direction) {
         return Pickup{std::move(body), std::move(receiver), candidate, direction};
       }));
+  module.def("contact_system", &contact_system);
   py::class_<Stepper> stepper(module, "Simulation");
   stepper.def(py::init<scene::Scene, const std::vector<Kernel>&, const std::vector<Pickup>&>())
       .def("step", &Stepper::step, py::call_guard<py::gil_scoped_release>())

@@ -4,6 +4,7 @@
 from collections.abc import Callable, Sequence
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,6 +75,8 @@ class State: ...
 
 class Pickup:
     def __init__(self, body: str, receiver: str, candidate: int, direction: Sequence[float]) -> None: ...
+
+def contact_system(scene: Scene, kernels: Sequence[Kernel], pickups: Sequence[Pickup]) -> dict[str, Any]: ...
 
 class Simulation:
     def __init__(self, scene: Scene, kernels: Sequence[Kernel], pickups: Sequence[Pickup]) -> None: ...

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Sources of the core include only Eigen, the standard library and headers of the core itself.
+"""Sources of the core and of the player include only Eigen, the standard library and headers of the core itself.
 
     core_includes.py COMPILER ROOT EIGEN
 
@@ -14,7 +14,7 @@ from pathlib import Path
 
 ROOMS = ("pairing", "model", "complementarity", "stepping")
 OWN = re.compile(
-    r"(base/format\.[ch]pp|kernels/(kernel\.cpp|format\.hpp)|include/ricochet/\w+\.hpp|contact/(%s)/\w+\.[ch]pp)$"
+    r"(base/format\.[ch]pp|kernels/(kernel\.cpp|format\.hpp)|include/ricochet/\w+\.hpp|contact/(%s)/\w+\.[ch]pp|player/\w+\.[ch]pp)$"
     % "|".join(ROOMS)
 )
 STANDARD = "#include <bits/stdc++.h>\n#include <immintrin.h>\n"
@@ -37,6 +37,7 @@ def main():
     sources = [root / "base/format.cpp", root / "kernels/kernel.cpp"]
     for room in ROOMS:
         sources += sorted((root / "contact" / room).glob("*.cpp"))
+    sources += sorted((root / "player").glob("*.cpp"))
     assert len(sources) > 20, sources
     known = includes(compiler, [], "-", STANDARD)
     strangers = []

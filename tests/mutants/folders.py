@@ -57,6 +57,7 @@ FOLDERS = {
         + _programs("spin", "table", "driven", "motion", "rods", "friction")
         + ("python/friction", "python/api", *_programs("exports", "report", "robust")),
     ),
+    "player": Folder("player/*.cpp", ("test_player",)),
     "kernels": Folder(
         "kernels/*.cpp",
         ("test_kernels", "test_scene", "test_contact", "fuzz/kernel")

@@ -9,6 +9,7 @@ import numpy as np
 
 from programs import ProgramTest
 from ricochet import surfaces
+from ricochet.interchange.rotations import angles_of, rotation_of, turn_between
 from ricochet.pages import motion
 from ricochet.pictures.viewpoint import View, clearest, clearness, spread, views
 
@@ -237,6 +238,35 @@ class Bodies(unittest.TestCase):
                 np.linalg.norm(away), min(np.linalg.norm(point - x) for x in np.concatenate(places))
             )
             np.testing.assert_allclose(places[body][node] + away, point)
+
+
+class Rotations(unittest.TestCase):
+    def test_degrees_turn_about_x_then_y_then_z(self):
+        np.testing.assert_allclose(rotation_of([90, 0, 0]) @ Y, Z, atol=1e-15)
+        np.testing.assert_allclose(rotation_of([90, 90, 0]) @ Y, X, atol=1e-15)
+        np.testing.assert_allclose(rotation_of([90, 90, 90]) @ Y, Y, atol=1e-15)
+
+    def test_degrees_of_a_rotation_give_it_back(self):
+        random = np.random.default_rng(1)
+        for _ in range(100):
+            turned = np.linalg.qr(random.normal(size=(3, 3)))[0]
+            turned *= np.linalg.det(turned)
+            np.testing.assert_allclose(rotation_of(angles_of(turned)), turned, atol=1e-14)
+        for degrees in ([10, 90, 20], [0, -90, 70]):  # x and z turn about the same axis
+            turned = rotation_of(degrees)
+            np.testing.assert_allclose(rotation_of(angles_of(turned)), turned, atol=1e-14)
+
+    def test_the_smallest_turn_maps_one_direction_to_another(self):
+        random = np.random.default_rng(2)
+        starts = random.normal(size=(50, 3))
+        for start, end in [*zip(starts, starts[::-1]), (X, X), (Z, -Z), (X + Y, -X - Y)]:
+            start, end = start / np.linalg.norm(start), end / np.linalg.norm(end)
+            turn = turn_between(start, end)
+            np.testing.assert_allclose(turn @ start, end, atol=1e-14)
+            np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-14)
+            self.assertAlmostEqual(np.linalg.det(turn), 1, delta=1e-14)
+            # It turns by the angle between them: 1 + 2 cos is the trace.
+            self.assertAlmostEqual(np.trace(turn), 1 + 2 * start @ end, delta=1e-13)
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ VERBS = {
     "tradeoff": "compare cost and error of the settings of a scene",
     "surfaces": "list and draw the surfaces of a drawing or mesh",
     "import": "write a body file from the matrices of another program",
-    "export": "write a kernel in the form that another program reads",
+    "export": "write a body for another program, or as a page to play",
     "batch": "run a study on a SLURM cluster",
 }
 MODULES = {"import": "import_"}  # a Python keyword cannot name a module

@@ -1,47 +1,87 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Writes a kernel in the format of another program to standard output. --faust writes a modal model for the Faust language.
+"""Writes a body in the format of another program. --faust writes a modal model for the Faust language to standard output;
+--web writes a page on which the body is struck and heard.
 
   ricochet export --faust out/bell-0123456789ab.kernel.h5 --excite 17 --receive mic:x > bell.dsp
   faust2jaqt bell.dsp
+  ricochet export --web meshes/bell/bell.toml -o bell.html
 
-The model turns the force at one place into the velocity of others. A place is the name of a receiver, the number of a contact
-point, from 0, or x,y,z [m] in the axes of the body for the nearest contact point. It may be followed by a colon and a direction:
-x, y, z or three numbers. The default direction at a contact point is its normal. docs/interchange.md describes the model.
+The Faust model turns the force at one place into the velocity of others. A place is the name of a receiver, the number of a
+contact point, from 0, or x,y,z [m] in the axes of the body for the nearest contact point. It may be followed by a colon and a
+direction: x, y, z or three numbers. The default direction at a contact point is its normal. docs/interchange.md describes the
+model.
+
+The page is one file that opens in any browser, without a network (docs/web.md). From a scene, the body can be struck all over
+its contact surface; missing kernels are computed. From a result, it can be struck where its kernels have contact points.
 """
 import argparse
 import signal
 from pathlib import Path
 
-from ricochet.cli.options import positive
+from ricochet.cli.options import positive, ranks
+from ricochet.errors import InputError
+from ricochet.instruments import write_instrument
 from ricochet.interchange import faust
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("kernel", type=Path, metavar="KERNEL.h5")
+    parser.add_argument("source", type=Path, metavar="FILE", help="KERNEL.h5; --web: SCENE.toml or RESULT.h5")
     formats = parser.add_mutually_exclusive_group(required=True)
     formats.add_argument("--faust", action="store_true", help="a Faust modal model")
-    parser.add_argument("--excite", required=True, metavar="PLACE", help="where a force acts")
-    parser.add_argument(
+    formats.add_argument("--web", action="store_true", help="a page to play")
+    model = parser.add_argument_group("options of --faust")
+    model.add_argument("--excite", metavar="PLACE", help="where a force acts")
+    model.add_argument(
         "--receive",
-        required=True,
         action="append",
         metavar="PLACE",
         help="whose velocity is put out; repeatable",
     )
-    parser.add_argument(
+    model.add_argument(
         "--rate",
         type=positive,
         default=44100,
         metavar="HZ",
         help="lowest sample rate to play at (default: 44100)",
     )
-    parser.add_argument(
+    model.add_argument(
         "--t60", type=positive, metavar="S", help="decay time by 60 dB of modes without damping"
     )
-    parser.add_argument("--button", action="store_true", help="a button strikes, instead of a force signal")
+    model.add_argument("--button", action="store_true", help="a button strikes, instead of a force signal")
+    page = parser.add_argument_group("options of --web")
+    page.add_argument(
+        "-o", "--out", type=Path, metavar="PAGE.html", help="default: SLUG.html beside the file"
+    )
+    page.add_argument("--body", metavar="NAME", help="that sounds (default: the one with receivers)")
+    page.add_argument(
+        "--spacing", type=positive, metavar="M", help="between places (default: half the size of the mallet)"
+    )
+    page.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="override a scene key; repeatable"
+    )
+    page.add_argument(
+        "--kernels", type=Path, metavar="DIR", help="folder of kernels (default: out/, or beside the result)"
+    )
+    page.add_argument(
+        "-n", "--ranks", type=ranks, default=2, metavar="N", help="MPI ranks of ricochet-kernel (default: 2)"
+    )
 
 
 def run(options: argparse.Namespace) -> None:
-    model = faust.model_of(options.kernel, options.excite, options.receive, options.rate, options.t60)
+    if options.web:
+        page = write_instrument(
+            options.source,
+            options.out,
+            body=options.body,
+            spacing=options.spacing,
+            settings=options.set,
+            kernels=options.kernels,
+            ranks=options.ranks,
+        )
+        print(page)
+        return
+    if not options.excite or not options.receive:
+        raise InputError("--faust: needs a place to excite and one to receive: add --excite and --receive")
+    model = faust.model_of(options.source, options.excite, options.receive, options.rate, options.t60)
     signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     print(model.text(options.button), end="")

@@ -4,6 +4,7 @@ import base64
 import hashlib
 import html
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,8 @@ from ricochet import files
 from ricochet.errors import InputError
 
 FOLDER = Path(__file__).resolve().parent / "assets"
-SCRIPTS = ["base.js", "charts.js", "motion.js", "player.js", "page.js"]
+REPORT = ["base.js", "charts.js", "motion.js", "player.js", "engine.js", "instrument.js", "page.js"]
+INSTRUMENT = ["base.js", "charts.js", "motion.js", "player.js", "engine.js", "instrument.js", "play.js"]
 LARGEST_MB = 16
 
 
@@ -20,19 +22,20 @@ def numbers(value: Any) -> Any:
     return value.tolist()
 
 
-def page_of(run: dict[str, Any]) -> str:
-    """The text of the page. Its content security policy allows only the scripts in this folder, by their
-    hashes."""
-    script = "\n" + "\n".join((FOLDER / name).read_text() for name in SCRIPTS)
+def page_of(run: dict[str, Any], template: str, scripts: Sequence[str]) -> str:
+    """The text of the page. Its content security policy allows only these scripts of this folder, by their
+    hash, and what they start: WebAssembly and the audio thread."""
+    script = "\n" + "\n".join((FOLDER / name).read_text() for name in scripts)
     data = json.dumps(run, ensure_ascii=False, allow_nan=False, separators=(",", ":"), default=numbers)
     parts = {
         "title": html.escape(run["title"]),
         "style": (FOLDER / "page.css").read_text(),
         "data": data.replace("<", "\\u003c"),
+        "worklet": (FOLDER / "worklet.js").read_text(),
         "script": script,
         "hash": base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
     }
-    page, rest = "", (FOLDER / "page.html").read_text()
+    page, rest = "", (FOLDER / template).read_text()
     while "{{" in rest:
         before, _, rest = rest.partition("{{")
         name, _, rest = rest.partition("}}")
@@ -40,9 +43,11 @@ def page_of(run: dict[str, Any]) -> str:
     return page + rest
 
 
-def save_page(run: dict[str, Any], path: Path) -> None:
+def save_page(
+    run: dict[str, Any], path: Path, template: str = "page.html", scripts: Sequence[str] = REPORT
+) -> None:
     """Writes the page atomically. Raises InputError."""
-    page = page_of(run).encode()
+    page = page_of(run, template, scripts).encode()
     if len(page) > LARGEST_MB * 2**20:
         raise InputError(
             f"{path}: the page would have {len(page) / 2**20:.0f} MB, more than {LARGEST_MB}. "

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ricochet.pages import charts
+from ricochet.pages.instrument import of_run
 from ricochet.pages.motion import materials, motion_of
 from ricochet.pages.sound import sounds_of
 from ricochet.errors import InputError
@@ -172,6 +173,11 @@ def run_of(path: Path, kernels: Path | None = None) -> dict[str, Any]:
         "states": charts.state_map(result) if rubs(result) and not still else None,
         "friction": result.has_friction,
         "motion": motion,
+        "instrument": (
+            {"missing": "bodies at rest, and those of table kernels, cannot be struck"}
+            if still or by_table
+            else of_run(path, folder)
+        ),
         "episodes": result.spans()[:2000],
         "sounds": sounds,
         "receivers": charts.receiver_charts(result),

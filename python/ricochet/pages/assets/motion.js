@@ -67,7 +67,7 @@ class Skin {
   /** Amplitudes of the fields at snapshot k + f. If dt is given, their rates; dt is the time from snapshot k to k + 1. */
   amplitudes(k, f, dt) {
     return this.amounts.flatMap((values, part) => {
-      const count = part === 0 ? this.rigid : this.fields.length - this.rigid, next = Math.min(k + 1, moments - 1);
+      const count = part === 0 ? this.rigid : this.fields.length - this.rigid, next = Math.min(k + 1, values.length / count - 1);
       return Array.from({length: count}, (_, r) => {
         const a = values[k * count + r], b = values[next * count + r];
         return dt === undefined ? a + f * (b - a) : (b - a) / dt;
@@ -93,8 +93,6 @@ class Skin {
   }
 }
 
-let moments = 0;
-
 const measures = {
   speed: {label: "speed", unit: "m/s"}, displacement: {label: "displacement since the start", unit: "m"},
   deformation: {label: "deformation", unit: "m"}, body: {label: "body"},
@@ -105,13 +103,12 @@ class Motion {
     this.data = data;
     this.canvas = canvas;
     this.time = unpack(data.time);
-    moments = this.time.length;
     this.bodies = data.bodies.map((body, k) => new Skin(body, run.bodies.findIndex(other => other.name === body.name)));
     this.obstacles = data.obstacles.map(obstacle => new Skin(obstacle));
     const {anchor, offset, normal, force, state} = data.points;
     this.points = {anchor, offset: unpack(offset), normal: unpack(normal), force: unpack(force), state: state && unpack(state)};
     this.forceMost = extent(this.points.force)[1];
-    const touched = run.episodes.length > 0, whole = [this.time[0], this.time[moments - 1]];
+    const touched = run.episodes.length > 0, whole = [this.time[0], this.time[this.time.length - 1]];
     const window = touched ? [run.episodes[0][0], run.episodes.at(-1)[1]] : whole;
     const margin = 0.35 * (window[1] - window[0]);
     this.windows = {whole, contact: [Math.max(whole[0], window[0] - margin), Math.min(whole[1], window[1] + margin)]};
@@ -120,7 +117,7 @@ class Motion {
     for (const body of this.bodies) body.start = body.amplitudes(k, f);
     for (const body of this.bodies) body.first = body.amplitudes(0, 0);
     this.most = {};
-    this.colour = moments > 1 ? "speed" : "body";
+    this.colour = this.time.length > 1 ? "speed" : "body";
     this.mesh = false;
     this.arrows = true;
     this.amplify = 1;
@@ -130,16 +127,16 @@ class Motion {
   }
 
   find(time) {
-    let low = 0, high = moments - 1;
+    let low = 0, high = this.time.length - 1;
     while (high - low > 1) { const middle = (low + high) >> 1; if (this.time[middle] <= time) low = middle; else high = middle; }
-    if (moments === 1 || time <= this.time[0]) return [0, 0, 1];
+    if (this.time.length === 1 || time <= this.time[0]) return [0, 0, 1];
     const dt = this.time[low + 1] - this.time[low];
     return [low, Math.min(1, (time - this.time[low]) / dt), dt];
   }
 
   sampled(count) {
-    const step = Math.max(1, Math.floor(moments / count));
-    return Array.from({length: Math.ceil(moments / step)}, (_, k) => k * step);
+    const step = Math.max(1, Math.floor(this.time.length / count));
+    return Array.from({length: Math.ceil(this.time.length / step)}, (_, k) => k * step);
   }
 
   placeBodies(k, f, amplify) {
@@ -338,7 +335,7 @@ class Motion {
     const red = [0.85, 0.12, 0.2, 0.85], white = [1, 1, 1, 0.9], tinted = name => [...cssColour(name), 1];
     const states = [[0, red], [1, tinted("--stick")], [2, tinted("--slip")]];  // the halo makes them visible on any colour
     for (const [state, ink, halo] of this.points.state ? [[undefined, white, true], ...states] : [[undefined, red]]) {
-      this.makeSpikes(Math.min(moments - 1, Math.round(k + f)), state, halo);
+      this.makeSpikes(Math.min(this.time.length - 1, Math.round(k + f)), state, halo);
       if (this.spikes.element.length) this.send(this.spikes, ink, {lit: false});
     }
     gl.enable(gl.DEPTH_TEST);

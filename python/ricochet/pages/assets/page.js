@@ -311,4 +311,5 @@ for (const part of document.querySelectorAll("section"))
 section("footer").append(`${run.title} · ${run.file.created_by ?? "Ricochet"} · this page is one file and loads nothing.`);
 charts.forEach(chart => chart.redraw());
 player(section("motion"), run.motion, time => charts.forEach(chart => chart.mark(time)));
+instrument(section("play"), run.instrument);
 document.documentElement.dataset.ready = "yes";

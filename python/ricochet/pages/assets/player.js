@@ -26,9 +26,9 @@ function player(section, data, tell) {
   if (!motion.gl) return say("This browser shows no WebGL 2, which the animation needs.");
   const shown = new Player(section, motion, canvas, tell);
   say(remarks(motion, data));
-  if (moments > 1) section.append(rowOfMoments(motion));
+  if (motion.time.length > 1) section.append(rowOfMoments(motion));
   shown.show();  // draws again, because the row of moments has used the canvas
-  canvas.dataset.moments = moments;
+  canvas.dataset.moments = motion.time.length;
   canvas.dataset.covered = motion.covered();
 }
 
@@ -45,7 +45,7 @@ class Player {
     const part = choice("Part of the run", {contact: "contact", whole: "whole run"}), home = pressable("Reset view");
     const colour = choice("Colour", Object.fromEntries(Object.entries(measures).map(([name, {label}]) => [name, label])));
     const arrows = make("input", {type: "checkbox"}), mesh = make("input", {type: "checkbox"});
-    const wired = motion.bodies.some(body => body.wire), moving = moments > 1;
+    const wired = motion.bodies.some(body => body.wire), moving = motion.time.length > 1;
     const grow = (...controls) => make("label", {class: "grow"}, ...controls);
     section.append(this.stage, this.legend,
       make("div", {class: "controls"}, ...(moving ? [this.button, grow(this.slider, this.clock), part] : [])),
@@ -96,7 +96,7 @@ class Player {
 
   explain() {
     const {motion} = this, {label, unit} = measures[motion.colour];
-    const most = motion.forceMost, force = most > 0 ? `contact force, at most ${quantity(most, "N")} at a point${moments > 1 ? ", in these moments" : ""}` : "no contact force";
+    const most = motion.forceMost, force = most > 0 ? `contact force, at most ${quantity(most, "N")} at a point${motion.time.length > 1 ? ", in these moments" : ""}` : "no contact force";
     const names = motion.bodies.map(body => swatch(`c${Math.max(0, body.number) % 6}`, body.name));
     this.legend.replaceChildren(...(unit ? [make("span", {}, label), rampKey(0, motion.top(), unit)] : names), ...(motion.points.state && most > 0
       ? [make("span", {}, `${force}:`), swatch("cstick", "sticks"), swatch("cslip", "slips")] : [swatch("cforce", force)]));
@@ -130,7 +130,7 @@ class Player {
 function peakTime(motion) {
   const {force, anchor} = motion.points, count = anchor.length;
   let best = 0, most = 0;
-  for (let k = 0; k < moments && count; ++k) {
+  for (let k = 0; k < motion.time.length && count; ++k) {
     const sum = force.subarray(k * count, (k + 1) * count).reduce((a, b) => a + b, 0);
     if (sum > most) { most = sum; best = k; }
   }
@@ -142,7 +142,7 @@ function remarks(motion, data) {
   if (run.static) {
     parts.push("A body at rest: its displacement lies in the static part of contact, which the skin does not show.");
   } else {
-    parts.push(moments > 1 ? `${moments} moments, straight lines between them${data.thinned > 1 ? ` (one in ${data.thinned} snapshots)` : ""};`
+    parts.push(motion.time.length > 1 ? `${motion.time.length} moments, straight lines between them${data.thinned > 1 ? ` (one in ${data.thinned} snapshots)` : ""};`
       : "One moment, as output.snapshot_every is large;");
     parts.push(`${data.coordinates} modal coordinates drawn by ${data.shapes} shapes, which miss at most`,
                `${digits(100 * data.missed, 2)} % of the largest deformation. The static part of contact is not in the picture.`);

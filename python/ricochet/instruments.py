@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Pages on which a body is struck and heard, from scenes and from results."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from ricochet import programs, runs
+from ricochet.errors import InputError
+from ricochet.interchange.instrument import Blow, Instrument, instrument_of
+from ricochet.kernel import Kernel
+from ricochet.pages.instrument import of_result, run_of_instrument
+from ricochet.pages.page import INSTRUMENT, save_page
+from ricochet.result import Result
+from ricochet.scene import Scene
+
+
+def write_instrument(
+    source: Path,
+    out: Path | None = None,
+    *,
+    body: str | None = None,
+    spacing: float | None = None,
+    settings: Sequence[str] = (),
+    kernels: Path | None = None,
+    ranks: int = 2,
+) -> Path:
+    """Writes the page of an instrument and returns its path.
+
+    source: a scene, whose body can then be struck all over its contact surface, or a result, whose body can be
+    struck where its kernel has candidates.
+    out: default: <slug>.html in the folder of kernels or of the result.
+    body: that sounds; default: the one with receivers.
+    spacing: between places, for a scene; default: half the size of the mallet [m].
+    settings: values of scene keys, each as KEY=VALUE.
+    kernels: folder of the kernels; default: `out` beside the scene, or the folder of the result.
+    ranks: MPI ranks of ricochet-kernel, which computes missing kernels of a scene.
+
+    Raises InputError, one line, for scenes without two bodies that meet, and as ricochet.kernels does.
+    """
+    if source.suffix == ".h5":
+        if spacing is not None or settings:
+            raise InputError(
+                f"{source}: is a result, for which --set and --spacing have no use. Name a scene."
+            )
+        folder = kernels or source.parent
+        scene, found = of_result(Result(source), folder)
+        instrument = instrument_of(scene, found, body)
+    else:
+        instrument, scene, found = of_scene(source, body, spacing, settings, kernels, ranks)
+        folder = kernels or programs.out_folder(source)
+    path = out or folder / f"{scene.slug}.html"
+    save_page(
+        run_of_instrument(instrument, scene, found[instrument.body]), path, "instrument.html", INSTRUMENT
+    )
+    return path
+
+
+def of_scene(
+    source: Path,
+    body: str | None = None,
+    spacing: float | None = None,
+    settings: Sequence[str] = (),
+    kernels: Path | None = None,
+    ranks: int = 2,
+) -> tuple[Instrument, Scene, dict[str, Kernel]]:
+    """The instrument of a scene, the scene and its kernels. Arguments and errors are those of
+    write_instrument."""
+    scene = Scene(source)
+    scene._load(list(settings))
+    folder = kernels or scene.out
+    found = all_over(Blow(scene, body), spacing, folder, ranks)
+    return instrument_of(scene, found, body), scene, found
+
+
+def all_over(blow: Blow, spacing: float | None, folder: Path, ranks: int) -> dict[str, Kernel]:
+    """Kernels with candidates all over the mallet and, at distances of `spacing`, all over the body. Missing
+    ones are computed. Without a reach or a zone, those of the scene have them."""
+    if spacing is None and not blow.pair.keys() & {"reach", "zone"}:
+        return runs.kernels(blow.scene, ranks, folder)
+    modes = blow.table["modes"] | {"residual_components": "all"}
+    pair = {key: value for key, value in blow.pair.items() if key not in ("reach", "zone", "spacing")}
+    bodies, contact = {blow.mallet: blow.bodies[blow.mallet]}, {}
+    if pair.keys() & {"direction", "along"}:  # candidates depend on the pair
+        bodies, contact = blow.bodies, {"contact": pair}
+    folder_of_scene = blow.scene.file.parent
+    table = blow.table | {"title": f"{blow.scene.title}, {blow.mallet}", "modes": modes, "bodies": bodies}
+    mallet = runs.kernels(Scene(table | contact, folder_of_scene), ranks, folder)[blow.mallet]
+    size = spacing or 0.5 * float(np.ptp(mallet.node, axis=0).max())
+    table |= {"title": f"{blow.scene.title}, {blow.body}", "bodies": blow.bodies}
+    table["contact"] = pair | ({"spacing": size} if size > 0 else {})  # the end of a rod has no size
+    table["output"] = {"view": True, "receiver": blow.receivers}
+    return {
+        blow.mallet: mallet,
+        blow.body: runs.kernels(Scene(table, folder_of_scene), ranks, folder)[blow.body],
+    }

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Rotations of bodies, as scenes give them: degrees about the fixed axes x, then y, then z."""
+import numpy as np
+
+from ricochet.arrays import Array
+
+
+def rotation_of(degrees: Array | list[float]) -> Array:
+    """(3,3) about the fixed axes x, then y, then z."""
+    out = np.eye(3)
+    for axis, angle in enumerate(np.radians(degrees)):
+        one, two = (axis + 1) % 3, (axis + 2) % 3
+        turn = np.eye(3)
+        turn[one, one] = turn[two, two] = np.cos(angle)
+        turn[one, two], turn[two, one] = -np.sin(angle), np.sin(angle)
+        out = turn @ out
+    return out
+
+
+def angles_of(rotation: Array) -> Array:
+    """The degrees of which rotation_of makes this rotation."""
+    y = np.arctan2(-rotation[2, 0], np.hypot(rotation[2, 1], rotation[2, 2]))
+    z = np.arctan2(rotation[1, 0], rotation[0, 0])
+    back = rotation_of([0, 0, -np.degrees(z)]) @ rotation
+    x = np.arctan2(-back[1, 2], back[1, 1])
+    return np.degrees([x, y, z])
+
+
+def turn_between(start: Array, end: Array) -> Array:
+    """(3,3) the smallest rotation from one unit vector to another."""
+    axis = np.cross(start, end)
+    sine, cosine = float(np.linalg.norm(axis)), float(start @ end)
+    if sine < 1e-12:
+        if cosine > 0:
+            return np.eye(3)
+        axis = np.cross(start, np.eye(3)[np.argmin(np.abs(start))])
+        sine = float(np.linalg.norm(axis))
+        return 2 * np.outer(axis, axis) / sine**2 - np.eye(3)
+    x, y, z = axis / sine
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.eye(3) + sine * cross + (1 - cosine) * cross @ cross

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""An instrument for a page: the player in WebAssembly, the block that it reads, and the picture of the body."""
+import base64
+import itertools
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ricochet import programs
+from ricochet.arrays import Array
+from ricochet.errors import InputError
+from ricochet.interchange.instrument import Instrument, instrument_of
+from ricochet.interchange.rotations import rotation_of
+from ricochet.kernel import Kernel
+from ricochet.pages.motion import coarser, packed, tube
+from ricochet.pages.page import FOLDER
+from ricochet.pictures.viewpoint import View
+from ricochet.result import Result
+from ricochet.result_file import is_there
+from ricochet.scene import Scene
+
+TRIANGLES = 20_000  # maximum number of the body
+REPORTED = 8  # maximum number of places on the page of a run, because each takes a tenth of a second
+ELEVATION = 0.4  # of the viewpoint [rad]
+
+
+def module() -> bytes:
+    """The player in WebAssembly, beside the other parts of pages or in the build. Raises InputError."""
+    for path in (FOLDER / "player.wasm", programs.BIN.parent / "web" / "player.wasm"):
+        if is_there(path):
+            return path.read_bytes()
+    raise InputError(
+        "player.wasm: pages to play need this file, which a build without emscripten does not make. "
+        "Run scripts/setup --web and scripts/build."
+    )
+
+
+def surface_of(kernel: Kernel) -> tuple[Array, Array]:
+    """Nodes and triangles of a body: its visualisation surface, otherwise its contact surface."""
+    surface = kernel.visualisation_surface
+    node, element = (surface.node, surface.element) if surface else (kernel.node, kernel.element)
+    if element.shape[1] == 2 and len(element):
+        faces, of, offset = tube(node, element, 0.02 * float(np.ptp(node, axis=0).max()))
+        return node[of] + offset, faces
+    if element.shape[1] != 3 or not len(element):
+        raise InputError(f"{kernel.path}: has no surface to draw. Set output.view = true in the scene.")
+    kept, element = coarser(node, element, TRIANGLES)
+    return node[kept], element
+
+
+def views() -> list[View]:
+    """Views of a body that stands upright, from eight sides."""
+    sides = itertools.product((1, -1), (-1, 1), (ELEVATION, -ELEVATION))
+    return [View(np.array([x, y, 0]) / np.sqrt(2), np.array([0.0, 0.0, 1.0]), 0.0, up) for x, y, up in sides]
+
+
+def picture_of(instrument: Instrument, scene: Scene, kernel: Kernel) -> dict[str, Any]:
+    """The body at rest, in the form of a motion of one moment."""
+    asked = scene.resolved["bodies"][instrument.body]
+    node, element = surface_of(kernel)
+    place = node @ rotation_of(asked.get("rotate_deg", [0, 0, 0])).T + np.array(
+        asked.get("translate", [0, 0, 0]), float
+    )
+    view = max(views(), key=lambda view: float(view.turn()[2] @ instrument.places[0].normal))
+    body = {"name": instrument.body, "node": packed(place), "element": packed(element, "u4"), "lines": False}
+    none = packed(np.zeros(0))
+    return {
+        "time": packed([0.0]),
+        "bodies": [body],
+        "obstacles": [],
+        "view": {"base": view.base, "azimuth": view.azimuth, "elevation": view.elevation},
+        "points": {"anchor": [], "offset": none, "normal": none, "force": none, "state": None},
+    }
+
+
+def played(instrument: Instrument, scene: Scene, kernel: Kernel) -> dict[str, Any]:
+    """What instrument.js needs."""
+    left, right = instrument.channels
+    heard = f"You hear the velocity of {left}" + (f" and {right}" if right != left else "")
+    return {
+        "body": instrument.body,
+        "wasm": base64.b64encode(module()).decode(),
+        "block": base64.b64encode(instrument.block()).decode(),
+        "picture": picture_of(instrument, scene, kernel),
+        "points": packed([place.point for place in instrument.places]),
+        "normals": packed([place.normal for place in instrument.places]),
+        "frequency": packed(instrument.omega / (2 * np.pi)),
+        "decay": packed(instrument.decay),
+        "mallets": [mallet.name for mallet in instrument.mallets],
+        "speed": instrument.speed,
+        "note": f"{heard}: {len(instrument.omega)} modes up to {instrument.omega[-1] / (2 * np.pi):.0f} Hz. Contact is "
+        "computed as it happens, against the body as it rings. Drag to turn, scroll or pinch to come nearer.",
+    }
+
+
+def run_of_instrument(instrument: Instrument, scene: Scene, kernel: Kernel) -> dict[str, Any]:
+    """The content of a page that has nothing but the instrument."""
+    return {
+        "title": scene.title,
+        "bodies": [{"name": instrument.body}],
+        "episodes": [],
+        "instrument": played(instrument, scene, kernel),
+    }
+
+
+def of_run(path: Path, folder: Path) -> dict[str, Any]:
+    """The instrument of a result for its page, or {"missing": reason}."""
+    try:
+        scene, kernels = of_result(Result(path), folder)
+        instrument = instrument_of(scene, kernels, most=REPORTED)
+        return played(instrument, scene, kernels[instrument.body])
+    except InputError as problem:
+        return {"missing": str(problem)}
+
+
+def of_result(result: Result, folder: Path) -> tuple[Scene, dict[str, Kernel]]:
+    """The scene of a result and its kernels. Raises InputError if one is missing."""
+    found = {}
+    for name in result.bodies:
+        file = folder / Path(result._file.text(f"/bodies/{name}", "kernel") or "none").name
+        if not is_there(file):
+            raise InputError(f"{file}: there is no such kernel. Name its folder with --kernels.")
+        found[name] = Kernel(file)
+    table = {key: value for key, value in result.scene.items() if key != "loads"}
+    return Scene(table, result.path.parent), found
