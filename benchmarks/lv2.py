@@ -6,7 +6,7 @@
 
 lv2bench runs the plug-in without notes. Then jalv plays it on JACK's dummy driver at 48 kHz in blocks of 64
 samples, with eight notes a second, and JACK counts the blocks that were late, first without notes and then
-with them: the first count is that of the machine. Run scripts/setup --lv2 and scripts/build first. JACK needs
+with them: the first count is that of the machine. Run scripts/setup --tests and scripts/build first. JACK needs
 the right to real-time priorities.
 """
 import contextlib
@@ -38,14 +38,18 @@ def add_arguments(parser):
 def run(options):
     launch.build("ricochet_lv2")
     with tempfile.TemporaryDirectory(prefix="ricochet-bench-") as folder:
-        bundle = write_instrument(options.scene, pathlib.Path(folder) / "benchmark.lv2", lv2=True)
+        bundle = write_instrument(options.scene, pathlib.Path(folder) / "benchmark.lv2", form="lv2")
         os.environ["LV2_PATH"] = f"{folder}:/usr/lib/lv2"
         uri = f"urn:ricochet:{bundle.stem}"
         words = ["lv2bench", "-b", BLOCK, "-n", FRAMES, uri]
         seconds = float(programs.call(words, capture=True).split()[0])
-        print(f"lv2bench: {FRAMES} frames without notes in {seconds:.4f} s, {FRAMES / RATE / seconds:.0f} x real time")
+        print(
+            f"lv2bench: {FRAMES} frames without notes in {seconds:.4f} s, {FRAMES / RATE / seconds:.0f} x real time"
+        )
         late_before, late = dropouts(uri, options.seconds, pathlib.Path(folder))
-        print(f"jalv, blocks of {BLOCK} at {RATE} Hz, {options.seconds:g} s: late blocks {late_before} without notes, {late} with")
+        print(
+            f"jalv, blocks of {BLOCK} at {RATE} Hz, {options.seconds:g} s: late blocks {late_before} without notes, {late} with"
+        )
 
 
 @contextlib.contextmanager
@@ -65,7 +69,9 @@ def background(words, log):
 def wait_for(what, client):
     """Waits until JACK has a port of this name."""
     limit = time.monotonic() + STARTS_S
-    while client not in subprocess.run(["jack_lsp"], capture_output=True, text=True, check=False).stdout.split():
+    while (
+        client not in subprocess.run(["jack_lsp"], capture_output=True, text=True, check=False).stdout.split()
+    ):
         if time.monotonic() > limit:
             raise InputError(f"{what}: JACK has no port {client} after {STARTS_S} s.")
         time.sleep(0.2)
@@ -74,14 +80,18 @@ def wait_for(what, client):
 def dropouts(uri, seconds, folder):
     """Late blocks without notes and with notes, each of this duration."""
     server = f"ricochet-{os.getpid()}"
-    os.environ |= {"JACK_DEFAULT_SERVER": server, "JACK_NO_AUDIO_RESERVATION": "1", "JACK_NO_START_SERVER": "1"}
+    os.environ |= {
+        "JACK_DEFAULT_SERVER": server,
+        "JACK_NO_AUDIO_RESERVATION": "1",
+        "JACK_NO_START_SERVER": "1",
+    }
     log = folder / "jackd.log"
     jackd = ["jackd", "-n", server, "-R", "-P", 70, "-d", "dummy", "-r", RATE, "-p", BLOCK]
     step = PERIOD // len(NOTES)
     notes = [word for k, note in enumerate(NOTES) for word in (k * step, note, step // 2)]
     with background(jackd, log):
         wait_for("jackd", "system:playback_1")
-        with background(["jalv", "-i", "-n", HOST, uri], folder / "jalv.log") as host:
+        with background(["jalv", "-i", "-n", HOST, uri], folder / "jalv.log"):
             wait_for("jalv", f"{HOST}:events")
             subprocess.run(["jack_connect", f"{HOST}:left", "system:playback_1"], check=True)
             first = counted(log, seconds)

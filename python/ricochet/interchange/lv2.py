@@ -22,9 +22,9 @@ MANIFEST = """\
 @prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> .
 
 <{uri}>
-	a lv2:Plugin , lv2:InstrumentPlugin ;
-	lv2:binary <instrument.so> ;
-	rdfs:seeAlso <instrument.ttl> .
+  a lv2:Plugin , lv2:InstrumentPlugin ;
+  lv2:binary <instrument.so> ;
+  rdfs:seeAlso <instrument.ttl> .
 """
 PLUGIN = """\
 @prefix atom:   <http://lv2plug.in/ns/ext/atom#> .
@@ -38,14 +38,14 @@ PLUGIN = """\
 @prefix urid:   <http://lv2plug.in/ns/ext/urid#> .
 
 <{uri}>
-	a lv2:Plugin , lv2:InstrumentPlugin , doap:Project ;
-	doap:name {title} ;
-	rdfs:comment {comment} ;
-	lv2:minorVersion 0 ;
-	lv2:microVersion 1 ;
-	lv2:requiredFeature urid:map ;
-	lv2:optionalFeature lv2:hardRTCapable ;
-	lv2:port {ports} .
+  a lv2:Plugin , lv2:InstrumentPlugin , doap:Project ;
+  doap:name {title} ;
+  rdfs:comment {comment} ;
+  lv2:minorVersion 0 ;
+  lv2:microVersion 1 ;
+  lv2:requiredFeature urid:map ;
+  lv2:optionalFeature lv2:hardRTCapable ;
+  lv2:port {ports} .
 """
 
 
@@ -127,7 +127,7 @@ def described(instrument: Instrument, title: str, uri: str) -> str:
         ],
     ]
     described = (
-        "[\n\t\t" + " ;\n\t\t".join([f"lv2:index {index}", *port]) + "\n\t]"
+        "[\n    " + " ;\n    ".join([f"lv2:index {index}", *port]) + "\n  ]"
         for index, port in enumerate(ports)
     )
     comment = (
