@@ -95,17 +95,21 @@ class Lv2(ProgramTest):
             self.assertLess(time.monotonic(), limit, f"no {what}")
             time.sleep(0.1)
 
+    def ports(self):
+        return Run(["jack_lsp"]).out.split()
+
     @contextlib.contextmanager
     def host(self, *more):
         """jalv with the plug-in, on a JACK server of its own."""
         server = f"ricochet-{os.getpid()}"
         names = {"JACK_DEFAULT_SERVER": server, "JACK_NO_AUDIO_RESERVATION": "1", "JACK_NO_START_SERVER": "1"}
         os.environ |= names
-        ports = lambda: Run(["jack_lsp"]).out.split()
         with self.background("jackd", "-n", server, "-r", "-d", "dummy", "-r", 48000, "-p", 1024):
-            self.wait_for("jackd", lambda: "system:playback_1" in ports())
-            with self.background("stdbuf", "-oL", "jalv", "-i", "-n", "bell", *more, f"urn:ricochet:{NAME}") as process:
-                self.wait_for("jalv", lambda: "bell:events" in ports())
+            self.wait_for("jackd", lambda: "system:playback_1" in self.ports())
+            with self.background(
+                "stdbuf", "-oL", "jalv", "-i", "-n", "bell", *more, f"urn:ricochet:{NAME}"
+            ) as process:
+                self.wait_for("jalv", lambda: "bell:events" in self.ports())
                 yield process
 
     def test_state_is_kept_by_the_host(self):
@@ -123,7 +127,7 @@ class Lv2(ProgramTest):
         record = self.folder / "sound.wav"
         with self.host():
             with self.background("jack_midiseq", "notes", 480000, 0, 60, 4800):
-                self.wait_for("notes", lambda: "notes:out" in Run(["jack_lsp"]).out.split())
+                self.wait_for("notes", lambda: "notes:out" in self.ports())
                 self.succeed(Run(["jack_connect", "notes:out", "bell:events"]))
                 # One blow every 10 s; the record of 12 s contains one or two.
                 self.succeed(Run(["jack_rec", "-f", record, "-d", 12, "-b", 32, "bell:left"]))
