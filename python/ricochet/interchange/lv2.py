@@ -82,7 +82,8 @@ def write_bundle(instrument: Instrument, title: str, bundle: Path) -> None:
 
 def library() -> Path:
     """The library of the plug-in, beside this module or in the build. Raises InputError."""
-    paths = (Path(__file__).with_name("instrument.so"), programs.BIN.parent / "lv2" / "instrument.so")
+    name = "ricochet-lv2.so"
+    paths = (Path(__file__).with_name(name), programs.BIN.parent / "lv2" / name)
     for path in paths:
         if path.is_file():
             return path
