@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include "ricochet/denormals.hpp"
 #include "ricochet/error.hpp"
@@ -73,8 +74,8 @@ bool Player::strike(const Strike& strike) noexcept {
 
 void Player::set_damping(double factor) noexcept {
   if (std::isnan(factor)) return;
-  damping_ = std::clamp(factor, 0.0, 1000.0);
-  new_damping_ = true;
+  const double before = std::exchange(damping_, std::clamp(factor, 0.0, 1000.0));
+  new_damping_ = new_damping_ || damping_ != before;
 }
 
 void Player::begin_sample() noexcept {

@@ -1,16 +1,18 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Pages on which a body is struck and heard, from scenes and from results."""
+"""Instruments, on which a body is struck and heard, from scenes and from results."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
 from ricochet import programs, runs
 from ricochet.errors import InputError
 from ricochet.interchange.instrument import Blow, Instrument, instrument_of
+from ricochet.interchange.lv2 import write_bundle
 from ricochet.kernel import Kernel
 from ricochet.pages.instrument import of_result, run_of_instrument
 from ricochet.pages.page import INSTRUMENT, save_page
@@ -22,17 +24,19 @@ def write_instrument(
     source: Path,
     out: Path | None = None,
     *,
+    form: Literal["web", "lv2"] = "web",
     body: str | None = None,
     spacing: float | None = None,
     settings: Sequence[str] = (),
     kernels: Path | None = None,
     ranks: int = 2,
 ) -> Path:
-    """Writes the page of an instrument and returns its path.
+    """Writes an instrument and returns its path.
 
     source: a scene, whose body can then be struck all over its contact surface, or a result, whose body can be
     struck where its kernel has candidates.
-    out: default: <slug>.html in the folder of kernels or of the result.
+    out: default: <slug>.html or <slug>.lv2 in the folder of kernels or of the result.
+    form: a page to play, or a bundle with an LV2 plug-in.
     body: that sounds; default: the one with receivers.
     spacing: between places, for a scene; default: half the size of the mallet [m].
     settings: values of scene keys, each as KEY=VALUE.
@@ -52,6 +56,10 @@ def write_instrument(
     else:
         instrument, scene, found = of_scene(source, body, spacing, settings, kernels, ranks)
         folder = kernels or programs.out_folder(source)
+    if form == "lv2":
+        bundle = out or folder / f"{scene.slug}.lv2"
+        write_bundle(instrument, scene.title, bundle)
+        return bundle
     path = out or folder / f"{scene.slug}.html"
     save_page(
         run_of_instrument(instrument, scene, found[instrument.body]), path, "instrument.html", INSTRUMENT

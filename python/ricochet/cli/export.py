@@ -1,17 +1,19 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Writes a body in the format of another program. --faust writes a modal model for the Faust language to standard output;
---web writes a page on which the body is struck and heard.
+--web writes a page on which the body is struck and heard, and --lv2 a plug-in that plays it.
 
   ricochet export --faust out/bell-0123456789ab.kernel.h5 --excite 17 --receive mic:x > bell.dsp
   faust2jaqt bell.dsp
   ricochet export --web meshes/bell/bell.toml -o bell.html
+  ricochet export --lv2 meshes/bell/bell.toml -o bell.lv2
 
 The Faust model turns the force at one place into the velocity of others. A place is the name of a receiver, the number of a
 contact point, from 0, or x,y,z [m] in the axes of the body for the nearest contact point. It may be followed by a colon and a
 direction: x, y, z or three numbers. The default direction at a contact point is its normal. docs/interchange.md describes the
 model.
 
-The page is one file that opens in any browser, without a network (docs/web.md). From a scene, the body can be struck all over
+The page is one file that opens in any browser, without a network (docs/web.md). The plug-in is an LV2 bundle, a folder to be
+copied to ~/.lv2 (docs/lv2.md). From a scene, the body can be struck all over
 its contact surface; missing kernels are computed. From a result, it can be struck where its kernels have contact points.
 """
 import argparse
@@ -25,10 +27,13 @@ from ricochet.interchange import faust
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("source", type=Path, metavar="FILE", help="KERNEL.h5; --web: SCENE.toml or RESULT.h5")
+    parser.add_argument(
+        "source", type=Path, metavar="FILE", help="KERNEL.h5; --web, --lv2: SCENE.toml or RESULT.h5"
+    )
     formats = parser.add_mutually_exclusive_group(required=True)
     formats.add_argument("--faust", action="store_true", help="a Faust modal model")
     formats.add_argument("--web", action="store_true", help="a page to play")
+    formats.add_argument("--lv2", action="store_true", help="an LV2 plug-in")
     model = parser.add_argument_group("options of --faust")
     model.add_argument("--excite", metavar="PLACE", help="where a force acts")
     model.add_argument(
@@ -48,9 +53,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--t60", type=positive, metavar="S", help="decay time by 60 dB of modes without damping"
     )
     model.add_argument("--button", action="store_true", help="a button strikes, instead of a force signal")
-    page = parser.add_argument_group("options of --web")
+    page = parser.add_argument_group("options of --web and --lv2")
     page.add_argument(
-        "-o", "--out", type=Path, metavar="PAGE.html", help="default: SLUG.html beside the file"
+        "-o", "--out", type=Path, metavar="PATH", help="NAME.html or NAME.lv2 (default: beside the file)"
     )
     page.add_argument("--body", metavar="NAME", help="that sounds (default: the one with receivers)")
     page.add_argument(
@@ -68,17 +73,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    if options.web:
-        page = write_instrument(
+    if options.web or options.lv2:
+        path = write_instrument(
             options.source,
             options.out,
+            form="lv2" if options.lv2 else "web",
             body=options.body,
             spacing=options.spacing,
             settings=options.set,
             kernels=options.kernels,
             ranks=options.ranks,
         )
-        print(page)
+        print(path)
         return
     if not options.excite or not options.receive:
         raise InputError("--faust: needs a place to excite and one to receive: add --excite and --receive")

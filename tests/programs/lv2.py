@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""The plug-in that ricochet export --lv2 writes, checked and played by programs of others: sord, lilv, and jalv on JACK without
+a sound card."""
+
+import contextlib
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import tempfile
+import time
+import unittest
+
+import h5py
+import numpy as np
+
+from programs import BIN, DEADLOCK_S, MESHES, ProgramTest, Run, settings
+
+COARSE = ["bodies.bell.order=1", "bodies.clapper.order=1", "modes.up_to_hz=3000"]
+NAME = "small-bell"
+STATE = """
+@prefix lv2: <http://lv2plug.in/ns/lv2core#> .
+@prefix pset: <http://lv2plug.in/ns/ext/presets#> .
+<>
+  a pset:Preset ;
+  lv2:appliesTo <urn:ricochet:{name}> ;
+  lv2:port [ lv2:symbol "place" ; pset:value 3.0 ] , [ lv2:symbol "damping" ; pset:value 5.0 ] .
+"""
+
+
+class Lv2(ProgramTest):
+    @classmethod
+    def setUpClass(cls):
+        scope = tempfile.TemporaryDirectory(prefix="ricochet-lv2-")
+        cls.addClassCleanup(scope.cleanup)
+        cls.all = pathlib.Path(scope.name)
+        shutil.copytree(MESHES / "bell", cls.all / "bell", ignore=shutil.ignore_patterns("out"))
+        cls.scene = cls.all / "bell" / "bell.toml"
+        cls.bundle = cls.all / "plugins" / f"{NAME}.lv2"
+        run = cls.export(cls.bundle)
+        assert run.status == 0, run.err
+        os.environ["LV2_PATH"] = f"{cls.bundle.parent}:/usr/lib/lv2"
+
+    @classmethod
+    def export(cls, out):
+        return Run([BIN / "ricochet", "export", "--lv2", cls.scene, "-o", out, "-n", 1, *settings(COARSE)])
+
+    def test_description_is_valid_turtle_of_the_vocabularies_of_lv2(self):
+        run = self.succeed(Run(["lv2_validate", *self.bundle.glob("*.ttl")]))
+        self.assertIn("Found 0 errors", run.out + run.err)
+
+    def test_host_finds_its_ports(self):
+        info = self.succeed(Run(["lv2info", f"urn:ricochet:{NAME}"])).out
+        self.assertRegex(info, r"Name: +Bell\n")
+        self.assertRegex(info, r"Class: +Instrument Plugin\n")
+        symbols = ["left", "right", "events", "place", "mallet", "speed", "damping", "level", "force"]
+        self.assertEqual(re.findall(r"Symbol: +(\w+)", info), symbols)
+        self.assertIn('0 = "clapper"', re.sub(r"\s+", " ", info))
+
+    def test_bundle_is_replaced_but_nothing_else_is(self):
+        copy = self.folder / "copy.lv2"
+        shutil.copytree(self.bundle, copy)
+        self.assertEqual(self.succeed(self.export(copy)).out.strip(), str(copy))
+        self.assertEqual((copy / "uri").read_text(), "urn:ricochet:copy")
+        self.assertEqual(os.listdir(self.folder), ["copy.lv2"])
+        other = self.folder / "other.lv2"
+        other.mkdir()
+        (other / "precious").touch()
+        for place, words in ((other, "is no bundle"), (self.folder / "bell.vst", "is named NAME.lv2")):
+            run = self.export(place)
+            self.assertEqual(run.status, 2)
+            self.assertEqual(run.err.count("\n"), 1, run.err)
+            self.assertIn(words, run.err)
+        self.assertEqual(os.listdir(other), ["precious"])
+
+    @contextlib.contextmanager
+    def background(self, *words):
+        """A program that runs until the end of the scope, and whose output is in a file with its name."""
+        log = self.folder / pathlib.Path(words[0]).name
+        with open(log, "wb") as out:
+            process = subprocess.Popen(
+                [str(word) for word in words], stdin=subprocess.PIPE, stdout=out, stderr=subprocess.STDOUT
+            )
+            try:
+                yield process
+            finally:
+                process.kill()
+                process.wait()
+                process.stdin.close()
+
+    def wait_for(self, what, condition):
+        limit = time.monotonic() + DEADLOCK_S
+        while not condition():
+            self.assertLess(time.monotonic(), limit, f"no {what}")
+            time.sleep(0.1)
+
+    def ports(self):
+        return Run(["jack_lsp"]).out.split()
+
+    @contextlib.contextmanager
+    def host(self, *more):
+        """jalv with the plug-in, on a JACK server of its own."""
+        server = f"ricochet-{os.getpid()}"
+        names = {"JACK_DEFAULT_SERVER": server, "JACK_NO_AUDIO_RESERVATION": "1", "JACK_NO_START_SERVER": "1"}
+        os.environ |= names
+        with self.background("jackd", "-n", server, "-r", "-d", "dummy", "-r", 48000, "-p", 1024):
+            self.wait_for("jackd", lambda: "system:playback_1" in self.ports())
+            with self.background(
+                "stdbuf", "-oL", "jalv", "-i", "-n", "bell", *more, f"urn:ricochet:{NAME}"
+            ) as process:
+                self.wait_for("jalv", lambda: "bell:events" in self.ports())
+                yield process
+
+    def test_state_is_kept_by_the_host(self):
+        (self.folder / "state").mkdir()
+        (self.folder / "state" / "state.ttl").write_text(STATE.format(name=NAME))
+        said = self.folder / "stdbuf"
+        with self.host("-l", self.folder / "state") as jalv:
+            jalv.stdin.write(b"controls\n")
+            jalv.stdin.flush()
+            self.wait_for("controls", lambda: "level =" in said.read_text())
+        self.assertRegex(said.read_text(), r"place = 3\.0+\n")
+        self.assertRegex(said.read_text(), r"damping = 5\.0+\n")
+
+    def test_note_sounds_with_the_partials_of_the_bell(self):
+        record = self.folder / "sound.wav"
+        with self.host():
+            with self.background("jack_midiseq", "notes", 480000, 0, 60, 4800):
+                self.wait_for("notes", lambda: "notes:out" in self.ports())
+                self.succeed(Run(["jack_connect", "notes:out", "bell:events"]))
+                # One blow every 10 s; the record of 12 s contains one or two.
+                self.succeed(Run(["jack_rec", "-f", record, "-d", 12, "-b", 32, "bell:left"]))
+        sound = np.frombuffer(record.read_bytes()[-4 * 12 * 48000 :], "<i4") / 2**31
+        self.assertGreater(np.abs(sound).max(), 0.05)
+        self.assertLess(np.abs(sound).max(), 1)
+        frequency = np.fft.rfftfreq(len(sound), 1 / 48000)
+        level = np.abs(np.fft.rfft(sound * np.hanning(len(sound))))
+        loudest = frequency[np.argmax(np.where(frequency > 100, level, 0))]
+        kernels = (self.all / "bell" / "out").glob("bell-*.kernel.h5")
+        with h5py.File(next(kernels)) as file:
+            partials = file["modes/angular_frequency"][:] / (2 * np.pi)
+        # Blocks that are late on a busy machine shift parts of the record in time, which broadens the peak.
+        self.assertLess(np.abs(partials / loudest - 1).min(), 1e-3)
+
+
+if __name__ == "__main__":
+    unittest.main()
