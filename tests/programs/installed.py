@@ -33,10 +33,9 @@ VERBS = [
 ]
 COMMANDS = [*PROGRAMS[1:], *(f"ricochet {verb}" for verb in VERBS)]
 # The input of commands that do not read a scene or a study.
-READS = dict.fromkeys(
-    ["ricochet plot", "ricochet report", "ricochet-recast", "ricochet export"], "b.result.h5"
-)
-READS |= {"ricochet surfaces": "d.step"}
+READS = {name: {"b.result.h5"} for name in ("ricochet plot", "ricochet report", "ricochet-recast")}
+READS |= {"ricochet export": {"a.toml", "b.result.h5"}, "ricochet surfaces": {"d.step"}}
+READS |= {"ricochet import": {"calculix", "matrices"}}
 
 
 class Installed(ProgramTest):
@@ -160,12 +159,8 @@ class Installed(ProgramTest):
             options = self.options(name)
             self.assertLessEqual({"--help", "--version"}, options)
             self.assertEqual(self.completed(name, "-"), options)
-            reads = (
-                {"calculix", "matrices"}
-                if name == "ricochet import"
-                else {READS.get(name, "a.toml"), "folder"}
-            )
-            self.assertEqual(self.completed(name, '""'), reads)
+            folder = set() if name == "ricochet import" else {"folder"}
+            self.assertEqual(self.completed(name, '""'), READS.get(name, {"a.toml"}) | folder)
         for name, option in (("sweep", "--out"), ("plot", "--kernels"), ("report", "--kernels")):
             self.assertEqual(self.completed(f"ricochet {name}", f"{option} ''"), {"folder"})
 
@@ -201,7 +196,7 @@ class Installed(ProgramTest):
             },
             keys,
         )
-        self.assertFalse([key for key in keys if "NAME" in key or not re.fullmatch(r"[a-z_.]+=", key)])
+        self.assertFalse([key for key in keys if "NAME" in key or not re.fullmatch(r"[a-z0-9_.]+=", key)])
         self.assertEqual(self.completed("ricochet run", "two-rods.toml --set modes.co"), {"modes.count="})
         self.assertEqual(self.completed("ricochet impact", "--set bodies."), set())
         # A wrong key would give "unknown key". Errors in values and combinations do not matter here.

@@ -117,7 +117,9 @@ def of_run(path: Path, folder: Path) -> dict[str, Any]:
 def of_result(result: Result, folder: Path) -> tuple[Scene, dict[str, Kernel]]:
     """The scene of a result and its kernels. Raises InputError if one is missing."""
     found = {}
-    for name in result.bodies:
+    for name in result.scene.get("bodies", {}):
+        if name not in result.bodies:
+            raise InputError(f"{result.path}: has no body {name!r}. Compute it again.")
         file = folder / Path(result._file.text(f"/bodies/{name}", "kernel") or "none").name
         if not is_there(file):
             raise InputError(f"{file}: there is no such kernel. Name its folder with --kernels.")
