@@ -4,10 +4,11 @@
     scripts/bench lv2                       # the bell of the tutorial
     scripts/bench lv2 SCENE.toml --seconds 10
 
-lv2bench runs the plug-in without notes. Then jalv plays it on JACK's dummy driver at 48 kHz in blocks of 64
-samples, with eight notes a second, and JACK counts the blocks that were late, first without notes and then
-with them: the first count is that of the machine. Run scripts/setup --tests and scripts/build first. JACK needs
-the right to real-time priorities.
+lv2bench runs the plug-in without notes, and bench_player plays the same notes as fast as it can and finds the
+block that takes longest. Then jalv plays the plug-in on JACK's dummy driver at 48 kHz in blocks of 64
+samples, with eight notes a second that go first to nothing and then to the plug-in. JACK counts its xruns: blocks that the host with
+the plug-in did not finish in time, and wake-ups of the driver, a timer without a sound card, that the machine
+delayed. Run scripts/setup --tests and scripts/build first. JACK needs the right to real-time priorities.
 """
 import contextlib
 import os
@@ -36,7 +37,7 @@ def add_arguments(parser):
 
 
 def run(options):
-    launch.build("ricochet_lv2")
+    launch.build("ricochet_lv2", "bench_player")
     with tempfile.TemporaryDirectory(prefix="ricochet-bench-") as folder:
         bundle = write_instrument(options.scene, pathlib.Path(folder) / "benchmark.lv2", form="lv2")
         os.environ["LV2_PATH"] = f"{folder}:/usr/lib/lv2"
@@ -46,10 +47,16 @@ def run(options):
         print(
             f"lv2bench: {FRAMES} frames without notes in {seconds:.4f} s, {FRAMES / RATE / seconds:.0f} x real time"
         )
-        late_before, late = dropouts(uri, options.seconds, pathlib.Path(folder))
+        block = bundle / "instrument"
+        words = [programs.BIN / "bench_player", block, RATE, options.seconds, 1 / 8, BLOCK]
+        total, longest = map(float, programs.call(words, capture=True).split())
         print(
-            f"jalv, blocks of {BLOCK} at {RATE} Hz, {options.seconds:g} s: late blocks {late_before} without notes, {late} with"
+            f"bench_player: {options.seconds:g} s with notes in {total:.3f} s; longest block {1e3 * longest:.3f} ms "
+            f"of {1e3 * BLOCK / RATE:.3f}"
         )
+        print(f"jalv, {options.seconds:g} s in blocks of {BLOCK} at {RATE} Hz:")
+        for what, (late, delayed) in dropouts(uri, options.seconds, pathlib.Path(folder)).items():
+            print(f"  {what}: {late} blocks not finished in time, {delayed} delayed wake-ups of the driver")
 
 
 @contextlib.contextmanager
@@ -78,7 +85,7 @@ def wait_for(what, client):
 
 
 def dropouts(uri, seconds, folder):
-    """Late blocks without notes and with notes, each of this duration."""
+    """Xruns while notes go to nothing and to the plug-in, each for this duration."""
     server = f"ricochet-{os.getpid()}"
     os.environ |= {
         "JACK_DEFAULT_SERVER": server,
@@ -94,15 +101,16 @@ def dropouts(uri, seconds, folder):
         with background(["jalv", "-i", "-n", HOST, uri], folder / "jalv.log"):
             wait_for("jalv", f"{HOST}:events")
             subprocess.run(["jack_connect", f"{HOST}:left", "system:playback_1"], check=True)
-            first = counted(log, seconds)
             with background(["jack_midiseq", "notes", PERIOD, *notes], folder / "notes.log"):
                 wait_for("jack_midiseq", "notes:out")
+                unheard = counted(log, seconds)
                 subprocess.run(["jack_connect", "notes:out", f"{HOST}:events"], check=True)
-                return first, counted(log, seconds)
+                return {"notes to nothing": unheard, "notes to the plug-in": counted(log, seconds)}
 
 
 def counted(log, seconds):
-    """Late blocks within this time."""
-    before = log.read_bytes().count(b"XRun")
+    """Xruns within this time: blocks that the host did not finish, and delayed wake-ups of the driver."""
+    start = log.stat().st_size
     time.sleep(seconds)
-    return log.read_bytes().count(b"XRun") - before
+    said = log.read_bytes()[start:]
+    return said.count(f"client = {HOST} was not finished".encode()), said.count(b"Process XRun")

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Plays as player.cpp does, in WebAssembly, after as long a time in which Node compiles it well: node player.js ENGINE.js PLAYER.wasm BLOCK RATE_HZ SECONDS EVERY.
+// Plays as player.cpp does, in WebAssembly, after as long a time in which Node compiles it well: node player.js ENGINE.js PLAYER.wasm FILE RATE_HZ SECONDS EVERY SAMPLES.
 "use strict";
 const {readFileSync} = require("fs");
-const [script, wasm, block, ...numbers] = process.argv.slice(2), [rate, seconds, every] = numbers.map(Number);
+const [script, wasm, block, ...numbers] = process.argv.slice(2), [rate, seconds, every, samples] = numbers.map(Number);
 const Engine = new Function(`${readFileSync(script, "utf8")}\nreturn Engine;`)();
-const engine = new Engine(readFileSync(wasm), readFileSync(block), rate), samples = 128, places = readFileSync(block).readUInt32LE(24);
+const engine = new Engine(readFileSync(wasm), readFileSync(block), rate), places = readFileSync(block).readUInt32LE(24);
 const blocks = Math.floor(seconds * rate / samples), pause = Math.floor(every * rate / samples);
 const play = () => {
   for (let k = 0; k < blocks; ++k) {

@@ -17,6 +17,7 @@ from ricochet.pages.instrument import module
 from ricochet.pages.page import FOLDER
 
 SECONDS = 10
+SAMPLES = 128  # of a block of an AudioWorklet
 BELL = programs.ROOT / "meshes" / "bell" / "bell.toml"
 COLUMNS = [
     ("a blow every", "every", ""),
@@ -44,7 +45,7 @@ def run(options):
         script = pathlib.Path(__file__).with_name("player.js")
         table = tables.Table(COLUMNS)
         for every in (0.5, 0.01):
-            words = [block, 48000, SECONDS, every]
+            words = [block, 48000, SECONDS, every, SAMPLES]
             commands = {
                 "native": [programs.BIN / "bench_player", *words],
                 "web": ["node", script, FOLDER / "engine.js", wasm, *words],
@@ -57,4 +58,4 @@ def run(options):
 
 
 def seconds(command):
-    return {"seconds": float(programs.call(command, capture=True))}
+    return {"seconds": float(programs.call(command, capture=True).split()[0])}
