@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::MatrixXd;
 
-constexpr double stalled = 10;  // times most_imbalance: check_held measures it at other forces, body by body
+constexpr double stalled_factor = 10;  // times most_imbalance: check_held measures it at other forces, body by body
 constexpr double inexact = 1e-9;  // violation of Coulomb's law, relative, that an answer may have
 constexpr double unfelt = 1e-12;  // a rigid mode moves no point if it moves all by less than this share
 constexpr double first_spring = 10, softest_spring = 1e7;  // times S₀'s norm; the first keeps most digits
@@ -183,7 +183,7 @@ class Rest {
         balance_(model, statics_, solver_,
                  options.solver == EquilibriumOptions::Solver::exact ? most_imbalance(false)
                                                                      : 100 * options.uzawa_tolerance,
-                 model.friction.empty() ? stalled * most_imbalance(false) : most_imbalance(true)),
+                 model.friction.empty() ? stalled_factor * most_imbalance(false) : most_imbalance(true)),
         rho_(Vector::Zero(std::ssize(statics_.rigid.mode))) {
     now_.q.setZero(model.omega.size());
     now_.force.setZero(model.rows());
