@@ -8,7 +8,8 @@ import itertools
 import cpp_sites
 import python_sites
 
-PROGRAMS = ["ricochet-contact", "ricochet-kernel", "ricochet-recast", "ricochet_python", "test_small_memory"]
+PROGRAMS = ["ricochet-contact", "ricochet-kernel", "ricochet-recast", "ricochet_python", "ricochet_lv2"]
+PROGRAMS += ["ricochet_web", "test_small_memory"]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -101,8 +102,17 @@ FOLDERS = {
         )
         + _programs("files", "motion", "friction", "robust", "batch", "restart", "tradeoff"),
         {
-            "python/ricochet/interchange/": _programs("import_command", "exports", "imports"),
-            "python/ricochet/pages/": ("python/histories", "python/geometry", *_programs("report")),
+            "python/ricochet/instruments": ("programs/lv2", "web/instrument"),
+            "python/ricochet/interchange/": (
+                *_programs("import_command", "exports", "imports", "lv2"),
+                "web/instrument",
+            ),
+            "python/ricochet/pages/": (
+                "python/histories",
+                "python/geometry",
+                "programs/report",
+                "web/instrument",
+            ),
             "python/ricochet/pictures/": (
                 "python/histories",
                 "python/geometry",
