@@ -37,7 +37,7 @@ std::string report(const contact::Summary& s) {
   };
   std::string modes;
   for (const auto& [name, count] : s.modes) {
-    if (name.find('.') != std::string::npos) continue;  // a further strike of a mallet
+    if (name.find('.') != std::string::npos) continue;  // a further strike: no body of a file has a dot
     const std::string& basis = s.basis.at(name);
     modes += fmt::format("{}{} {}{}", modes.empty() ? "" : ", ", name, count,
                          basis == "approximate modes" ? " (approximate)"

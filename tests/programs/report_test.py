@@ -53,22 +53,28 @@ class Elements(html.parser.HTMLParser):
         return element
 
 
+# Without a screen and without network.
+CHROMIUM = [
+    "chromium",
+    "--headless=new",
+    "--no-sandbox",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--no-first-run",
+    "--disable-extensions",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--proxy-server=127.0.0.1:9",
+    "--hide-scrollbars",
+]
+
+
 def browse(page, *more):
     """The document after loading in a browser without network, and the messages on the browser's console."""
     command = [
-        "chromium",
-        "--headless=new",
-        "--no-sandbox",
-        "--use-angle=swiftshader",
-        "--enable-unsafe-swiftshader",
-        "--no-first-run",
-        "--disable-extensions",
-        "--disable-background-networking",
-        "--disable-component-update",
-        "--proxy-server=127.0.0.1:9",
+        *CHROMIUM,
         f"--user-data-dir={page.parent / 'browser'}",
         "--enable-logging=stderr",
-        "--hide-scrollbars",
         "--virtual-time-budget=4000",
         *more,
         page.resolve().as_uri(),

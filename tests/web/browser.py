@@ -9,19 +9,8 @@ import select
 import subprocess
 import time
 
-FLAGS = [
-    "--headless=new",
-    "--no-sandbox",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--no-first-run",
-    "--disable-extensions",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--proxy-server=127.0.0.1:9",
-    "--hide-scrollbars",
-    "--remote-debugging-pipe",
-]
+from report_test import CHROMIUM
+
 PATIENCE_S = 60
 
 
@@ -35,7 +24,7 @@ class Browser:
         # The browser reads from 3 and writes to 4. Numbers above them, so that dup2 overwrites neither.
         ends = [fcntl.fcntl(end, fcntl.F_DUPFD, 10) for end in (reading, writing)]
         self.process = subprocess.Popen(
-            ["chromium", *FLAGS, f"--user-data-dir={profile}", "about:blank"],
+            [*CHROMIUM, "--remote-debugging-pipe", f"--user-data-dir={profile}", "about:blank"],
             preexec_fn=lambda: [os.dup2(end, number) for number, end in zip((3, 4), ends)],
             pass_fds=(3, 4),
             stdout=subprocess.DEVNULL,
