@@ -19,6 +19,7 @@ from programs import BIN, DEADLOCK_S, MESHES, ProgramTest, Run, settings
 
 COARSE = ["bodies.bell.order=1", "bodies.clapper.order=1", "modes.up_to_hz=3000"]
 NAME = "small-bell"
+STOPS_S = 20  # for the end of a program that was asked to end
 STATE = """
 @prefix lv2: <http://lv2plug.in/ns/lv2core#> .
 @prefix pset: <http://lv2plug.in/ns/ext/presets#> .
@@ -45,6 +46,10 @@ class Lv2(ProgramTest):
     @classmethod
     def export(cls, out):
         return Run([BIN / "ricochet", "export", "--lv2", cls.scene, "-o", out, "-n", 1, *settings(COARSE)])
+
+    def setUp(self):
+        super().setUp()
+        self.running = {}  # programs in the background by the file of their output
 
     def test_description_is_valid_turtle_of_the_vocabularies_of_lv2(self):
         run = self.succeed(Run(["lv2_validate", *self.bundle.glob("*.ttl")]))
@@ -82,16 +87,24 @@ class Lv2(ProgramTest):
             process = subprocess.Popen(
                 [str(word) for word in words], stdin=subprocess.PIPE, stdout=out, stderr=subprocess.STDOUT
             )
+            self.running[log] = process
             try:
                 yield process
             finally:
-                process.kill()
-                process.wait()
-                process.stdin.close()
+                del self.running[log]
+                process.terminate()  # a killed jackd stays in the list of servers, which ends at eight
+                try:
+                    process.wait(STOPS_S)
+                finally:
+                    process.kill()
+                    process.wait()
+                    process.stdin.close()
 
     def wait_for(self, what, condition):
         limit = time.monotonic() + DEADLOCK_S
         while not condition():
+            for log, process in self.running.items():
+                self.assertIsNone(process.poll(), f"{log.name} ended: {log.read_text(errors='replace')}")
             self.assertLess(time.monotonic(), limit, f"no {what}")
             time.sleep(0.1)
 
