@@ -61,6 +61,12 @@ class Verbs(unittest.TestCase):
         with mock.patch.object(cli, "module_of", lambda _: module):
             return printed(cli.dispatch, [verb, *words])
 
+    def test_under_nohup_go_on(self):
+        signal.signal(signal.SIGHUP, signal.SIG_IGN)
+        self.addCleanup(signal.signal, signal.SIGHUP, signal.SIG_DFL)
+        status, _, err = self.dispatched("run", lambda _: signal.raise_signal(signal.SIGHUP))
+        self.assertEqual((status, err), (0, ""))
+
     def test_that_are_interrupted_say_so_and_end_with_the_status_of_the_signal(self):
         resumes = "; the same command resumes the work"
         for verb, more in {
@@ -71,6 +77,7 @@ class Verbs(unittest.TestCase):
             "tradeoff": resumes,
         }.items():
             for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+                signal.signal(number, signal.SIG_DFL)  # a shell starts tasks in the background without SIGINT
                 status, out, err = self.dispatched(verb, lambda _: signal.raise_signal(number))
                 self.assertEqual((status, out), (128 + number, ""))
                 self.assertEqual(err, f"ricochet {verb}: interrupted{more}\n")
