@@ -23,7 +23,7 @@ from ricochet.modal_table import ModalTable, write_csv
 from ricochet.progress import Progress, duration
 from ricochet.studies.study import DEEPEST, unfit
 from ricochet.timing import Done
-from ricochet.tradeoffs import points, runs
+from ricochet.tradeoffs import points, report, runs
 from ricochet.tradeoffs.settings import Impact, Kernel
 
 
@@ -163,8 +163,28 @@ class Tradeoffs(unittest.TestCase):
         self.assertEqual(
             points.pareto(made, cost, 0.06), [made[0], made[1]]
         )  # below the floor, errors are equal
+        equal = self.point(self.row(2.1, 5))  # as good as another one, and dearer
+        self.assertEqual(points.pareto([*made, equal], cost, 1e-9), [made[0], made[1], made[3]])
         self.assertIs(points.cheapest(made, 0.06, cost), made[1])
         self.assertIsNone(points.cheapest(made, 1e-5, cost))
+
+    def test_state_what_each_scheme_reaches(self):
+        made = []
+        for scheme, speed, seconds in [
+            ("compliant", 2.4, 1e-3),  # errors of 0.2, 0.05 and 0.01
+            ("compliant", 2.1, 4e-3),
+            ("compliant", 2.02, 9e-3),
+            ("jump", 2.1, 12e-3),
+            ("difference", 2.4, 1e-3),
+            ("difference", 2.2, 2e-3),
+        ]:
+            made.append(self.point(self.row(speed, seconds)))
+            made[-1].impact = Impact(scheme, 1e5)
+        lines = report.scheme_lines(made, 0.06).splitlines()
+        self.assertEqual(lines[0], f"compliant: 4.00 ms for all steps ({made[1].name()}, error 5.0e-02)")
+        self.assertEqual(lines[1], f"jump: 12.00 ms for all steps ({made[3].name()}, error 5.0e-02)")
+        smallest = f"does not reach 0.06; the smallest error is 1.0e-01 ({made[5].name()})"
+        self.assertEqual(lines[2:], [f"difference: {smallest}", "compliant is 3 times cheaper than jump"])
 
     def test_are_printed_with_their_files(self):
         options = argparse.Namespace(impacts=3, error=0.06)

@@ -6,6 +6,7 @@ import base64
 import types
 import unittest
 from unittest import mock
+from xml.etree import ElementTree
 
 import matplotlib
 import numpy as np
@@ -20,8 +21,10 @@ from ricochet.pictures import snapshots
 from ricochet.pictures.friction import moment_panel, pressure_map
 from ricochet.pictures.grid import Grid
 from ricochet.pictures.history import History
+from ricochet.pictures.modes import draw_rod, modes_picture
 from ricochet.pictures.skins import skins_of
 from ricochet.pictures.style import BODY, STYLE, prefixed
+from ricochet.result_file import File
 from ricochet.studies import chart as studies
 
 
@@ -386,6 +389,50 @@ class Snapshots(HistoryTest):
         far = 1.6 * radius[drag.force.sum(axis=0) > 0].max()
         np.testing.assert_allclose(panel.where, 1e3 * np.sort(radius[radius <= far]), atol=1e-9)
         self.assertEqual(panel.label, "distance from the first touch (mm)")
+
+
+class Modes(HistoryTest):
+    def test_of_a_rod_are_drawn_over_the_place_along_it(self):
+        along = np.array([0.6, 0.8, 0])
+        place = np.array([0.3, 0, 0.1, 0.2])  # of nodes in no order
+        shape = 5 * np.cos(np.pi * place / 0.3)[:, None] * along
+        ax = Figure().add_subplot()
+        draw_rod(ax, 2 + place[:, None] * along, shape)
+        x, y = ax.lines[0].get_xydata().T
+        np.testing.assert_allclose(x - x[0], [0, 0.1, 0.2, 0.3], atol=1e-12)
+        np.testing.assert_allclose(y, [1, 0.5, -0.5, -1], atol=1e-12)
+
+    def test_that_are_elastic_are_drawn_with_their_frequencies(self):
+        path, _ = friction_file.write(self.folder / "rubbed")
+        figure = modes_picture(File(path.with_name("rubbed.kernel.h5"), "ricochet-kernel"), 6)
+        self.assertEqual(figure._suptitle.get_text(), "block: elastic modes")
+        shown = [ax for ax in figure.axes if ax.axison or ax.collections]
+        self.assertEqual([ax.get_title() for ax in shown], ["mode 4: 636.62 Hz"])  # 4000 rad/s
+        at_rest, deflected = (
+            np.concatenate([p.vertices for p in c.get_paths()]) for c in shown[0].collections
+        )
+        self.assertEqual(len(at_rest), len(deflected))
+        self.assertGreater(np.ptp(deflected, axis=0).max(), np.ptp(at_rest, axis=0).max())
+
+
+class Drawings(HistoryTest):
+    def test_in_notebooks_have_the_force_of_the_contact(self):
+        history, drag = self.history()
+        page = ElementTree.fromstring(f"<div>{history._repr_html_()}</div>")
+        words = page.find("svg/polyline").get("points").split()
+        x, y = np.array([[float(number) for number in word.split(",")] for word in words]).T
+        width, height = float(page.find("svg").get("width")), y[0]
+        np.testing.assert_allclose([x[0], x[-1], y[-1]], [0, width, height])
+        x, force = x[1:-1], height - y[1:-1]  # the line starts and ends at the base
+        np.testing.assert_allclose(np.diff(x), width / (len(x) - 1), atol=0.11)  # rounded to 0.1
+        self.assertAlmostEqual(x[-1], width)
+        peak = drag.force.sum(axis=1).max()
+        self.assertEqual(page.find("svg/g/text").text, f"{peak:.4g} N")
+        # The contact lies within the drawing, with a margin on both sides.
+        expected = drag.force.sum(axis=1) / peak * force.max()
+        first = np.argmax(force > 0.05) - np.argmax(expected > 0.05)
+        np.testing.assert_allclose(force, expected[-first : len(force) - first], atol=0.06)
+        self.assertTrue(force[0] == 0 and force[-1] == 0)
 
 
 class Cells(unittest.TestCase):
