@@ -16,6 +16,7 @@
 #include "ricochet/error.hpp"
 #include "src/programs/accuracy.hpp"
 #include "src/programs/impact_warnings.hpp"
+#include "src/programs/memory.hpp"
 #include "src/programs/motion.hpp"
 #include "src/programs/table_kernels.hpp"
 
@@ -108,10 +109,23 @@ double slowest_wave(const scene::Scene& scene) {
   return std::isfinite(slowest) ? slowest : 0;
 }
 
+/// Throws InputError if the matrices of the steps do not fit into memory.
+void check_steps(const Impact& impact) {
+  const contact::Model& model = *impact.model;
+  const bool rubs = !model.friction.empty();
+  // Counted in builds of the steppers: those of look-ahead blocks keep a matrix for each step of a block.
+  const double matrices = impact.options.scheme != Scheme::compliant ? 8 : rubs ? 36 : 20;
+  const auto rows = static_cast<double>(model.rows());
+  check_memory(
+      impact.scene, fmt::format("{} contact points{}", model.gap.size(), rubs ? " with friction" : ""),
+      matrices * 8 * rows * rows, "fewer candidates: contact.spacing, contact.reach or contact.zone");
+}
+
 contact::Summary steps(const Impact& impact, console::Console& console, ImpactObserver& observer) {
   const double step = impact.options.step;
   console.begin("steps", impact.steps);
   const Clock::time_point started = Clock::now();
+  if (!impact.table) check_steps(impact);
   const std::unique_ptr<contact::Stepper> stepper =
       impact.table
           ? table_stepper(impact)

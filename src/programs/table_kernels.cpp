@@ -2,31 +2,25 @@
 #include "src/programs/table_kernels.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "contact/input/table_file.hpp"
 #include "contact/table/modal_table.hpp"
 #include "contact/table/table_stepper.hpp"
-#include "ricochet/error.hpp"
+#include "src/programs/memory.hpp"
 
 namespace ricochet::programs {
 namespace {
 
 /// Throws InputError if the samples of a table, their copy in the convolution and the spectra do not fit into
 /// memory.
-void check_memory(const Impact& impact) {
+void check_table(const Impact& impact) {
   const auto points = impact.model->gap.size();
-  const double kernels = impact.options.scheme == Scheme::impulse ? 2 : 1,
-               needed =
-                   4 * kernels * 8 * static_cast<double>(impact.steps) * static_cast<double>(points * points),
-               there =
-                   static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-  if (needed > 0.8 * there)
-    throw InputError(
-        fmt::format("{}: contact.kernel = \"table\": {} steps of {} x {} points need {:.3g} GB, and this "
-                    "machine has {:.3g}. "
-                    "Set a shorter time.duration, fewer candidates (contact.spacing), or kernel = \"modes\".",
-                    impact.scene.file.string(), impact.steps, points, points, needed * 1e-9, there * 1e-9));
+  const double kernels = impact.options.scheme == Scheme::impulse ? 2 : 1;
+  check_memory(
+      impact.scene,
+      fmt::format("contact.kernel = \"table\": {} steps of {} x {} points", impact.steps, points, points),
+      4 * kernels * 8 * static_cast<double>(impact.steps) * static_cast<double>(points * points),
+      "a shorter time.duration, fewer candidates (contact.spacing), or kernel = \"modes\"");
 }
 
 }  // namespace
@@ -34,7 +28,7 @@ void check_memory(const Impact& impact) {
 void add_table(Impact& impact, console::Console& console) {
   console.begin("table");
   if (impact.model) {
-    check_memory(impact);
+    check_table(impact);
     impact.table = in_scene(
         impact.scene, [&] { return contact::table_from_modes(*impact.model, impact.options, impact.steps); });
   } else {

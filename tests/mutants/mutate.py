@@ -14,6 +14,7 @@ its surroundings, and needs a test or an entry. The status is 1 if there is such
 import argparse
 import itertools
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -135,6 +136,7 @@ def parse():
 
 def main():
     arguments = parse()
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # else tests inherit that a shell ignores it
     files = [Path(name).resolve() for name in arguments.file]
     mutants = {name: drawn(name, arguments.seed, files) for name in arguments.folders or FOLDERS}
     if arguments.list:

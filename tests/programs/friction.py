@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 
 from boxes import Box
-from programs import ProgramTest, contact, kernel
+from programs import BIN, ProgramTest, Run, contact, kernel, settings
 
 GRAVITY, FRICTION, SPEED = 9.81, 0.3, 1.0
 STOP = SPEED / (FRICTION * GRAVITY)
@@ -182,6 +182,21 @@ class Friction(ProgramTest):
         ):
             for program in (kernel, contact):
                 self.assertIn(words, self.refused(program, *sets))
+
+    def test_is_refused_where_its_matrices_exceed_the_memory(self):
+        """361 points: 36 matrices of 1083 rows are 338 MB; without friction, 20 of 361 rows are 21 MB."""
+        self.write("box.msh", Box(cells=(18, 18, 1)).gmsh())
+        self.scene.write_text(SCENE.replace("count = 30", "count = 6\nresidual_flexibility = false"))
+        self.succeed(kernel(self.scene, self.out))
+        for limit_mb, sets, fits in ((410, [], False), (460, [], True), (410, ["contact.friction=0"], True)):
+            words = [BIN / "ricochet-contact", self.scene, "--out", self.out, "--quiet"]
+            run = Run(["prlimit", f"--as={limit_mb}000000", *words, *settings([*sets, "time.duration=2e-4"])])
+            self.assertEqual(run.status, 0 if fits else 2, run.err)
+            if not fits:
+                need = r"361 contact points with friction need 0\.338 GB of memory, and there are 0\.41\. Set fewer"
+                self.assertRegex(
+                    run.err, rf"^ricochet-contact: \S+slide\.toml: {need} candidates: contact\.spacing.*\n$"
+                )
 
     def test_is_refused_on_rods(self):
         rod = """

@@ -6,6 +6,7 @@ import gc
 import pathlib
 import shutil
 import tempfile
+import signal
 import threading
 import time
 import unittest
@@ -22,6 +23,11 @@ from programs import MESHES, ProgramTest
 
 
 MIC = {"name": "mic", "body": "resting", "at": [5, 0, 0]}
+
+
+def setUpModule():
+    # A shell starts tasks in the background without this signal.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 class ScenesTest(ProgramTest):
@@ -258,7 +264,8 @@ class Impact(KernelsTest):
             self.assertGreater(sum(start + quarter < t < end - quarter for t in ticks), 5)
 
     def test_is_ended_by_an_interrupt_and_leaves_nothing_behind(self):
-        self.scene.set({"time.rate_hz": 100_000, "time.duration": 1000, "title": "Long"})
+        long = {"time.rate_hz": 100_000, "time.duration": 1000, "output.every": 10_000, "title": "Long"}
+        self.scene.set(long)
         threading.Timer(0.5, _thread.interrupt_main).start()
         with self.assertRaises(KeyboardInterrupt):
             ricochet.impact(self.scene)

@@ -123,6 +123,9 @@ def many_candidates(bench):
     summary = bench.impact("block.toml", fine, *rigid, out=out)
     error = max(abs(summary["restitution"] - 1), summary["contact_steps"] - 1, balance(summary))
     yield Row("1681 candidates, all touch", "rigid block turned round in one step", 1e-11, error)
+    most = bench.impact("block.toml", "bodies.block.geometry={nx=71,ny=71,nz=1}", *rigid)
+    error = max(abs(most["restitution"] - 1), most["contact_steps"] - 1, balance(most))
+    yield Row("5184 candidates, all touch", "rigid block turned round in one step", 1e-11, error)
     dense = bench.impact("block.toml", fine, *rigid, "contact.spacing=1e-9", out=out)
     yield Row(
         "spacing of 4e-8 elements", "every node, as without spacing", 1e-12, departure(dense, summary, SAME)
