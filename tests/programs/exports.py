@@ -223,6 +223,7 @@ class Exports(BoxTest):
         text = self.succeed(
             self.faust(file, "--excite", 3, "--receive", 7, "--receive", "0,0,0:1,1,0", "--rate", rate)
         ).out
+        self.assertEqual(text.splitlines()[0], 'declare name "box";')
         self.write("box.dsp", text)
         subprocess.run(
             ["faust", "-lang", "cpp", "-cn", "Body", "box.dsp", "-o", "body.hpp"], cwd=self.folder, check=True

@@ -5,6 +5,7 @@ import json
 import math
 import re
 import shutil
+import types
 import unittest
 
 import h5py
@@ -12,6 +13,7 @@ import matplotlib
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
 
 import friction_file
 import ricochet
@@ -21,7 +23,7 @@ from report_test import Elements, ReportTest, browse, unpacked
 from ricochet import pictures
 from ricochet.pages import charts
 from ricochet.pages.run import run_of
-from ricochet.pictures.contact import contact_picture
+from ricochet.pictures.contact import contact_picture, state_strip
 from ricochet.pictures.friction import friction_picture, parts
 from ricochet.pictures.grid import Grid
 from ricochet.pictures.history import History
@@ -389,6 +391,16 @@ class Pictures(FrictionTest):
             )  # nothing touches in the middle
             self.assertFalse(any(span.x0 <= pause <= span.x1 for span in spans))
         self.assertIn("friction at the point", [line.get_label() for line in ax.lines])
+
+    def test_of_the_contact_mark_touches_of_one_step_apart(self):
+        rows = types.SimpleNamespace(
+            state=np.full((6, 1), SLIP), spacing=1.0, contact_time=np.array([1.0, 2, 3, 7, 9, 20])
+        )
+        ax = Figure().add_subplot()
+        state_strip(rows, ax, 0, 10)
+        (slips,) = (strip for strip in ax.collections if strip.get_label() == "the point slips")
+        spans = [path.get_extents() for path in slips.get_paths()]
+        np.testing.assert_allclose([(s.x0, s.x1) for s in spans], [(0, 30), (60, 70), (80, 90), (190, 200)])
 
     def test_of_energy_contain_the_heat(self):
         for friction in ("friction = 0.4", None):
