@@ -24,7 +24,7 @@ from ricochet.progress import Progress, duration
 from ricochet.studies.study import DEEPEST, unfit
 from ricochet.timing import Done
 from ricochet.tradeoffs import points, report, runs
-from ricochet.tradeoffs.settings import Impact, Kernel
+from ricochet.tradeoffs.settings import Impact, Kernel, settings
 
 
 def printed(what, *arguments):
@@ -167,6 +167,53 @@ class Tradeoffs(unittest.TestCase):
         self.assertEqual(points.pareto([*made, equal], cost, 1e-9), [made[0], made[1], made[3]])
         self.assertIs(points.cheapest(made, 0.06, cost), made[1])
         self.assertIsNone(points.cheapest(made, 1e-5, cost))
+
+    def test_vary_the_number_of_modes_and_one_setting_at_a_time(self):
+        scene = types.SimpleNamespace(count=10, order=1, spacing=0.1, band_hz=500.0, rate_hz=1e4)
+        options = argparse.Namespace(
+            counts=None,
+            residual=["with", "without"],
+            fitted=[1e-2],
+            tolerances=[1e-6, 1e-9],
+            orders=None,
+            spacings=[1, 2],
+            schemes=["compliant", "jump"],
+            rates=[1, 0.5],
+            precisions=["double", "single"],
+            accuracies=[1e-3],
+            full=False,
+        )
+        made = settings(options, scene)
+        kernels, impacts = [kernel for kernel, _ in made[:-1]], made[0][1]
+        # A sixteenth of 10 modes is none, so the smallest basis has one.
+        sizes = [kernel.size for kernel in kernels if kernel.basis == "modes"]
+        self.assertEqual(sorted(set(sizes)), [1, 2, 5, 10])
+        self.assertEqual({kernel.order for kernel in kernels}, {1, 2})  # never 0
+        first = kernels[[kernel.size for kernel in kernels].index(10)]
+        changed = [
+            [name for name, value in vars(first).items() if vars(kernel)[name] != value]
+            for kernel in kernels
+            if kernel.size == 10
+        ]
+        single = ["residual_flexibility", "order", "relative_residual", "spacing_m"]
+        self.assertEqual(sorted(filter(None, changed)), sorted([name] for name in single))
+        self.assertEqual(len(set(kernels)), len(kernels))
+        self.assertEqual(
+            [(impact.scheme, impact.rate_hz, impact.precision) for impact in impacts],
+            [
+                ("compliant", 1e4, "double"),
+                ("compliant", 1e4, "single"),
+                ("compliant", 5e3, "double"),
+                ("compliant", 5e3, "single"),
+                ("jump", 1e4, "double"),
+                ("jump", 5e3, "double"),
+            ],
+        )
+        self.assertEqual((made[-1][0].basis, made[-1][0].size), ("accuracy", 1e-3))
+        options.full = True
+        sizes = {"modes": 4 * 2, "contact": 1}  # 1, 2, 5 and 10 modes with and without R
+        full = [kernel for kernel, _ in settings(options, scene)[:-1]]
+        self.assertEqual(len(full), sum(sizes.values()) * 2 * 2 * 2)  # orders, tolerances and spacings
 
     def test_state_what_each_scheme_reaches(self):
         made = []
@@ -395,6 +442,7 @@ class Bars(unittest.TestCase):
             (59.4, "59 s"),
             (60, "1 min 0 s"),
             (3599, "59 min 59 s"),
+            (3600, "1 h 0 min"),
             (7500, "2 h 5 min"),
         ):
             self.assertEqual(duration(seconds), text)

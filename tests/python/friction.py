@@ -416,6 +416,24 @@ class Pictures(FrictionTest):
                     len({line.get_color() for line in self.drawn(path, "energy").axes[0].lines}), 8
                 )
 
+    def test_of_energy_show_the_decades_of_what_the_ledger_misses(self):
+        path, _ = friction_file.write(self.folder / "rubbed")
+        with edited(path) as file:
+            file["energy/contact"][100] += 3e-5 * file["energy/kinetic"][0]
+            file["energy/contact"][200] += 0.02 * file["energy/kinetic"][0]
+        low = self.drawn(path, "energy").axes[1]
+        shown = dict(zip(*low.lines[0].get_xydata().T))
+        np.testing.assert_allclose([shown[1.0], shown[2.0]], [3e-5, 0.02], rtol=1e-6)  # at 1 and 2 ms
+        bottom, top = np.log10(low.get_ylim())
+        self.assertEqual((bottom, top), (np.floor(np.log10(min(shown.values()))), -1))
+
+    def test_of_one_point_have_no_places(self):
+        history, _ = self.history(form="point")
+        with matplotlib.rc_context(STYLE):
+            forces, states, loop = friction_picture(history).axes
+        self.assertEqual((len(states.get_yticks()), states.get_ylabel()), (0, ""))
+        self.assertEqual(states.get_title(loc="left"), "Stick and slip")
+
 
 class Pages(FrictionTest):
     def test_show_friction(self):
