@@ -110,14 +110,14 @@ FOLDERS = {
             "python/ricochet/pages/": (
                 "python/histories",
                 "python/geometry",
-                "programs/report",
+                *_programs("report", "page_view"),
                 "web/instrument",
             ),
             "python/ricochet/pictures/": (
                 "python/histories",
                 "python/geometry",
                 "python/friction",
-                *_programs("command", "report"),
+                *_programs("command", "report", "page_view"),
             ),
             "python/ricochet/studies/": _programs("sweep", "sweep_faults", "batch"),
             "python/ricochet/tradeoffs/": ("python/commands", *_programs("tradeoff")),

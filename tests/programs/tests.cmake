@@ -28,6 +28,7 @@ add_program_test(programs tradeoff FIRST LONG)
 add_program_test(programs sweep)
 add_program_test(programs sweep_faults)
 add_program_test(programs report)
+add_program_test(programs page_view)
 add_program_test(programs batch FIRST)
 add_program_test(programs command)
-set_tests_properties(programs/batch programs/report PROPERTIES PROCESSORS 1)  # most of their time is spent waiting for SLURM and a browser
+set_tests_properties(programs/batch programs/report programs/page_view PROPERTIES PROCESSORS 1)  # most of their time is spent waiting for SLURM and a browser

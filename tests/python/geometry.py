@@ -11,6 +11,7 @@ from programs import ProgramTest
 from ricochet import surfaces
 from ricochet.interchange.rotations import angles_of, rotation_of, turn_between
 from ricochet.pages import motion
+from ricochet.pictures import planes
 from ricochet.pictures.viewpoint import View, clearest, clearness, spread, views
 
 X, Y, Z = np.eye(3)
@@ -135,6 +136,42 @@ class Viewpoints(unittest.TestCase):
         node, element = square(0, 1, 0.0)
         np.testing.assert_allclose(clearest([(node, element), (node + 2 * X, element)], contact).turn()[2], Z)
 
+    def test_of_a_floor_are_from_above_and_upright(self):
+        """Also where a view from below, or along another axis, would show more of the bodies."""
+        random = np.random.default_rng(3)
+        contact = np.zeros((1, 3))
+        for normal in [*np.eye(3), *-np.eye(3), *random.normal(size=(20, 3))]:
+            normal = normal / np.linalg.norm(normal)
+            stretched = random.uniform(0.1, 3, size=3)
+            node, element = grid((0, 0), (1, 1), 0.0, 4) * stretched, np.array([[0, 1, 5], [3, 7, 9]])
+            for tilted in (False, True):
+                turn = clearest([(node, element)], contact, tilted, up=normal, normals=[normal]).turn()
+                np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-12)
+                self.assertAlmostEqual(turn[0] @ normal, 0)  # level
+                self.assertGreater(turn[1] @ normal, 0.5)  # up on the screen
+                self.assertGreater(
+                    turn[2] @ normal, 0.05 if tilted else -1e-9
+                )  # the floor is not seen from beneath
+        # A wall is seen from the side of its normal, upright or not.
+        for normal in (X, -X):
+            self.assertGreater(
+                clearest([square(0, 1, 0.0)], contact, True, normals=[normal]).turn()[2] @ normal, 0.05
+            )
+
+    def test_have_up_against_gravity_or_along_the_normal_of_a_floor(self):
+        floor, wall = {"floor": {"normal": [0, 0, 2]}}, {"wall": {"normal": [-1, 0, 0]}}
+        gravity = {"gravity": [0, -9.81, 0]}
+        for scene, up in (
+            ({"loads": gravity}, Y),
+            ({"loads": gravity, "obstacles": floor}, Y),
+            ({"obstacles": floor}, Z),
+            ({"loads": {"gravity": [0, 0, 0]}, "obstacles": floor}, Z),
+            ({"obstacles": wall}, None),
+            ({"obstacles": floor | {"side": {"normal": [0, 1, 0]}}}, None),
+            ({}, None),
+        ):
+            np.testing.assert_equal(planes.upward(scene), up)
+
     def test_use_points_of_lines_and_triangles_at_most_a_distance_apart(self):
         random = np.random.default_rng(1)
         node, element = square(0, 3, 0.0)
@@ -214,17 +251,15 @@ class Bodies(unittest.TestCase):
     def test_stand_on_the_part_of_a_plane_that_is_near_them(self):
         low, high = np.array([1.0, -1, 2]), np.array([3.0, 1, 6])
         plane = {"point": [9, 9, 0.5], "normal": [0, 0, -3]}
-        corner = unpacked(motion.half_space("floor", plane, low, high)["node"])
-        np.testing.assert_allclose(corner[:, 2], 0.5, rtol=1e-6)
-        np.testing.assert_allclose(corner.mean(axis=0), [2, 0, 0.5], atol=1e-6)
-        np.testing.assert_allclose(
-            np.linalg.norm(corner - np.roll(corner, 1, axis=0), axis=1), 1.4 * 4, rtol=1e-6
-        )
+        corner = planes.square_of(plane, low, high)
+        np.testing.assert_allclose(corner[:, 2], 0.5)
+        np.testing.assert_allclose(corner.mean(axis=0), [2, 0, 0.5], atol=1e-12)
+        np.testing.assert_allclose(np.linalg.norm(corner - np.roll(corner, 1, axis=0), axis=1), 1.4 * 4)
         tilted = {"point": [0, 0, 0], "normal": [1, 1, 1]}
-        corner = unpacked(motion.half_space("wall", tilted, low, high)["node"])
-        np.testing.assert_allclose(corner.sum(axis=1), 0, atol=1e-5)
+        corner = planes.square_of(tilted, low, high)
+        np.testing.assert_allclose(corner.sum(axis=1), 0, atol=1e-12)
         np.testing.assert_allclose(
-            np.ptp(corner.mean(axis=0) - (low + high) / 2), 0, atol=1e-5
+            np.ptp(corner.mean(axis=0) - (low + high) / 2), 0, atol=1e-12
         )  # along the normal
 
     def test_are_found_by_the_node_nearest_to_a_contact_point(self):

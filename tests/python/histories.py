@@ -20,7 +20,7 @@ from ricochet.pictures import snapshots
 from ricochet.pictures.friction import moment_panel, pressure_map
 from ricochet.pictures.grid import Grid
 from ricochet.pictures.history import History
-from ricochet.pictures.skins import skins_of
+from ricochet.pictures.skins import amplification, largest_amplification, skins_of
 from ricochet.pictures.style import BODY, STYLE, prefixed
 from ricochet.studies import chart as studies
 
@@ -265,39 +265,52 @@ class Snapshots(HistoryTest):
         skins, time = skins_of(history, self.folder)
         return history, drag, skins, time
 
-    def test_are_those_moved_by_the_coordinates_and_magnified_from_the_first_touch_on(self):
+    def test_are_those_moved_by_the_coordinates_and_only_their_deformation_is_magnified(self):
         _, drag, skins, time = self.skins()
         skin = skins["block"]
         np.testing.assert_allclose(time, drag.time[::4])
         bent = np.abs(skin.node[:, 0]) * skin.node[:, 2] / 1e-4  # along z for a coordinate of 1
+        size = np.linalg.norm(np.ptp(skin.node, axis=0))
         for k in (0, 31, 77):
             amount = 1e-6 * np.sin(4e3 * time[k])
-            expected = skin.node + drag.moved[4 * k] + np.outer(amount * bent, [0, 0, 1])
-            np.testing.assert_allclose(skin.at(k), expected, atol=1e-12)
+            for factor in (0, 1, 50):
+                expected = skin.node + drag.moved[4 * k] + np.outer(factor * amount * bent, [0, 0, 1])
+                np.testing.assert_allclose(skin.at(k, factor), expected, atol=1e-12)
+            np.testing.assert_array_equal(skin.at(k), skin.at(k, 1))
             self.assertAlmostEqual(skin.deformation(k), abs(amount) * bent.max(), places=12)
-        moved = skin.at(77) - skin.at(31)
-        np.testing.assert_allclose(skin.at(77, 31, 50), skin.at(31) + 50 * moved, atol=1e-12)
+            self.assertAlmostEqual(skin.strain(k), abs(amount) * bent.max() / size, places=10)
 
-    def test_are_magnified_by_a_round_number_that_shows_the_motion(self):
-        def amplified(moved, deformation=0.0):
-            node = np.array([[0, 0, 0], [3, 4, 0.0]])  # of size 5
-            skin = types.SimpleNamespace(
-                at=lambda k: node + [0, 0, moved * k], deformation=lambda k: deformation * k
-            )
-            return snapshots.amplification({"a": skin}, np.array([1]), 0)
+    def test_are_magnified_by_a_round_number_that_shows_the_deformation(self):
+        # 0.1 of the size is drawn at most, and more than 0.04, because round numbers are at most 2.5 apart.
+        for share, factor in ((1e-3, 100), (9e-4, 100), (3e-4, 200), (1.9e-6, 50000), (0.0099, 10)):
+            self.assertAlmostEqual(amplification(share), factor)
+        for share in (0, 1e-15, 0.01, 0.3):  # nothing but round-off, or visible as it is
+            self.assertEqual(amplification(share), 1)
+        for share, most in ((1e-3, 250), (1e-5, 25000), (0.01, 25), (0.5, 2), (0, 2)):
+            self.assertAlmostEqual(largest_amplification(share), most)
 
-        # 5 % of the size is 0.25.
-        for moved, factor in (
-            (1e-3, 200),
-            (0.25 / 99, 50),
-            (0.25 / 19, 10),
-            (0.25 / 2.1, 2),
-            (0.25 / 1.9, 1),
-            (0, 1),
-        ):
-            self.assertAlmostEqual(amplified(moved), factor)
-        self.assertEqual(amplified(1e-3, 0.051), 1)  # 1 % of deformation can be seen
-        self.assertAlmostEqual(amplified(1e-3, 0.049), 200)
+    def test_are_drawn_at_moments_that_differ_from_the_one_before_as_much_as_nine_can(self):
+        # A bump that passes within a hundredth of the time, between long rests: even times would miss it.
+        time = np.linspace(0, 1, 2001)
+        path = np.stack([np.exp(-(((time - 0.3) / 0.005) ** 2)), np.zeros_like(time)], axis=1)
+        chosen = snapshots.moments(path, 9)
+        steps = np.linalg.norm(np.diff(path[chosen], axis=0), axis=1)
+        # The path has a length of 2. With steps of at least d, eight need 8 d of it.
+        self.assertEqual((len(chosen), chosen[0]), (9, 0))
+        self.assertTrue(0.18 < steps.min() <= 2 / 8, steps)
+        self.assertTrue(np.all(np.diff(chosen) > 0))
+        self.assertEqual(snapshots.moments(path[:5], 9).tolist(), [0, 1, 2, 3, 4])
+        self.assertEqual(snapshots.moments(path[:1], 9).tolist(), [0])
+
+    def test_are_compared_by_the_mean_distance_of_the_nodes_as_drawn(self):
+        _, _, skins, _ = self.skins()
+        (skin,), during = skins.values(), np.array([3, 40, 77])
+        for factor in (1, 300):
+            path = snapshots.drawn_path(skins, during, factor)
+            for a, b in ((0, 1), (1, 2), (0, 2)):
+                apart = skin.at(during[a], factor) - skin.at(during[b], factor)
+                exact = np.sqrt((apart**2).sum(axis=1).mean())
+                self.assertAlmostEqual(np.linalg.norm(path[a] - path[b]) / exact, 1, places=5)  # of 32 bits
 
     def test_show_nearer_bodies_in_front(self):
         square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]])
@@ -327,7 +340,14 @@ class Snapshots(HistoryTest):
         rod = np.stack([np.linspace(0, 0.2, 5), np.zeros(5), np.zeros(5)], axis=1)
         element = np.stack([np.arange(4), np.arange(1, 5)], axis=1)
         skin = types.SimpleNamespace(
-            at=lambda *_: rod, deformation=lambda _: 1.0, element=element, rim=lambda flat: element
+            at=lambda *_: rod,
+            strain=lambda _: 1.0,
+            weights=lambda _: np.ones(1),
+            node=rod,
+            shape=np.ones((5, 3, 1)),
+            coordinates=time[:, None],
+            element=element,
+            rim=lambda flat: element,
         )
         figure = self.drawn(history, {"block": skin}, time)
         ax = figure.axes[0]

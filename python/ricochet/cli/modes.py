@@ -10,6 +10,7 @@ the static flexibility of the contact. Effective masses of all modes of a free b
 contains participation factors and effective masses in SI units.
 """
 import argparse
+import sys
 import tomllib
 from pathlib import Path
 
@@ -82,5 +83,8 @@ def run(options: argparse.Namespace) -> None:
         write_csv(tables, options.csv)
         print(options.csv)
     if options.plot:
-        for kernel in found:
-            print(draw_modes(kernel, kernel.parent))
+        for table, kernel in zip(tables, found):
+            if path := draw_modes(kernel, kernel.parent):
+                print(path)
+            else:
+                print(f"ricochet modes: no picture of {table.body}: it has no elastic modes", file=sys.stderr)

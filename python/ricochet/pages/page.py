@@ -12,8 +12,9 @@ from ricochet import files
 from ricochet.errors import InputError
 
 FOLDER = Path(__file__).resolve().parent / "assets"
-REPORT = ["base.js", "charts.js", "motion.js", "player.js", "engine.js", "instrument.js", "page.js"]
-INSTRUMENT = ["base.js", "charts.js", "motion.js", "player.js", "engine.js", "instrument.js", "play.js"]
+SHARED = ["base.js", "charts.js", "surface.js", "motion.js", "player.js", "engine.js", "instrument.js"]
+REPORT = [*SHARED, "overlay.js", "modes.js", "page.js"]
+INSTRUMENT = [*SHARED, "play.js"]
 LARGEST_MB = 16
 
 

@@ -1,0 +1,367 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""The first screen of ricochet report, in a browser driven by its own protocol: a steel part dropped on a floor, and two rods. Sizes
+come from pixels, shapes and deformations from the files of the run. `page_view.py --keep FOLDER` keeps pictures of the pages."""
+
+import base64
+import io
+import json
+import shutil
+import tempfile
+import unittest
+
+import h5py
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.image import imread
+
+import report_test
+from browser import Browser
+from programs import BIN, MESHES, ProgramTest, Run, contact, kernel
+from report_test import data_of, number, unpacked
+
+from ricochet.pictures import figures
+from ricochet.pictures.history import History
+
+DROP = [
+    "title=drop",
+    "bodies.bracket.order=1",
+    "bodies.bracket.damping={loss_factor=1e-3}",
+    "loads={gravity=[0,0,-9.81]}",
+    "modes={up_to_hz=60e3}",
+    "time.duration=3e-4",
+    "output={view=true,snapshot_every=4}",
+]
+# As in report.py, but so thin that perspective enlarges the near side of a rod by less than a thousandth.
+RODS = ["modes.count=5", "output={view=true,snapshot_every=50}", "contact.gap=0.1", "time.duration=5"] + [
+    f"bodies.{name}.material.area=0.01" for name in ("moving", "resting")
+]
+FLOOR = [0xDE, 0xDB, 0xD3]  # the colour of a plane seen from its front
+INSIDE = """(() => {
+  const parts = [...document.querySelectorAll(".cockpit canvas, .cockpit button, .cockpit input, .cockpit select, .cockpit output")];
+  return parts.filter(part => part.offsetHeight > 0).map(part => {
+    const {left, top, right, bottom} = part.getBoundingClientRect();
+    return [part.ariaLabel ?? part.textContent, left, top, right, bottom];
+  });
+})()"""
+
+
+class PageTest(ProgramTest):
+    """Opens the page of one run, made once for all tests of a class."""
+
+    @classmethod
+    def setUpClass(cls):
+        scope = tempfile.TemporaryDirectory(prefix="ricochet-browser-", ignore_cleanup_errors=True)
+        cls.addClassCleanup(scope.cleanup)
+        cls.assertTrue(
+            unittest.TestCase(), shutil.which("chromium"), "no chromium: scripts/setup --tests installs it"
+        )
+        cls.browser = Browser(scope.name)
+        cls.addClassCleanup(cls.browser.close)
+        made = tempfile.TemporaryDirectory(prefix="ricochet-test-")
+        cls.addClassCleanup(made.cleanup)
+        cls.made = report_test.pathlib.Path(made.name)
+        for path in (MESHES / cls.SCENE).glob("*.*"):
+            shutil.copy(path, cls.made)
+        scene, cls.out = cls.made / f"{cls.SCENE}.toml", cls.made / "out"
+        for done in (kernel(scene, cls.out, *cls.SETS), contact(scene, cls.out, *cls.SETS)):
+            assert done.status == 0, done.err
+        (cls.result,) = cls.out.glob("*.result.h5")
+        cls.path, cls.data = cls.write_page()
+
+    @classmethod
+    def write_page(cls):
+        """Path and data of the page."""
+        done = Run([BIN / "ricochet", "report", cls.result, "--out", cls.made / "page.html"])
+        assert done.status == 0, done.err
+        return cls.made / "page.html", data_of(cls.made / "page.html")
+
+    def opened_at(self, wide, high):
+        self.browser.messages.clear()
+        self.browser.open(self.path, wide, high)
+        self.addCleanup(lambda: self.assertEqual(self.browser.messages, []))
+
+    def keep(self, name):
+        if report_test.KEEP:
+            report_test.KEEP.mkdir(parents=True, exist_ok=True)
+            self.browser.screenshot(report_test.KEEP / f"{name}.png")
+
+    def pixels(self):
+        """(rows, columns, 4) of the canvas, from 0 to 255."""
+        url = self.browser.evaluate("shown.canvas.toDataURL()")
+        return np.rint(255 * imread(io.BytesIO(base64.b64decode(url.split(",")[1])))).astype(int)
+
+    def pressed(self, text):
+        self.assertTrue(
+            self.browser.evaluate(
+                f"(() => {{ const it = [...document.querySelectorAll('.cockpit button')].find(b => b.textContent === "
+                f"{json.dumps(text)} && b.offsetParent); it?.click(); return Boolean(it); }})()"
+            ),
+            text,
+        )
+
+    def node_of_tree(self, role, name):
+        tree = self.browser.call("Accessibility.getFullAXTree")["nodes"]
+        (node,) = [
+            node
+            for node in tree
+            if node.get("role", {}).get("value") == role and node.get("name", {}).get("value") == name
+        ]
+        return node | {item["name"]: item["value"].get("value") for item in node.get("properties", [])}
+
+
+class Drop(PageTest):
+    SCENE, SETS = "bracket", DROP
+
+    def kernel_data(self):
+        """Size of the body, places at rest and shapes (V,3,N) in world axes, angular frequencies, and snapshots."""
+        with h5py.File(self.result) as file:
+            body = file["bodies/bracket"]
+            turn = body.attrs["rotation"].reshape(3, 3)
+            q = file["snapshots/bracket"][:]
+            with h5py.File(self.out / body.attrs["kernel"].decode()) as held:
+                size = np.linalg.norm(np.ptp(held["view/node"][:], axis=0))
+                node = held["view/node"][:] @ turn.T + body.attrs["translation"]
+                shape = np.einsum("ij,vjn->vin", turn, held["view/shape"][:].astype(float))
+                omega = held["modes/angular_frequency"][:]
+        return size, node, shape, omega, q
+
+    def test_canvas_and_controls_are_in_the_window_together(self):
+        for wide, high in ((1280, 800), (390, 844)):
+            self.opened_at(wide, high)
+            if wide == 390:
+                self.browser.evaluate("document.querySelector('.cockpit').scrollIntoView()")
+            names = {"Play", "Time", "Speed", "Amplification", "front", "side", "above", "reset", "Colour"}
+            for shown in ("impact", "mode"):
+                found = self.browser.evaluate(INSIDE)
+                self.assertLessEqual(names, {name for name, *_ in found})
+                for name, left, top, right, bottom in found:
+                    self.assertTrue(
+                        0 <= left < right <= wide and 0 <= top < bottom <= high,
+                        (wide, shown, name, top, bottom),
+                    )
+                (canvas,) = [box for name, *box in found if name.startswith("The bodies in motion")]
+                self.assertGreater(canvas[3] - canvas[1], 0.3 * high)
+                self.keep(f"drop-{wide}-{shown}")
+                self.browser.evaluate("document.querySelector('#modes button').click()")
+                names = {
+                    "Pause",
+                    "Time",
+                    "Speed",
+                    "front",
+                    "Previous mode",
+                    "Next mode",
+                    "Back to the impact",
+                }
+            self.assertLessEqual(self.browser.evaluate("document.documentElement.scrollWidth"), wide)
+
+    def test_the_floor_is_seen_from_above_with_gravity_down_and_is_glass_from_beneath(self):
+        self.opened_at(1280, 800)
+        self.browser.evaluate("shown.motion.bodies[0].visible = shown.motion.arrows = false, shown.show()")
+
+        def floor():
+            """Where the floor is drawn: opaque, and as glass."""
+            pixels = self.pixels()
+            return (pixels[..., 3] == 255) & (abs(pixels[..., :3] - FLOOR).max(axis=2) <= 1), (
+                pixels[..., 3] > 40
+            ) & (pixels[..., 3] < 90)
+
+        opaque, glass = floor()
+        rows = np.flatnonzero(opaque.any(axis=1))
+        self.assertGreater(opaque.mean(), 0.02)
+        self.assertLess(glass.mean(), 1e-3)  # the edges of the opaque floor
+        self.assertGreater(rows.min(), 0.4 * len(opaque))  # the bodies are above it
+        down, triad = self.browser.evaluate(
+            """(() => { const arrow = document.querySelector('.overlay .gravity');
+          const line = document.querySelector('.overlay line[data-axis="z"]');
+          return [arrow.dataset.down, line.getAttribute("y1") - line.getAttribute("y2")]; })()"""
+        )
+        self.assertGreater(float(down), 0.7)
+        self.assertGreater(float(triad), 15)  # pixels by which z points up
+        text = self.browser.evaluate("document.querySelector('.overlay .gravity text').textContent")
+        self.assertEqual(text, "gravity 9.81 m/s²")
+        self.assertGreater(opaque.mean(), 0.02)
+        self.pressed("above")
+        seen_from_above, _ = floor()
+        self.assertGreater(seen_from_above.mean(), 2 * opaque.mean())
+        self.browser.evaluate("shown.motion.look(0, -0.6), shown.show()")
+        opaque, glass = floor()
+        self.assertEqual(opaque.sum(), 0)
+        self.assertGreater(glass.mean(), 0.02)
+        self.pressed("reset")
+        self.assertGreater(floor()[0].mean(), 0.02)
+
+    def test_amplification_reaches_a_quarter_of_the_size_and_leaves_rigid_motion_as_it_is(self):
+        size, node, shape, omega, q = self.kernel_data()
+        elastic = omega > 0
+        bent = np.einsum("vjn,sn->svj", shape[..., elastic], q[:, elastic])
+        largest = np.linalg.norm(bent, axis=2).max()
+        self.opened_at(1280, 800)
+        slider = "document.querySelector('[aria-label=Amplification]')"
+        natural, most = self.browser.evaluate(f"[shown.motion.amplify, 10 ** {slider}.max]")
+        self.assertTrue(
+            0.03 < natural * largest / size <= 0.11, natural
+        )  # the default is that of the contact
+        self.assertAlmostEqual(
+            most * largest / size, 0.25, delta=0.005
+        )  # few shapes, and the few digits of the slider
+        self.assertTrue(self.node_of_tree("slider", "Amplification")["focusable"])
+        self.assertEqual(self.browser.evaluate(f"{slider}.ariaValueText"), f"× {natural:g}")
+        self.browser.evaluate(f"{slider}.focus()")
+        self.browser.press("End")
+        shown = self.browser.evaluate("shown.motion.amplify")
+        self.assertAlmostEqual(shown / most, 1, delta=0.06)  # two digits
+        self.assertEqual(number(self.browser.evaluate(f"{slider}.ariaValueText")[2:]), shown)
+        self.assertIn("rigid motion as it is", self.browser.evaluate("shown.remark.textContent"))
+        k = int(np.argmax(np.linalg.norm(bent, axis=2).max(axis=1)))
+        place = self.browser.evaluate(
+            f"shown.time = shown.motion.time[{k}], shown.show(), [...shown.motion.bodies[0].place]"
+        )
+        rigid = np.einsum("vjn,n->vj", shape[..., ~elastic], q[k, ~elastic])
+        exact = node + rigid + shown * bent[k]
+        bound = shown * largest * (self.data["motion"]["missed"] + 1e-3)  # 15 bits of each of a few shapes
+        self.assertLess(np.abs(np.reshape(place, (-1, 3)) - exact).max(), bound)
+        self.assertLess(10 * bound, np.abs((shown - 1) * rigid).max())  # amplified rigid motion would be seen
+
+    def test_modes_are_listed_and_one_that_is_pressed_moves(self):
+        _, node, shape, omega, _ = self.kernel_data()
+        self.opened_at(1280, 800)
+        before = self.pixels()
+        listed = self.browser.evaluate(
+            "[...document.querySelectorAll('#modes tbody tr')].map(row => [...row.children].map(cell => cell.textContent))"
+        )
+        elastic = np.flatnonzero(omega > 0)[:20]
+        self.assertEqual([int(row[0]) for row in listed], (elastic + 1).tolist())
+        np.testing.assert_allclose([float(row[1]) for row in listed], omega[elastic] / (2 * np.pi), rtol=5e-6)
+        self.assertEqual({row[2] for row in listed}, {"0.05"})  # half the loss factor
+        for n in elastic:
+            field, wanted = (
+                unpacked(self.data["motion"]["bodies"][0]["modes"][str(n + 1)]),
+                shape[..., n].ravel(),
+            )
+            self.assertLess(np.abs(field - wanted).max(), abs(wanted).max() / 32767)
+        name = f"Show bracket, mode 8: {float(listed[1][1]) / 1000:.4g} kHz"
+        self.assertEqual(self.node_of_tree("button", name)["pressed"], "false")
+        self.browser.evaluate(f'document.querySelector(`[aria-label="{name}"]`).focus()')
+        self.browser.press("Enter", "\r")
+        self.assertEqual(self.node_of_tree("button", name)["pressed"], "true")
+        phase = self.browser.evaluate("shown.phase")
+        self.browser.wait_for(f"Math.abs(shown.phase - {phase}) > 0.05")  # it plays
+        self.pressed("Pause")
+        at = []
+        for phase in (0.25, 0.75):
+            place = self.browser.evaluate(
+                f"shown.phase = {phase}, shown.show(), [...shown.motion.bodies[0].place]"
+            )
+            at.append((np.reshape(place, (-1, 3)) - node, self.pixels()))
+        wanted = (
+            shape[..., 7]
+            / np.linalg.norm(shape[..., 7], axis=1).max()
+            * 0.1
+            * np.linalg.norm(np.ptp(node, axis=0))
+        )
+        for sign, (moved, _) in zip((1, -1), at):
+            np.testing.assert_allclose(moved, sign * wanted, atol=2e-4 * abs(wanted).max())
+        self.assertGreater(np.mean((at[0][1] != at[1][1]).any(axis=2)), 0.02)
+        self.pressed("Next mode")
+        self.assertEqual(self.browser.evaluate("shown.canvas.dataset.mode"), "9")
+        self.pressed("Back to the impact")
+        self.assertEqual(self.browser.evaluate("[shown.canvas.dataset.mode, shown.playing]"), ["", False])
+        self.assertTrue((self.pixels() == before).all())
+        self.assertEqual(self.browser.evaluate("document.activeElement.textContent"), "9")
+
+    def test_main_figures_come_first_and_checks_warn_only_out_of_their_bounds(self):
+        self.opened_at(1280, 800)
+        titles = self.browser.evaluate(
+            "[...document.querySelectorAll('#highlights dt')].map(title => title.textContent)"
+        )
+        self.assertEqual(
+            titles,
+            ["Restitution", "Peak force", "Impulse", "Duration of contact", "Exit velocity of bracket"],
+        )
+        with h5py.File(self.result) as file:
+            force = file["contact/force"][:]
+        points = np.count_nonzero(force[np.argmax(force.sum(axis=1))])
+        self.assertGreater(points, 3)
+        self.assertIn(
+            f"sum over {points} points",
+            self.browser.evaluate("document.querySelector('#highlights').textContent"),
+        )
+        checks = (
+            "[document.querySelector('#checks').open, document.querySelector('#checks summary').textContent]"
+        )
+        self.assertEqual(self.browser.evaluate(checks), [False, "Checks: 3 within bounds"])
+        (path,) = self.out.glob("*.summary.json")
+        text = path.read_text()
+        self.addCleanup(self.write_page)
+        self.addCleanup(path.write_text, text)
+        warnings = len(json.loads(text)["warnings"])
+        path.write_text(json.dumps(json.loads(text) | {"energy_drift": 2e-9}))
+        self.write_page()
+        self.opened_at(1280, 800)
+        self.assertEqual(self.browser.evaluate(checks), [True, "Checks: 1 of 3 out of bounds"])
+        told = self.browser.evaluate(
+            "[...document.querySelectorAll('#warnings li')].map(item => item.textContent)"
+        )
+        self.assertEqual(len(told), warnings + 1)
+        self.assertIn("2 × 10⁻⁹ is above 1 × 10⁻¹⁰", told[-1])
+
+    def test_pictures_of_the_drop_differ_from_each_other(self):
+        """Frame by frame, by the share of the pixels of the part that change."""
+        figure = dict(figures(History(self.result), self.out, lambda _: None))["snapshots"]
+        canvas = FigureCanvasAgg(figure)
+        canvas.draw()
+        image = np.asarray(canvas.buffer_rgba())[..., :3].astype(int)
+        frames = []
+        for ax in figure.axes:
+            if ax.axison:  # the panels of forces have axes
+                continue
+            box = ax.get_window_extent()
+            rows = slice(round(len(image) - box.y1), round(len(image) - box.y1) + int(box.height))
+            frames.append(image[rows, round(box.x0) : round(box.x0) + int(box.width)])
+        self.assertEqual(len(frames), 9)
+        self.assertRegex(
+            figure._suptitle.get_text(),
+            r"drop: 9 moments of the contact\ndeformation drawn \d+ times as large",
+        )
+        part = np.mean((frames[0] != FLOOR).any(axis=2) & (frames[0] != 255).any(axis=2))
+        changed = [np.mean(abs(a - b).max(axis=2) > 25) / part for a, b in zip(frames[1:-1], frames[2:])]
+        self.assertGreater(min(changed), 0.01, changed)
+        self.assertLess(max(changed), 0.5, changed)
+
+
+class Rods(PageTest):
+    SCENE, SETS = "two-rods", RODS
+
+    def test_the_scale_bar_has_the_length_that_it_states(self):
+        """Two rods of 10 m with a gap of 0.1 m, seen from the front at the start, are 20.1 m long."""
+        self.opened_at(1280, 800)
+        self.pressed("front")
+        self.browser.evaluate("shown.motion.arrows = false, shown.time = 0")
+        for zoom in (1, 0.6, 0.37):
+            self.browser.evaluate(
+                f"shown.motion.view.zoom = {zoom}, shown.motion.target[0] = 0, shown.show()"
+            )
+            columns = np.flatnonzero(self.pixels()[..., 3].any(axis=0))
+            self.assertTrue(
+                0 < columns[0] and columns[-1] < self.pixels().shape[1] - 1, "not all in the picture"
+            )
+            long = columns[-1] - columns[0] + 1
+            metres, pixels, text = self.browser.evaluate(
+                """(() => { const bar = document.querySelector('.overlay .scale');
+              return [Number(bar.dataset.metres), bar.querySelector('path').getBoundingClientRect().width, bar.textContent]; })()"""
+            )
+            self.assertTrue(50 < pixels < 145, pixels)
+            self.assertIn(metres, [a * b for a in (1, 2, 5) for b in (1, 10, 100)])
+            self.assertEqual(text, f"{metres:g} m")
+            self.assertAlmostEqual(pixels, metres * long / 20.1, delta=1)
+
+    def test_rods_that_touch_in_one_point_are_not_told_to_refine(self):
+        self.assertEqual(self.data["peak"], {"points": 1, "few": False})
+        self.assertIsNone(self.data["motion"]["gravity"])
+        self.opened_at(390, 844)
+        self.assertFalse(self.browser.evaluate("Boolean(document.querySelector('.overlay .gravity'))"))
+        self.keep("rods-390")
+
+
+if __name__ == "__main__":
+    unittest.main()
