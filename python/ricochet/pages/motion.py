@@ -16,7 +16,7 @@ from ricochet.pictures.planes import gravity_of, normals_of, square_of, upward
 from ricochet.pictures.skins import Skin, amplification, largest_amplification, skins_of
 from ricochet.pictures.snapshots import MOMENTS as PICTURES
 from ricochet.pictures.snapshots import drawn_path, moments
-from ricochet.pictures.viewpoint import clearest
+from ricochet.pictures.viewpoint import View, clearest
 
 Packed = dict[str, Any]  # an array encoded as text
 
@@ -204,6 +204,20 @@ def states_at(result: History, times: Array, points: Array) -> Array:
     out = np.zeros((len(times), len(points)), dtype=np.uint8)
     out[near] = result.state[row[near]][:, points]
     return out
+
+
+def of_rest(bodies: Sequence[dict[str, Any]], view: View) -> dict[str, Any]:
+    """The data of bodies that do not move, in the form of an animation of one moment."""
+    none = packed(np.zeros(0))
+    return {
+        "time": packed([0.0]),
+        "snapshots": True,
+        "bodies": bodies,
+        "obstacles": [],
+        "amplify": {"natural": 1, "most": 2},
+        "view": {"base": view.base, "azimuth": view.azimuth, "elevation": view.elevation},
+        "points": {"anchor": [], "offset": none, "normal": none, "force": none, "state": None},
+    }
 
 
 def motion_of(result: History, folder: Path, scene: dict[str, Any]) -> dict[str, Any]:

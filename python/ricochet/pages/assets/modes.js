@@ -4,14 +4,16 @@
 const inPercent = value => value === null ? "–" : (100 * value).toFixed(2);
 
 class Modes {
-  /** `shown`: the player, if there is one. */
-  constructor(section, tables, shown) {
+  /** `shown`: the player, if there is one. `alone`: there is no impact to go back to. */
+  constructor(section, tables, shown, alone = false) {
     this.shown = shown;
     this.buttons = [];  // those of modes with shapes, with body and mode
-    if (shown) section.append(make("p", {class: "note"}, "Press the number of a mode to see its shape in motion, above."));
+    if (shown) section.append(note("Press the number of a mode to see its shape in motion, above."));
     for (const table of tables) section.append(...this.tableOf(table));
     shown?.ofMode.append(pressable("Previous mode", () => this.step(-1)), pressable("Next mode", () => this.step(1)),
-                         pressable("Back to the impact", () => this.choose(null)));
+                         ...(alone ? [] : [pressable("Back to the impact", () => this.choose(null))]));
+    if (alone && this.buttons.length) this.choose(this.buttons[0]);
+    this.alone = alone;
   }
 
   tableOf({body, basis, rigid, elastic, rows}) {
@@ -22,7 +24,7 @@ class Modes {
       const title = `${body}, mode ${mode.number}: ${quantity(mode.frequency_hz, "Hz")}`;
       const button = make("button", {type: "button", "aria-pressed": "false", "aria-label": `Show ${title}`}, String(mode.number));
       const entry = {button, skin, mode, title};
-      button.addEventListener("click", () => this.choose(this.chosen === entry ? null : entry));
+      button.addEventListener("click", () => this.choose(this.chosen === entry && !this.alone ? null : entry));
       this.buttons.push(entry);
       return button;
     };

@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Fills the sections of the page with the data of the run.
 
-const section = name => document.getElementById(name);
 const {summary} = run;
-const note = text => make("p", {class: "note"}, text);
 const code = text => make("code", {}, text);
 const percent = value => `${digits(100 * value, 3)} %`;
-const plural = (count, name) => `${count} ${name}${count === 1 ? "" : "s"}`;
-
-/** A row of a table. The first cell is its header. */
-const row = (...cells) => make("tr", {}, ...cells.map((cell, k) => make(k ? "td" : "th", {scope: k ? undefined : "row"}, cell)));
 
 /** Text for a figure of the run, with its exact value as an attribute. */
 const told = (key, value, text) => make("span", {"data-key": key, "data-value": JSON.stringify(value)}, text);
