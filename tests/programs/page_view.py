@@ -355,6 +355,35 @@ class Rods(PageTest):
             self.assertEqual(text, f"{metres:g} m")
             self.assertAlmostEqual(pixels, metres * long / 20.1, delta=1)
 
+    def test_modes_have_a_page_without_an_impact_which_shows_the_first_one_in_motion(self):
+        scene = self.made / "two-rods.toml"
+        sets = [word for setting in self.SETS for word in ("--set", setting)]
+        done = self.succeed(Run([BIN / "ricochet", "modes", scene, "--page", "--out", self.out, *sets]))
+        page = self.out / "two-rods.modes.html"
+        self.assertEqual(done.out.splitlines()[-1], str(page))
+        self.browser.open(page, 390, 844)
+        self.browser.wait_for("shown.phase > 0.3")
+        told = self.browser.evaluate(
+            "[document.querySelector('.key b').textContent, document.querySelectorAll('#modes button').length]"
+        )
+        # With a wave speed of 1 m/s, free rods of 10 m have frequencies of n/20 Hz. Five modes each, one of them rigid.
+        self.assertEqual(told, ["moving, mode 2: 50 mHz", 8])
+        buttons = "[...document.querySelectorAll('.cockpit button')].map(button => button.textContent)"
+        self.assertNotIn("Back to the impact", self.browser.evaluate(buttons))
+        self.assertEqual(self.browser.messages, [])
+        self.keep("modes-390")
+
+    def test_bodies_without_elastic_modes_have_no_picture_and_no_page_of_modes(self):
+        scene = self.made / "two-rods.toml"
+        words = [BIN / "ricochet", "modes", scene, "--out", self.made / "rigid", "--set", "modes.count=1"]
+        done = self.succeed(Run([*words, "--plot"]))
+        self.assertEqual(done.err.count("it has no elastic modes"), 2)
+        self.assertEqual(list((self.made / "rigid").glob("*.png")), [])
+        done = Run([*words, "--page"])
+        self.assertEqual(done.status, 2)
+        self.assertIn("no body has an elastic mode to show", done.err.splitlines()[-1])
+        self.assertEqual(list((self.made / "rigid").glob("*.html")), [])
+
     def test_rods_that_touch_in_one_point_are_not_told_to_refine(self):
         self.assertEqual(self.data["peak"], {"points": 1, "few": False})
         self.assertIsNone(self.data["motion"]["gravity"])

@@ -11,7 +11,7 @@ from programs import ProgramTest
 from ricochet import surfaces
 from ricochet.interchange.rotations import angles_of, rotation_of, turn_between
 from ricochet.pages import motion
-from ricochet.pictures import planes
+from ricochet.pictures import modes, planes
 from ricochet.pictures.viewpoint import View, clearest, clearness, spread, views
 
 X, Y, Z = np.eye(3)
@@ -182,6 +182,31 @@ class Viewpoints(unittest.TestCase):
         self.assertLess(len(points), 2 * 17 * 18 / 2 + 1)  # 16 parts of a diagonal of 4.2 are the most
         line = spread(node, np.array([[0, 1]]), 0.8)
         np.testing.assert_allclose(np.sort(line[:, 0]), [0, 0.75, 1.5, 2.25, 3])
+
+
+class Modes(unittest.TestCase):
+    def test_stand_upright_except_plates_and_long_beams_which_lie(self):
+        corners = np.array(list(itertools.product((0, 1), repeat=3)), float)
+        for extent, up in (
+            ([3, 2, 4], Z),
+            ([5, 4, 1], Z),
+            ([1, 5, 4], X),
+            ([4, 1, 5], Y),
+            ([1, 1, 9], Y),
+            ([9, 1, 1], Z),
+        ):
+            np.testing.assert_array_equal(modes.upright(corners * extent), up)
+
+    def test_are_coloured_on_finer_triangles_of_the_same_surface(self):
+        random = np.random.default_rng(4)
+        corner = random.normal(size=(7, 3, 4))
+        corner[..., 3] = corner[..., :3] @ [1, 2, 3] + 4  # linear in the place
+        found = modes.finer(corner)
+        self.assertGreaterEqual(len(found), modes.FACETS)
+        self.assertEqual(len(found), 7 * 4 ** round(np.log(len(found) / 7) / np.log(4)))
+        self.assertAlmostEqual(areas(found[..., :3]).sum(), areas(corner[..., :3]).sum())
+        np.testing.assert_allclose(found[..., 3], found[..., :3] @ [1, 2, 3] + 4)
+        self.assertIs(modes.finer(found), found)
 
 
 class Bodies(unittest.TestCase):
