@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """What the page of a run says about its peak force, and the checks of its numbers with their bounds."""
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -28,29 +28,39 @@ def peak_of(result: History) -> dict[str, Any] | None:
     return {"points": points, "few": points < FEW and not rods}
 
 
+class Check(NamedTuple):
+    """A figure of the summary that should not exceed a bound."""
+
+    key: str
+    label: str
+    unit: str
+    most: float | None  # None: no bound
+    warned: bool  # whether the program itself warns
+    meaning: str
+
+
 def checks_of(result: History, summary: dict[str, Any]) -> list[dict[str, Any]]:
-    """The checks of an impact whose figures exist, as {"key", "value", "unit", "most", "ok", "warned", "meaning"}. `most` is
-    None if there is no bound, and `warned` is set where the program itself warns."""
-    contact, moved = result.scene.get("contact", {}), 0.0
-    if result.sides:
-        moved = float(np.abs(result.sides["displacement_a"] - result.sides["displacement_b"]).max(initial=0))
-    holds = contact.get("scheme", "compliant") == "compliant" and bool(result.sides)
-    deepest = PENETRATION.get(str(summary.get("precision")), PENETRATION["double"]) * moved if holds else None
-    accuracy = result.scene.get("accuracy")
-    lost = accuracy if isinstance(accuracy, float) else LOST
-    found = []
-    for key, unit, most, warned, meaning in (
-        ("energy_drift", "", DRIFT, False, "a larger one is a defect of the program"),
-        ("energy_lost_contact", "", lost, True, "otherwise an error of the time step, or of few modes"),
-        ("max_penetration_m", "m", deepest, False, "points must not penetrate: increase contact.max_pivots"),
-        ("limited_steps", "", None, False, ""),
-        ("modes_in_residual", "", None, False, ""),
-    ):
-        value = summary.get(key)
+    """The checks of an impact whose figures exist, with "value" and "ok", which is None if there is no bound."""
+    compliant = result.scene.get("contact", {}).get("scheme", "compliant") == "compliant" and bool(
+        result.sides
+    )
+    deepest = lost = None
+    if compliant:
+        moved = np.abs(result.sides["displacement_a"] - result.sides["displacement_b"]).max(initial=0)
+        deepest = PENETRATION.get(str(summary.get("precision")), PENETRATION["double"]) * float(moved)
+        accuracy = result.scene.get("accuracy")
+        lost = accuracy if isinstance(accuracy, float) else LOST
+    checks = (
+        Check("energy_drift", "energy drift", "", DRIFT, False, "this is a defect of the program"),
+        Check("energy_lost_contact", "energy to contact, share", "", lost, True, ""),
+        Check("max_penetration_m", "deepest penetration", "m", deepest, False, "see limited_steps"),
+        Check("limited_steps", "steps that max_pivots cut short", "", None, False, ""),
+        Check("modes_in_residual", "quasi-static modes", "", None, False, ""),
+    )
+    out = []
+    for check in checks:
+        value = summary.get(check.key)
         if isinstance(value, (int, float)):
-            ok = None if most is None else value <= most
-            found.append(
-                {"key": key, "value": value, "unit": unit, "most": most, "ok": ok, "warned": warned}
-                | {"meaning": meaning}
-            )
-    return found
+            ok = None if check.most is None else value <= check.most
+            out.append(check._asdict() | {"value": value, "ok": ok})
+    return out

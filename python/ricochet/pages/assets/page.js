@@ -86,7 +86,8 @@ function highlights() {
     card("Approach", figure(`pairs.${k}.approach_m`, pair.approach_m, "m"));
   }
   plain("Restitution", "restitution");
-  plain("Peak force", "peak_force_n", "N", run.peak ? `in one step, sum over ${plural(run.peak.points, "point")}` : undefined);
+  plain("Peak force", "peak_force_n", "N", run.peak ? `in one step, sum over ${plural(run.peak.points, "point")}` +
+    (run.peak.few ? ": the pressure depends on contact.spacing" : "") : undefined);
   plain("Impulse", "impulse_ns", "N s");
   if (has("contact_end_s"))
     card("Duration of contact", quantity(s.contact_end_s - s.contact_start_s, "s"), plural(s.episodes.length, "episode"));
@@ -104,9 +105,9 @@ function highlights() {
 function checks() {
   const at = section("checks"), outside = run.checks.filter(({ok}) => ok === false);
   if (run.static) return at.remove();
-  for (const {key, value, unit, most, meaning} of outside.filter(({warned}) => !warned))
-    section("warnings").append(make("li", {}, `Warning: ${glosses[key][0]}: ${quantity(value, unit)} is above ${quantity(most, unit, 2)}; ${meaning}`));
-  const rows = run.checks.map(({key, value, unit, most, ok}) => row(glosses[key][0], figure(key, value, unit),
+  for (const {label, value, unit, most, meaning} of outside.filter(({warned}) => !warned))
+    section("warnings").append(make("li", {}, `Warning: ${label} ${quantity(value, unit)} is above ${quantity(most, unit, 2)}: ${meaning}`));
+  const rows = run.checks.map(({key, label, value, unit, most, ok}) => row(label, figure(key, value, unit),
     ok === null ? "" : `${ok ? "✓" : "✗"} at most ${quantity(most, unit, 2)}`));
   rows.push(row("contact points", figure("candidates", summary.candidates), `at most ${summary.max_active} touch at a time`),
             row("steps with a force", figure("contact_steps", summary.contact_steps), `in ${plural(summary.episodes.length, "episode")}`));
