@@ -5,6 +5,7 @@ come from pixels, shapes and deformations from the files of the run. `page_view.
 import itertools
 import json
 import re
+import shutil
 import unittest
 
 import h5py
@@ -12,7 +13,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from page_test import PageTest
-from programs import BIN, Run
+from programs import BIN, Run, contact
 from report_test import number, unpacked
 
 from ricochet.pages.motion import motion_of
@@ -202,6 +203,26 @@ class Drop(PageTest):
         self.assertEqual(self.browser.evaluate("[shown.canvas.dataset.mode, shown.playing]"), ["", False])
         self.assertTrue((self.pixels() == before).all())
         self.assertEqual(self.browser.evaluate("document.activeElement.textContent"), "9")
+
+    def test_without_snapshots_the_bodies_and_their_modes_are_shown(self):
+        sets = [*self.SETS, "title=still", "output.snapshot_every=0"]
+        shutil.copy(*self.out.glob("*.kernel.h5"), self.folder)
+        self.succeed(contact(self.made / "bracket.toml", self.folder, *sets))
+        (result,) = self.folder.glob("*.result.h5")
+        page = self.folder / "page.html"
+        self.succeed(Run([BIN / "ricochet", "report", result, "--out", page]))
+        self.browser.open(page, 1280, 800)
+        self.assertGreater(float(self.browser.evaluate("shown.canvas.dataset.covered")), 0.05)
+        self.assertIn(
+            "snapshot_every = 4", self.browser.evaluate("document.querySelector('#motion').textContent")
+        )
+        playing = "document.querySelector('button.play').offsetParent !== null"
+        self.assertFalse(self.browser.evaluate(playing))
+        self.browser.evaluate("document.querySelector('#modes button').click()")
+        self.browser.wait_for("shown.phase > 0.3")
+        self.assertTrue(self.browser.evaluate(playing))
+        self.pressed("Back to the impact")
+        self.assertFalse(self.browser.evaluate(playing))
 
     def test_main_figures_come_first_and_checks_warn_only_out_of_their_bounds(self):
         self.opened_at(1280, 800)

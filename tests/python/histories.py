@@ -20,7 +20,7 @@ from ricochet.pictures import snapshots
 from ricochet.pictures.friction import moment_panel, pressure_map
 from ricochet.pictures.grid import Grid
 from ricochet.pictures.history import History
-from ricochet.pictures.skins import amplification, largest_amplification, skins_of
+from ricochet.pictures.skins import Skin, amplification, largest_amplification, skins_of
 from ricochet.pictures.style import BODY, STYLE, prefixed
 from ricochet.studies import chart as studies
 
@@ -334,6 +334,19 @@ class Snapshots(HistoryTest):
                 for k in surface
             ]
             self.assertEqual(found, [order[0]] * 2 + [order[1]] * 2)
+
+    def test_have_outlines_without_the_edges_that_the_body_itself_hides(self):
+        square = np.array([[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0.0]])
+        node = np.concatenate(
+            [square, 0.25 * square + [0.5, 0.5, -1], 0.25 * square + [0.5, 0.5, 1], square + [1, 1, -2]]
+        )
+        element = (np.array([[0, 1, 2], [0, 2, 3]]) + 4 * np.arange(4)[:, None, None]).reshape(-1, 3)
+        skin = types.SimpleNamespace(element=element, rim=lambda flat: Skin.rim(skin, flat))
+        edges = {tuple(edge) for edge in snapshots.unhidden(skin, node)}
+        around = [(0, 1), (1, 2), (2, 3), (0, 3)]
+        # The small square behind is hidden, that in front is not. Of the last one, half of two sides is behind the first.
+        whole = {(a + first, b + first) for first in (0, 8) for a, b in around}
+        self.assertEqual(edges - {(12, 13), (12, 15)}, whole | {(13, 14), (14, 15)})
 
     def test_of_a_rod_have_space_above_and_below(self):
         history, _, _, time = self.skins(form="line")

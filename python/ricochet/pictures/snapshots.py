@@ -47,6 +47,7 @@ def snapshots_picture(result: History, skins: dict[str, Skin], time: Array) -> F
     )
     turn = view.turn()
 
+    outlines = {body: unhidden(skin, ghosts[0][body] @ turn.T) for body, skin in skins.items()}
     shown = [place for moment in places + ghosts * (amplify != 1) for place in moment.values()]
     everything = np.concatenate(shown) @ turn.T
     low, high = everything.min(axis=0)[:2], everything.max(axis=0)[:2]
@@ -76,7 +77,9 @@ def snapshots_picture(result: History, skins: dict[str, Skin], time: Array) -> F
             ax.add_patch(Polygon(floor[:, :2], facecolor=FLOOR, edgecolor=FLOOR, zorder=0))
         paint(ax, result, skins, places[cell], turn)
         if amplify != 1:
-            haunt(ax, skins, ghosts[cell], turn)
+            for body, edges in outlines.items():
+                flat = (ghosts[cell][body] @ turn.T)[:, :2]
+                ax.add_collection(LineCollection(flat[edges], colors=GHOST, linewidths=0.7, zorder=3))
         fit(ax, low, high, margin)
         ax.set_title(f"{time[k] * ms:#.4g} {time_unit}")
         if cell == 0:
@@ -135,11 +138,26 @@ def moments(path: Array, most: int) -> NDArray[np.int64]:
     return np.array(walk(near))
 
 
-def haunt(ax: Axes, skins: dict[str, Skin], places: dict[str, Array], turn: Array) -> None:
-    """Draws outlines of bodies, the ghosts of what is painted."""
-    for body, skin in skins.items():
-        flat = (places[body] @ turn.T)[:, :2]
-        ax.add_collection(LineCollection(skin.outline(flat), colors=GHOST, linewidths=0.6, zorder=3))
+def unhidden(skin: Skin, seen: Array) -> NDArray[np.int64]:
+    """(·,2) edges of the outline that no triangle of the body hides. `seen`: (V,3) nodes as right, up, towards the viewer."""
+    edges = skin.rim(seen[:, :2])
+    if skin.element.shape[1] == 2:
+        return edges
+    first, second, third = np.moveaxis(seen[skin.element], 1, 0)
+    one, two = second - first, third - first
+    double = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]  # twice the area
+    flat = np.abs(double) < 1e-300
+    least, near = 1e-6, 1e-3 * np.ptp(seen, axis=0).max()
+
+    def hidden(point: Array) -> bool:
+        way = point - first
+        with np.errstate(divide="ignore", invalid="ignore"):
+            s = (way[:, 0] * two[:, 1] - way[:, 1] * two[:, 0]) / double
+            t = (one[:, 0] * way[:, 1] - one[:, 1] * way[:, 0]) / double
+            inside = (s > least) & (t > least) & (s + t < 1 - least) & ~flat
+            return bool(np.any(inside & (s * one[:, 2] + t * two[:, 2] > way[:, 2] + near)))
+
+    return edges[[not hidden(point) for point in seen[edges].mean(axis=1)]]
 
 
 def paint(ax: Axes, result: History, skins: dict[str, Skin], places: dict[str, Array], turn: Array) -> None:
