@@ -10,7 +10,9 @@ import numpy as np
 from programs import ProgramTest
 from ricochet import surfaces
 from ricochet.interchange.rotations import angles_of, rotation_of, turn_between
+from ricochet.modal_table import ModalTable
 from ricochet.pages import motion
+from ricochet.pages.modes import table_of
 from ricochet.pictures import modes, planes
 from ricochet.pictures.viewpoint import View, clearest, clearness, spread, views
 
@@ -196,6 +198,27 @@ class Modes(unittest.TestCase):
             ([9, 1, 1], Z),
         ):
             np.testing.assert_array_equal(modes.upright(corners * extent), up)
+
+    def test_are_listed_on_pages_from_the_first_elastic_one_with_shares_of_the_mass(self):
+        participation = np.array([[2.0, 0, 0], [1, 0, 0], [0, 0.5, 1]])
+        known = ModalTable(
+            "plate",
+            "modes",
+            4.0,
+            np.array([0, 50, 70.0]),
+            np.array([np.nan, 0.01, 0.02]),
+            participation,
+            np.array([np.nan, 0.3, 0.5]),
+            0.2,
+        )
+        table = table_of("plate", known)
+        self.assertEqual(
+            (table["rigid"], table["elastic"], [row["number"] for row in table["rows"]]), (1, 2, [2, 3])
+        )
+        self.assertEqual([row["mass"] for row in table["rows"]], [[0.25, 0, 0], [0, 0.0625, 0.25]])
+        self.assertEqual(
+            [(row["damping"], row["contact"]) for row in table["rows"]], [(0.01, 0.3), (0.02, 0.5)]
+        )
 
     def test_are_coloured_on_finer_triangles_of_the_same_surface(self):
         random = np.random.default_rng(4)
