@@ -60,18 +60,8 @@ Recorder::Recorder(const Model* model, const Vector& gap, const Vector& area, do
 
 Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOptions& options)
     : Recorder(&model, model.gap, model.area, step.step, options) {
-  B_a_.setZero(model.B.rows(), model.B.cols());
-  R_a_ = model.R_a;
-  if (step.scheme == Scheme::impulse) R_a_.setZero();
-  s_a_ = model.static_a;
-  driven_a_.setZero(model.B.rows(), model.forcing.size());
+  sides_.emplace(model, step);
   receivers_.emplace(model, step);
-  for (const Model::PairBlock& pair : model.pairs) {
-    const Model::BodyBlock& a = model.bodies[pair.a];
-    B_a_.middleCols(a.first_mode, a.modes) +=
-        pair.part_of(Vector::Ones(model.rows())).asDiagonal() * model.B.middleCols(a.first_mode, a.modes);
-  }
-  for (std::size_t d = 0; d < model.forcing.size(); ++d) driven_a_.col(d) = model.forcing[d].displacement_a;
   write_points(model);
   for (std::size_t k = 0; k < model.bodies.size(); ++k) {
     add_body(model.bodies[k].name, model.bodies[k].mass);
@@ -79,18 +69,6 @@ Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOp
   }
   make_model_rows(step, options.receivers_every);
   if (step.scheme == Scheme::at_rest) return;
-  if (step.scheme == Scheme::compliant)
-    // Steps move modes above half the rate into R and s; add the share of body a.
-    for (Eigen::Index n = 0; n < model.omega.size(); ++n)
-      if (!sampled(model.omega(n), step.step)) {
-        const double stiffness = model.omega(n) * model.omega(n);
-        R_a_ += B_a_.col(n) * model.B.col(n).transpose() / stiffness;
-        s_a_ += B_a_.col(n) * (model.load(n) / stiffness);
-        for (std::size_t d = 0; d < model.forcing.size(); ++d)
-          if (const Eigen::Index i = n - model.forcing[d].first_mode;
-              i >= 0 && i < model.forcing[d].force.size())
-            driven_a_.col(d) += B_a_.col(n) * (model.forcing[d].force(i) / stiffness);
-      }
   time_->append(0);
   bodies_row(model.initial_rates(), 0, 0);
   energy_row(initial_energy(model, step));
@@ -119,8 +97,7 @@ void Recorder::record(const Equilibrium& equilibrium) {
   persistency_->append(0);
   if (equilibrium.active > 0) {
     contact_row(equilibrium.time, equilibrium.displacement, equilibrium.force);
-    const Vector still = Vector::Zero(model_->omega.size());
-    sides_row(equilibrium.time, equilibrium.q, still, equilibrium.displacement, equilibrium.force);
+    sides_row(sides_->at_rest(equilibrium));
     friction_row(equilibrium.displacement, equilibrium.force, equilibrium.states);
   }
   if (snapshot_every_ > 0) snapshot_row(equilibrium.time, equilibrium.q);
@@ -204,10 +181,11 @@ void Recorder::record(const Stepper& stepper) {
   if (touching && k % every_ == 0) {
     contact_row(t, stepper.displacement(), stepper.force());
     if (modal) {
-      sides_row(t, modal->q, modal->v, stepper.displacement(), stepper.end_force());
+      sides_row(sides_->after(stepper));
       friction_row(stepper.displacement(), stepper.force(), stepper.slip().states());
     }
   }
+  if (modal) sides_->pass(stepper);
   if (!stepper.at_sample()) return;
   const std::int64_t sample = k / stepper.options().steps_per_sample;
   if (sample % every_ == 0) {
@@ -296,31 +274,11 @@ void Recorder::friction_row(const Vector& w, const Vector& force, std::span<cons
   append(contact_.state, state);
 }
 
-/// u = n·u_a − n·u_b, and n·u_a = B_a q + s_a − R_a λ where s_a and its rate include the share of the
-/// forcing.
-void Recorder::sides_row(double time, const Vector& q, const Vector& v, const Vector& u,
-                         const Vector& force) {
-  Vector u_a = B_a_ * q + s_a_ - R_a_ * force;
-  Vector v_a = B_a_ * v, v_relative = model_->B * v;
-  for (std::size_t d = 0; d < model_->forcing.size(); ++d) {
-    const Model::Forcing& one = model_->forcing[d];
-    const double slope = one.history.slope(time);
-    u_a += one.history.at(time) * driven_a_.col(d);
-    v_a += slope * one.displacement_a;
-    v_relative += slope * one.displacement;
-  }
-  Vector u_b = u_a - u, v_b = v_a - v_relative;
-  for (const Model::PairBlock& pair : model_->pairs)
-    if (pair.b < 0) {  // a half-space does not move
-      u_a.segment(pair.first_point, pair.points) = u.segment(pair.first_point, pair.points);
-      u_b.segment(pair.first_point, pair.points).setZero();
-      v_b.segment(pair.first_point, pair.points).setZero();
-    }
-  const Eigen::Index m = gap_.size();
-  append(contact_.displacement_a, u_a.head(m));
-  append(contact_.displacement_b, u_b.head(m));
-  append(contact_.velocity_a, v_a.head(m));
-  append(contact_.velocity_b, v_b.head(m));
+void Recorder::sides_row(const SidesMotion& sides) {
+  append(contact_.displacement_a, sides.displacement_a);
+  append(contact_.displacement_b, sides.displacement_b);
+  append(contact_.velocity_a, sides.velocity_a);
+  append(contact_.velocity_b, sides.velocity_b);
 }
 
 /// Writes the coordinates of the whole motion, Φᵀ M u: those relative to the lift plus those of the lift, Γ

@@ -15,6 +15,7 @@
 
 #include "base/hdf5_writer.hpp"
 #include "contact/model/model.hpp"
+#include "contact/output/contact_sides.hpp"
 #include "contact/output/receiver_rows.hpp"
 #include "contact/output/receivers.hpp"
 #include "contact/static/equilibrium.hpp"
@@ -88,18 +89,16 @@ class Recorder {
   void bodies_row(const Eigen::Matrix3Xd& velocity);
   void energy_row(const Energy& energy);
   void contact_row(double time, const Vector& u, const Vector& force);
-  void sides_row(double time, const Vector& q, const Vector& v, const Vector& u, const Vector& force);
-  void friction_row(const Vector& w, const Vector& force, std::span<const ContactState> states);
+  void sides_row(const SidesMotion& sides);
   void snapshot_row(double time, const Vector& q);
+  void friction_row(const Vector& w, const Vector& force, std::span<const ContactState> states);
 
   const Model* model_;  ///< null with a table
   Vector gap_;          ///< (m)
   double step_;
   std::int64_t every_, snapshot_every_, last_row_ = 0;
   base::hdf5::Writer file_;
-  Matrix B_a_, R_a_;  ///< (n,N), (n,n) share of body a of each row; R_a_ zero under `impulse`
-  Vector s_a_;        ///< (n), constant
-  Matrix driven_a_;   ///< (n,forcings) displacement for a history of value 1
+  std::optional<ContactSides> sides_;
   std::optional<Receivers> receivers_;
   Rows* time_;
   Rows* persistency_ = nullptr;
