@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/output/recorder.hpp"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -127,6 +128,10 @@ void Recorder::write_points(const Model& model) {
   file_.write<double>("/contact/point_a", flat(model.point_a), {m, 3}, "m");
   file_.write<double>("/contact/point_b", flat(model.point_b), {m, 3}, "m");
   file_.write<double>("/contact/normal", flat(model.normal), {m, 3}, "1");
+  std::vector<double> number(m);
+  for (std::size_t p = 0; p < model.pairs.size(); ++p)
+    std::fill_n(number.begin() + model.pairs[p].first_point, model.pairs[p].points, p + 1);
+  file_.write<double>("/contact/pair", number, {m}, "1");
 }
 
 void Recorder::write_body(const Model::BodyBlock& body, std::size_t number, const RecorderOptions& options) {
