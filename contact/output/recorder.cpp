@@ -74,7 +74,7 @@ Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOp
   bodies_row(model.initial_rates(), 0, 0);
   energy_row(initial_energy(model, step));
   persistency_->append(0);
-  if (snapshot_every_ > 0) snapshot_row(0, model.q0);
+  if (snapshots_) snapshots_->append(0, model.q0, Vector::Zero(model.rows()));
   if (receiver_rows_) receiver_rows_->record(*receivers_);
 }
 
@@ -101,7 +101,7 @@ void Recorder::record(const Equilibrium& equilibrium) {
     sides_row(sides_->at_rest(equilibrium));
     friction_row(equilibrium.displacement, equilibrium.force, equilibrium.states);
   }
-  if (snapshot_every_ > 0) snapshot_row(equilibrium.time, equilibrium.q);
+  if (snapshots_) snapshots_->append(equilibrium.time, equilibrium.q, equilibrium.force);
 }
 
 Recorder::Recorder(const Table& table, const Model* source, const StepOptions& step,
@@ -164,15 +164,12 @@ void Recorder::make_model_rows(const StepOptions& step, int receivers_every) {
   energy_ = {&file_.rows("/energy/total", {}, "J")};
   for (const auto& [name, term] : energy_terms) energy_.push_back(&file_.rows(name, {}, "J"));
   persistency_ = &file_.rows("/contact/persistency", {}, "W");
-  if (snapshot_every_ > 0) snapshot_time_ = &file_.rows("/snapshots/time", {}, "s");
+  if (snapshot_every_ > 0) snapshots_.emplace(file_, *model_, step);
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const Model::BodyBlock& body = model_->bodies[k];
     const std::string group = "/bodies/" + body.name;
     bodies_[k].angular_momentum = &file_.rows(group + "/angular_momentum", {3}, "kg m^2/s");
     bodies_[k].reaction = &file_.rows(group + "/reaction", {3}, "N");
-    if (snapshot_every_ > 0)
-      bodies_[k].snapshot =
-          &file_.rows("/snapshots/" + body.name, {static_cast<std::size_t>(body.modes)}, "kg^1/2 m");
   }
   if (!model_->receivers.empty()) receiver_rows_.emplace(file_, *model_, step, receivers_every);
 }
@@ -205,7 +202,7 @@ void Recorder::record(const Stepper& stepper) {
     last_row_ = k;
   }
   if (!modal) return;
-  if (snapshot_every_ > 0 && sample % snapshot_every_ == 0) snapshot_row(t, modal->q);
+  if (snapshots_ && sample % snapshot_every_ == 0) snapshots_->append(t, modal->q, stepper.end_force());
   receivers_->observe(stepper);
   if (receiver_rows_) receiver_rows_->record(*receivers_);
 }
@@ -284,18 +281,6 @@ void Recorder::sides_row(const SidesMotion& sides) {
   append(contact_.displacement_b, sides.displacement_b);
   append(contact_.velocity_a, sides.velocity_a);
   append(contact_.velocity_b, sides.velocity_b);
-}
-
-/// Writes the coordinates of the whole motion, Φᵀ M u: those relative to the lift plus those of the lift, Γ
-/// ū.
-void Recorder::snapshot_row(double time, const Vector& q) {
-  snapshot_time_->append(time);
-  for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    Vector modal = q.segment(model_->bodies[k].first_mode, model_->bodies[k].modes);
-    for (const Model::Forcing& one : model_->forcing)
-      if (one.body == static_cast<int>(k)) modal += one.history.at(time) * one.lift;
-    append(bodies_[k].snapshot, modal);
-  }
 }
 
 void Recorder::commit(const std::filesystem::path& summary) {

@@ -18,6 +18,7 @@
 #include "contact/output/contact_sides.hpp"
 #include "contact/output/receiver_rows.hpp"
 #include "contact/output/receivers.hpp"
+#include "contact/output/snapshot_rows.hpp"
 #include "contact/static/equilibrium.hpp"
 #include "contact/stepping/stepper.hpp"
 #include "contact/table/table.hpp"
@@ -66,7 +67,7 @@ class Recorder {
  private:
   using Rows = base::hdf5::Rows;
   struct BodyRows {
-    Rows *velocity, *momentum, *angular_momentum = nullptr, *reaction = nullptr, *snapshot = nullptr;
+    Rows *velocity, *momentum, *angular_momentum = nullptr, *reaction = nullptr;
     double mass = 0;
     Eigen::Vector3d last_momentum = Eigen::Vector3d::Zero();    ///< at the last row
     Eigen::Vector3d contact_impulse = Eigen::Vector3d::Zero();  ///< on this body, since the last row [N s]
@@ -90,7 +91,6 @@ class Recorder {
   void energy_row(const Energy& energy);
   void contact_row(double time, const Vector& u, const Vector& force);
   void sides_row(const SidesMotion& sides);
-  void snapshot_row(double time, const Vector& q);
   void friction_row(const Vector& w, const Vector& force, std::span<const ContactState> states);
 
   const Model* model_;  ///< null with a table
@@ -102,11 +102,11 @@ class Recorder {
   std::optional<Receivers> receivers_;
   Rows* time_;
   Rows* persistency_ = nullptr;
-  Rows* snapshot_time_ = nullptr;
   ContactRows contact_{};
   std::vector<Rows*> energy_;  ///< total, then the terms
   std::vector<BodyRows> bodies_;
   std::optional<ReceiverRows> receiver_rows_;
+  std::optional<SnapshotRows> snapshots_;
 };
 
 }  // namespace ricochet::contact

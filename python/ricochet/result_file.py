@@ -93,6 +93,18 @@ class File:
     def array(self, name: str, *shape: int | None) -> NDArray[Any]:
         """The values of a dataset, floats or integers. None in `shape` stands for a dimension of any
         length."""
+        return self._read(self._dataset(name, *shape), slice(None))
+
+    def blocks(self, name: str, *shape: int | None) -> Iterator[NDArray[Any]]:
+        """The values of a dataset as for `array`, in consecutive parts of its first dimension of at most
+        64 MiB."""
+        data = self._dataset(name, *shape)
+        rows = max(1, 2**26 * len(data) // max(data.nbytes, 1))
+        for first in range(0, len(data), rows):
+            yield self._read(data, slice(first, first + rows))
+
+    def _dataset(self, name: str, *shape: int | None) -> h5py.Dataset:
+        """A dataset whose shape and size are checked."""
         refused = f'{self.path}: dataset "{name}"'
         if not self.has(name):
             raise InputError(f"{refused} is missing. Compute it again.")
@@ -102,8 +114,12 @@ class File:
             raise InputError(f"{refused} has shape {data.shape}, expected ({expected}). Compute it again.")
         if data.nbytes > 64 * self.path.stat().st_size:  # a damaged file must not exhaust the memory
             raise InputError(f"{refused} claims more than the file can hold. Compute it again.")
+        return data
+
+    def _read(self, data: h5py.Dataset, part: slice) -> NDArray[Any]:
+        refused = f'{self.path}: dataset "{data.name}"'
         try:
-            values: NDArray[Any] = data[()]
+            values: NDArray[Any] = data[part] if data.ndim else data[()]
         except OSError:
             raise InputError(f"{refused} is damaged. Compute it again.") from None
         if values.dtype.kind not in "fi" or not np.isfinite(values).all():

@@ -9,17 +9,28 @@ from numpy.typing import NDArray
 from ricochet.arrays import Array
 from ricochet.errors import InputError
 from ricochet.pictures.history import History
+from ricochet.pictures.static_part import static_part
 from ricochet.result_file import File, are_finite, is_there
 
 
 class Skin:
-    """The visualisation surface of a body, moved by its modes."""
+    """The visualisation surface of a body, moved by its modes and by the static response of the modes left out.
+    The static fields stand behind the modes in `shape` (V,3,N+r) and `coordinates` (s,N+r)."""
 
-    def __init__(self, kernel: File, rotation: Array, translation: Array, coordinates: Array) -> None:
+    def __init__(
+        self,
+        kernel: File,
+        rotation: Array,
+        translation: Array,
+        coordinates: Array,
+        static: tuple[Array, Array],
+    ) -> None:
         self.rotation, self.translation = rotation, translation
         self.node = kernel.array("/view/node", None, 3).astype(float)
         self.element = kernel.array("/view/element", None, None).astype(int)
-        self.shape = kernel.array("/view/shape", len(self.node), 3, coordinates.shape[1])
+        fields, amplitudes = static
+        shape = kernel.array("/view/shape", len(self.node), 3, coordinates.shape[1])
+        self.shape = np.concatenate([shape, fields], axis=2)
         if self.element.size == 0 or self.element.shape[1] not in (2, 3):
             raise InputError(
                 f'{kernel.path}: dataset "/view/element" holds neither lines nor triangles. Compute it again.'
@@ -28,8 +39,9 @@ class Skin:
             raise InputError(
                 f'{kernel.path}: dataset "/view/element" names nodes that do not exist. ' "Compute it again."
             )
-        self.rigid = kernel.array("/modes/angular_frequency", coordinates.shape[1]) == 0
-        self.coordinates = coordinates
+        rigid = kernel.array("/modes/angular_frequency", coordinates.shape[1]) == 0
+        self.rigid = np.append(rigid, np.zeros(amplitudes.shape[1], bool))
+        self.coordinates = np.concatenate([coordinates, amplitudes], axis=1)
 
     def at(self, k: int, start: int | None = None, amplify: float = 1.0) -> Array:
         """(V,3) node positions at snapshot k [m]. `amplify` multiplies the motion since snapshot `start`."""
@@ -39,7 +51,7 @@ class Skin:
         return np.asarray((self.node + self.shape @ now) @ self.rotation.T + self.translation)
 
     def deformation(self, k: int) -> float:
-        """The largest displacement by elastic modes at snapshot k [m]."""
+        """The largest displacement without that of the rigid modes at snapshot k [m]."""
         moved = self.shape[:, :, ~self.rigid] @ self.coordinates[k, ~self.rigid]
         return float(np.linalg.norm(moved, axis=1).max())
 
@@ -83,5 +95,11 @@ def skins_of(result: History, folder: Path) -> tuple[dict[str, Skin], Array] | s
         if not kernel.has("/view/node"):
             return f"{path.name} has no visualisation surface (set [output] view = true)"
         coordinates = f.array(f"/snapshots/{body}", len(time), None)
-        skins[body] = Skin(kernel, np.reshape(rotation, (3, 3)), np.reshape(translation, 3), coordinates)
+        skins[body] = Skin(
+            kernel,
+            np.reshape(rotation, (3, 3)),
+            np.reshape(translation, 3),
+            coordinates,
+            static_part(f, kernel, body, len(time)),
+        )
     return (skins, time) if skins else "the result has no snapshots of bodies"
