@@ -29,6 +29,7 @@ class Skin:
         self.node = kernel.array("/view/node", None, 3).astype(float)
         self.element = kernel.array("/view/element", None, None).astype(int)
         fields, amplitudes = static
+        self.modes = coordinates.shape[1]
         shape = kernel.array("/view/shape", len(self.node), 3, coordinates.shape[1])
         self.shape = np.concatenate([shape, fields], axis=2)
         if self.element.size == 0 or self.element.shape[1] not in (2, 3):
