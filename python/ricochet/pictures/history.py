@@ -207,7 +207,7 @@ class History(Result):
     def velocities(self) -> str:
         """Which velocity the rows of the contact hold."""
         impulses = self.scene.get("contact", {}).get("scheme") == "impulse"
-        return "just after the impulses" if impulses else "means over the steps"
+        return "taken just after the impulses" if impulses else "means over the steps"
 
     def sides_names(self, i: int) -> tuple[str, str]:
         """Names of the two sides of point i. Files of earlier versions do not hold its pair if there are
