@@ -250,6 +250,7 @@ class Rods(ReportTest):
             deformation = np.abs(bent).max()
             bound = motion["missed"] * deformation + 1e-4 * deformation + 1e-6 * np.abs(exact).max()
             self.assertLess(np.abs(drawn - exact[:, :, None]).max(), bound)
+            self.assertLess(motion["missed"], 0.02)
             ring = unpacked(body["node"]).reshape(len(node), -1, 3)
             np.testing.assert_allclose(ring.mean(axis=1), start, atol=1e-5)  # a ring is centred at its node
 

@@ -132,8 +132,12 @@ def body_of(
     shape = np.einsum("ij,vjn->vin", skin.rotation.astype("f4"), skin.shape[of]).reshape(3 * len(of), -1)
     most = max(1, min(SHAPES, int(share * SHAPES_MB * 2**20 / (6 * len(of)))))
     rigid, moved = few_shapes(shape[:, skin.rigid], coordinates[:, skin.rigid], 6, 1e-12)
+    elastic, static = np.split(np.flatnonzero(~skin.rigid), [skin.modes - np.count_nonzero(skin.rigid)])
+    # The static fields are sharp and small, so that a fit to all fields would miss the place of contact.
+    local = few_shapes(shape[:, static], coordinates[:, static], most // 2, LEFT_OUT)
+    wide = few_shapes(shape[:, elastic], coordinates[:, elastic], most - local[0].shape[1], LEFT_OUT)
+    bent, amount = (np.concatenate(parts, axis=1) for parts in zip(wide, local))
     shape, coordinates = shape[:, ~skin.rigid], coordinates[:, ~skin.rigid]
-    bent, amount = few_shapes(shape, coordinates, most, LEFT_OUT)
     some = np.unique(np.linspace(0, len(chosen) - 1, 60).astype(int))
     exact = shape @ coordinates[some].T
     missed = np.abs(exact - bent @ amount[some].T).max(initial=0)

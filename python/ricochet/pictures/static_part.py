@@ -13,7 +13,8 @@ LEFT_OUT = 1e-5  # relative root mean square error of the forces, of which a few
 
 
 def static_part(result: File, kernel: File, body: str, count: int) -> tuple[Array, Array]:
-    """Fields (V,3,r) 32-bit and their amplitudes (s,r), with fields · amplitudes = static displacement [m].
+    """Fields (V,3,r) 32-bit, of largest entry 1, and their amplitudes (s,r) [m], with fields · amplitudes = static
+    displacement.
 
     It is the response to contact forces, gravity, loads and moving supports at the `count` = s snapshots, in the axes
     of the body. r is 0 for kernels without static corrections and for results of earlier versions.
@@ -33,8 +34,10 @@ def static_part(result: File, kernel: File, body: str, count: int) -> tuple[Arra
             field = kernel.array(f"/view/{name}_residual", nodes, 3, amplitude.shape[1] // 3, 3)
             active = amplitude.any(axis=0)
             parts.append((field.reshape(nodes, 3, -1)[:, :, active], amplitude[:, active]))
-    fields, amplitudes = zip(*parts)
-    return np.concatenate(fields, axis=2), np.concatenate(amplitudes, axis=1)
+    fields, amplitudes = (np.concatenate(arrays, axis=-1) for arrays in zip(*parts))
+    size = np.abs(fields).max(axis=(0, 1), initial=0)
+    size[size == 0] = 1
+    return fields / size, amplitudes * size
 
 
 def by_contact(result: File, kernel: File, group: str, size: tuple[int, int]) -> list[tuple[Array, Array]]:
