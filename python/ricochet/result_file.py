@@ -93,18 +93,17 @@ class File:
     def array(self, name: str, *shape: int | None) -> NDArray[Any]:
         """The values of a dataset, floats or integers. None in `shape` stands for a dimension of any
         length."""
-        return self._read(self._dataset(name, *shape), slice(None))
+        return self._values(name, self._dataset(name, shape), ())
 
     def blocks(self, name: str, *shape: int | None) -> Iterator[NDArray[Any]]:
         """The values of a dataset as for `array`, in consecutive parts of its first dimension of at most
         64 MiB."""
-        data = self._dataset(name, *shape)
+        data = self._dataset(name, shape)
         rows = max(1, 2**26 * len(data) // max(data.nbytes, 1))
         for first in range(0, len(data), rows):
-            yield self._read(data, slice(first, first + rows))
+            yield self._values(name, data, (slice(first, first + rows),))
 
-    def _dataset(self, name: str, *shape: int | None) -> h5py.Dataset:
-        """A dataset whose shape and size are checked."""
+    def _dataset(self, name: str, shape: tuple[int | None, ...]) -> h5py.Dataset:
         refused = f'{self.path}: dataset "{name}"'
         if not self.has(name):
             raise InputError(f"{refused} is missing. Compute it again.")
@@ -116,10 +115,10 @@ class File:
             raise InputError(f"{refused} claims more than the file can hold. Compute it again.")
         return data
 
-    def _read(self, data: h5py.Dataset, part: slice) -> NDArray[Any]:
-        refused = f'{self.path}: dataset "{data.name}"'
+    def _values(self, name: str, data: h5py.Dataset, part: tuple[slice, ...]) -> NDArray[Any]:
+        refused = f'{self.path}: dataset "{name}"'
         try:
-            values: NDArray[Any] = data[part] if data.ndim else data[()]
+            values: NDArray[Any] = data[part]
         except OSError:
             raise InputError(f"{refused} is damaged. Compute it again.") from None
         if values.dtype.kind not in "fi" or not np.isfinite(values).all():
