@@ -14,8 +14,8 @@ from ricochet.result_file import File, are_finite, is_there
 
 
 class Skin:
-    """The visualisation surface of a body, moved by its modes and by the static response of the modes left out.
-    The static fields stand behind the modes in `shape` (V,3,N+r) and `coordinates` (s,N+r)."""
+    """The visualisation surface of a body, moved by its modes and by the static response of the modes left out
+    (`static`, fields and amplitudes, behind the modes in `shape` (V,3,N+r) and `coordinates` (s,N+r))."""
 
     def __init__(
         self,
@@ -23,14 +23,14 @@ class Skin:
         rotation: Array,
         translation: Array,
         coordinates: Array,
-        static: tuple[Array, Array],
+        static: tuple[Array, Array] | None = None,
     ) -> None:
         self.rotation, self.translation = rotation, translation
         self.node = kernel.array("/view/node", None, 3).astype(float)
         self.element = kernel.array("/view/element", None, None).astype(int)
-        fields, amplitudes = static
         self.modes = coordinates.shape[1]
-        shape = kernel.array("/view/shape", len(self.node), 3, coordinates.shape[1])
+        shape = kernel.array("/view/shape", len(self.node), 3, self.modes)
+        fields, amplitudes = static or (shape[:, :, :0], coordinates[:, :0])
         self.shape = np.concatenate([shape, fields], axis=2)
         if self.element.size == 0 or self.element.shape[1] not in (2, 3):
             raise InputError(
