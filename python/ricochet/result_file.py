@@ -95,6 +95,14 @@ class File:
         length."""
         return self._values(name, self._dataset(name, shape), ())
 
+    def blocks(self, name: str, *shape: int | None) -> Iterator[NDArray[Any]]:
+        """The values of a dataset as for `array`, in consecutive parts of its first dimension of at most
+        64 MiB."""
+        data = self._dataset(name, shape)
+        rows = max(1, 2**26 * len(data) // max(data.nbytes, 1))
+        for first in range(0, len(data), rows):
+            yield self._values(name, data, (slice(first, first + rows),))
+
     def diagonal(self, name: str, count: int, width: int) -> NDArray[Any]:
         """(count,width,width) blocks on the diagonal of a square dataset, which is read in parts to save memory."""
         data, out = self._dataset(name, (count * width,) * 2), np.empty((count, width, width))

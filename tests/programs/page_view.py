@@ -48,16 +48,26 @@ class Drop(PageTest):
     SCENE, SETS = "bracket", DROP
 
     def kernel_data(self):
-        """Size of the body, places at rest and shapes (V,3,N) in world axes, angular frequencies, and snapshots."""
+        """Size of the body, places at rest and shapes (V,3,N+C) in world axes, angular frequencies, and snapshots. Behind the
+        modes stand the static fields of the forces on the C components of all candidates, as infinite frequencies.
+        """
         with h5py.File(self.result) as file:
             body = file["bodies/bracket"]
             turn = body.attrs["rotation"].reshape(3, 3)
             q = file["snapshots/bracket"][:]
+            static = {name: data[:] for name, data in file["static/bracket"].items()}
             with h5py.File(self.out / body.attrs["kernel"].decode()) as held:
                 size = np.linalg.norm(np.ptp(held["view/node"][:], axis=0))
                 node = held["view/node"][:] @ turn.T + body.attrs["translation"]
-                shape = np.einsum("ij,vjn->vin", turn, held["view/shape"][:].astype(float))
+                fields = held["view/residual_flexibility"][:].astype(float).reshape(len(node), 3, -1)
+                shape = np.concatenate([held["view/shape"][:].astype(float), fields], axis=2)
+                shape = np.einsum("ij,vjn->vin", turn, shape)
                 omega = held["modes/angular_frequency"][:]
+        components = static["force"].shape[1]
+        force = np.zeros((len(q), fields.shape[2] // components, components))
+        force[static["snapshot"].astype(int), static["candidate"].astype(int)] = static["force"]
+        omega = np.append(omega, np.full(fields.shape[2], np.inf))
+        q = np.concatenate([q, force.reshape(len(q), -1)], axis=1)
         return size, node, shape, omega, q
 
     def test_canvas_and_controls_are_in_the_window_together(self):
@@ -164,7 +174,7 @@ class Drop(PageTest):
         listed = self.browser.evaluate(
             "[...document.querySelectorAll('#modes tbody tr')].map(row => [...row.children].map(cell => cell.textContent))"
         )
-        elastic = np.flatnonzero(omega > 0)[:20]
+        elastic = np.flatnonzero((omega > 0) & np.isfinite(omega))[:20]
         self.assertEqual([int(row[0]) for row in listed], (elastic + 1).tolist())
         np.testing.assert_allclose([float(row[1]) for row in listed], omega[elastic] / (2 * np.pi), rtol=5e-6)
         self.assertEqual({row[2] for row in listed}, {"0.05"})  # half the loss factor

@@ -3,6 +3,7 @@
 
 import base64
 import itertools
+import types
 import unittest
 
 import numpy as np
@@ -264,6 +265,32 @@ class Bodies(unittest.TestCase):
                 self.assertLessEqual(np.linalg.norm(size[count:]), left_out * np.linalg.norm(size))
             self.assertGreater(np.linalg.norm(size[count - 1 :]), left_out * np.linalg.norm(size))
         self.assertEqual(motion.few_shapes(shape[:, :0], mixed[:, :0], 6, 1e-3)[0].shape, (40, 0))
+
+    def test_show_a_static_field_at_one_node_beside_large_modes(self):
+        """The field of a force is tiny per newton, and sharp; among 900 nodes it adds little to a mean."""
+        node = grid((0, 0), (1, 1), 0.0, 30)
+        random, time = np.random.default_rng(1), np.linspace(0, 1, 90)
+        shape = random.normal(size=(900, 3, 6 + 100 + 1))
+        shape[:, :, -1] = 0
+        shape[450, 2, -1] = 1e-9  # m/N
+        coordinates = np.concatenate([1e-3 * random.normal(size=(90, 106)), 3e7 * time[:, None] ** 2], axis=1)
+        skin = types.SimpleNamespace(
+            node=node,
+            element=np.array([[0, 1, 31], [0, 31, 30]]),
+            shape=shape,
+            coordinates=coordinates,
+            modes=106,
+            rigid=np.arange(107) < 6,
+            rotation=np.eye(3),
+            translation=np.zeros(3),
+        )
+        body = motion.body_of("sheet", skin, np.arange(90), 1.0, {}).data
+        drawn = unpacked(body["amount"])[-1] @ np.stack([unpacked(field) for field in body["bent"]])
+        exact = shape[450, 2, 6:] @ coordinates[-1, 6:]
+        self.assertGreater(exact, 0.02)
+        self.assertAlmostEqual(
+            drawn.reshape(900, 3)[450, 2], exact, delta=0.1 * exact
+        )  # 80 shapes of 100 modes
 
     def test_with_many_triangles_are_coarsened_without_holes(self):
         node = grid((0, 0), (1, 1), 0.0, 31)

@@ -20,6 +20,7 @@ from ricochet.pictures import snapshots
 from ricochet.pictures.friction import moment_panel, pressure_map
 from ricochet.pictures.grid import Grid
 from ricochet.pictures.history import History
+from ricochet.pictures.normal_axis import normal_axis
 from ricochet.pictures.skins import Skin, amplification, largest_amplification, skins_of
 from ricochet.pictures.style import BODY, STYLE, prefixed
 from ricochet.studies import chart as studies
@@ -102,7 +103,7 @@ class Histories(HistoryTest):
         history, _ = self.history(form="point")
         self.assertEqual(history.positions()[2], "distance from the first touch")  # one point is no line
 
-    def test_move_along_the_normal_from_where_the_second_surface_was(self):
+    def test_show_the_height_above_a_floor(self):
         history, drag = self.history()
         i = int(np.argmax(drag.gap))
         place, speed, mean_place, mean_speed = history.along_normal(i)
@@ -110,19 +111,71 @@ class Histories(HistoryTest):
         self.assertEqual(
             [list(of) for of in (place, speed, mean_place, mean_speed)], [names, names, ["block"], ["block"]]
         )
+        # The normal is -z, out of the block; heights are along z.
         time = drag.time[drag.rows]
         np.testing.assert_allclose(
-            place["block"][1][:-1], 1e-6 * np.sin(1e3 * time) - drag.gap[i], atol=1e-15
+            place["block"][1][:-1], drag.gap[i] - 1e-6 * np.sin(1e3 * time), atol=1e-15
         )
-        np.testing.assert_allclose(speed["block"][1][:-1], 1e-6 * np.sin(1e3 * time), atol=1e-15)
+        np.testing.assert_allclose(speed["block"][1][:-1], -1e-6 * np.sin(1e3 * time), atol=1e-15)
         np.testing.assert_array_equal(place["floor"][1][:-1], 0)
-        # The normal is -z, and the block moves along z at -0.06 cos(πt/T). 1e-4: trapezia of 400 steps.
+        # The block moves along z at -0.06 cos(πt/T): down, then up. 1e-4: trapezia of 400 steps.
         total = STEP * STEPS
         np.testing.assert_allclose(
-            mean_speed["block"][1], 0.06 * np.cos(np.pi * drag.time / total), atol=1e-12
+            mean_speed["block"][1], -0.06 * np.cos(np.pi * drag.time / total), atol=1e-12
         )
-        path = 0.06 * total / np.pi * np.sin(np.pi * drag.time / total)
-        np.testing.assert_allclose(mean_place["block"][1] + drag.gap[i], path, atol=1e-4 * path.max())
+        path = -0.06 * total / np.pi * np.sin(np.pi * drag.time / total)
+        np.testing.assert_allclose(mean_place["block"][1] - drag.gap[i], path, atol=1e-4 * abs(path).max())
+
+    def test_point_out_of_the_side_that_is_still(self):
+        floor, wall = {"obstacles": {"floor": {}}}, {"obstacles": {"wall": {}}}
+        fall = {"loads": {"gravity": [0, -9.81, 0]}}
+        held = {"bodies": {"lower": {"support": {"rim": "xyz"}}, "upper": {"support": {}}}}
+        down, across, up = np.array([0, -1.0, 0]), np.array([1.0, 0, 0]), np.array([0, 1.0, 0])
+        like = {"upper": 1.0, "lower": 2.0}
+        for sides, normal, scene, masses, expected in [
+            (("ball", "floor"), down, floor | fall, {"ball": 1}, (-1, "floor", "height above the floor")),
+            (("ball", "floor"), down, floor, {"ball": 1}, (-1, "floor", "distance from the floor")),
+            (("ball", "wall"), across, wall | fall, {"ball": 1}, (-1, "wall", "distance from the wall")),
+            (("upper", "lower"), down, held | fall, like, (-1, "lower", "height above lower")),
+            (("lower", "upper"), up, held | fall, like, (1, "lower", "height above lower")),
+            (("upper", "lower"), down, fall, like, (1, "lower", "position towards lower")),
+            (("upper", "lower"), down, {}, {"upper": 1, "lower": 10}, (-1, "lower", "distance from lower")),
+            (("upper", "lower"), down, {}, {"upper": 10, "lower": 1}, (1, "upper", "distance from upper")),
+            (("side a", "side b"), down, floor | fall, like, (1, "side b", "position towards side b")),
+        ]:
+            axis = normal_axis(sides, normal, scene, masses)
+            self.assertEqual((axis.sign, axis.origin, axis.position), expected)
+            way = "towards" if "towards" in axis.position else "away from"
+            of = f"the {axis.origin}" if axis.origin in ("floor", "wall") else axis.origin
+            self.assertEqual(axis.velocity, f"velocity {way} {of}")
+
+    def test_put_the_zero_where_the_still_side_began(self):
+        history, drag = self.history()
+        i = int(np.argmax(drag.gap))
+        moved = 1e-6 * np.sin(1e3 * drag.time[drag.rows])
+        # The block held by a support, before a free "floor": the axis points out of the block.
+        scene = {
+            "bodies": {"block": {"support": {"foot": "xyz"}}, "floor": {}},
+            "contact": {"between": ["block", "floor"]},
+        }
+        masses = types.SimpleNamespace(mass=1.0)
+        with mock.patch.object(history, "scene", scene), mock.patch.object(
+            history, "bodies", {"block": masses, "floor": masses}
+        ):
+            place, speed, mean_place, _ = history.along_normal(i)
+        np.testing.assert_allclose(place["block"][1][:-1], moved, atol=1e-15)
+        np.testing.assert_allclose(place["floor"][1][:-1], drag.gap[i], atol=1e-15)
+        np.testing.assert_allclose(speed["block"][1][:-1], moved, atol=1e-15)
+        self.assertEqual(mean_place["block"][1][0], 0)
+
+    def test_know_the_pair_of_a_point(self):
+        history, _ = self.history()
+        pairs = [{"between": ["block", "floor"]}, {"between": ["block", "wall"]}]
+        with mock.patch.object(history, "scene", {"contact": {"pair": pairs}}):
+            self.assertEqual(history.sides_names(0), ("side a", "side b"))  # files of earlier versions
+            history.pair = np.array([1, 2])
+            self.assertEqual(history.sides_names(0), ("block", "floor"))
+            self.assertEqual(history.sides_names(1), ("block", "wall"))
 
 
 class Charts(HistoryTest):
@@ -130,6 +183,9 @@ class Charts(HistoryTest):
         history, drag = self.history()
         i = history.strongest
         places, speeds = charts.along_normal_charts(history, i)
+        self.assertEqual(places["y"]["label"], "distance from the floor")
+        self.assertEqual(speeds["y"]["label"], "velocity away from the floor")
+        self.assertEqual(speeds["note"], "Those of contact points are means over the steps.")
         for found, of, unit in ((places, 0, "m"), (speeds, 1, "m/s")):
             self.assertEqual(found["y"]["unit"], unit)
             curves = history.along_normal(i)

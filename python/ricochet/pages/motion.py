@@ -145,15 +145,19 @@ def body_of(name: str, skin: Skin, chosen: Array, share: float, scene: dict[str,
     shape = np.einsum("ij,vjn->vin", skin.rotation.astype("f4"), skin.shape[of]).reshape(3 * len(of), -1)
     most = max(1, min(SHAPES, int(share * SHAPES_MB * 2**20 / (6 * len(of)))))
     rigid, moved = few_shapes(shape[:, skin.rigid], coordinates[:, skin.rigid], 6, 1e-12)
+    bending, static = np.split(np.flatnonzero(~skin.rigid), [skin.modes - np.count_nonzero(skin.rigid)])
+    # The static fields are sharp and small, so that a fit to all fields would miss the place of contact.
+    local = few_shapes(shape[:, static], coordinates[:, static], most // 2, LEFT_OUT)
+    wide = few_shapes(shape[:, bending], coordinates[:, bending], most - local[0].shape[1], LEFT_OUT)
+    bent, amount = (np.concatenate(parts, axis=1) for parts in zip(wide, local))
     elastic, coordinates = shape[:, ~skin.rigid], coordinates[:, ~skin.rigid]
-    bent, amount = few_shapes(elastic, coordinates, most, LEFT_OUT)
     some = np.unique(np.linspace(0, len(chosen) - 1, 60).astype(int))
     missed = np.abs(elastic @ coordinates[some].T - bent @ amount[some].T).max(initial=0)
     place = (node[of] + offset) @ skin.rotation.T + skin.translation
     deformation = np.zeros(len(chosen))
     for part in np.array_split(bent.reshape(len(of), 3, -1), len(of) // 2000 + 1):
         np.maximum(deformation, np.linalg.norm(part @ amount.T, axis=1).max(axis=0), out=deformation)
-    some = np.flatnonzero(~skin.rigid)[: min(MODES, int(share * MODES_MB * 2**20 / (8 * len(of))))]
+    some = bending[: min(MODES, int(share * MODES_MB * 2**20 / (8 * len(of))))]
     data = {
         "name": name,
         "node": packed(place),
@@ -269,7 +273,8 @@ def motion_of(result: History, folder: Path, scene: dict[str, Any]) -> dict[str,
         "amplify": {"natural": natural, "most": max(natural, largest_amplification(strain.max()))},
         "pictures": during[moments(drawn_path(skins, chosen[during], natural), PICTURES)],
         "shapes": sum(len(body.data["bent"]) for body in bodies),
-        "coordinates": sum(len(skin.rigid) for skin in skins.values()),
+        "static": bool(result.file.names("/static")),
+        "coordinates": sum(skin.modes for skin in skins.values()),
         "missed": max(body.missed for body in bodies) / largest if largest else 0.0,
         "points": {
             "anchor": anchor.tolist(),

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from ricochet.arrays import Array
 from ricochet.errors import InputError
 from ricochet.pictures.history import History
+from ricochet.pictures.static_part import static_part
 from ricochet.result_file import File, are_finite, is_there
 
 STILL = 0.01  # deformation is drawn larger if all of it is below this, relative to the size of the body
@@ -17,13 +18,24 @@ MOST = 0.25  # the same at the upper end of a choice
 
 
 class Skin:
-    """The visualisation surface of a body, moved by its modes."""
+    """The visualisation surface of a body, moved by its modes and by the static response of the modes left out
+    (`static`, fields and amplitudes, behind the modes in `shape` (V,3,N+r) and `coordinates` (s,N+r))."""
 
-    def __init__(self, kernel: File, rotation: Array, translation: Array, coordinates: Array) -> None:
+    def __init__(
+        self,
+        kernel: File,
+        rotation: Array,
+        translation: Array,
+        coordinates: Array,
+        static: tuple[Array, Array] | None = None,
+    ) -> None:
         self.rotation, self.translation = rotation, translation
         self.node = kernel.array("/view/node", None, 3).astype(float)
         self.element = kernel.array("/view/element", None, None).astype(int)
-        self.shape = kernel.array("/view/shape", len(self.node), 3, coordinates.shape[1])
+        self.modes = coordinates.shape[1]
+        shape = kernel.array("/view/shape", len(self.node), 3, self.modes)
+        fields, amplitudes = static or (shape[:, :, :0], coordinates[:, :0])
+        self.shape = np.concatenate([shape, fields], axis=2)
         if self.element.size == 0 or self.element.shape[1] not in (2, 3):
             raise InputError(
                 f'{kernel.path}: dataset "/view/element" holds neither lines nor triangles. Compute it again.'
@@ -33,8 +45,8 @@ class Skin:
                 f'{kernel.path}: dataset "/view/element" names nodes that do not exist. ' "Compute it again."
             )
         self.omega = kernel.array("/modes/angular_frequency", coordinates.shape[1])
-        self.rigid = self.omega == 0
-        self.coordinates = coordinates
+        self.rigid = np.append(self.omega == 0, np.zeros(amplitudes.shape[1], bool))
+        self.coordinates = np.concatenate([coordinates, amplitudes], axis=1)
 
     @property
     def size(self) -> float:
@@ -51,7 +63,7 @@ class Skin:
         return np.asarray((self.node + self.shape @ now) @ self.rotation.T + self.translation)
 
     def deformation(self, k: int) -> float:
-        """The largest displacement by elastic modes at snapshot k [m]."""
+        """The largest displacement without that of the rigid modes at snapshot k [m]."""
         moved = self.shape @ np.where(self.rigid, 0, self.coordinates[k]).astype(self.shape.dtype)
         return float(np.linalg.norm(moved, axis=1).max())
 
@@ -118,5 +130,11 @@ def skins_of(result: History, folder: Path, at_rest: bool = False) -> tuple[dict
             coordinates = np.zeros((1, len(kernel.array("/modes/angular_frequency", None))))
         else:
             coordinates = f.array(f"/snapshots/{body}", len(time), None)
-        skins[body] = Skin(kernel, np.reshape(rotation, (3, 3)), np.reshape(translation, 3), coordinates)
+        skins[body] = Skin(
+            kernel,
+            np.reshape(rotation, (3, 3)),
+            np.reshape(translation, 3),
+            coordinates,
+            static_part(f, kernel, body, len(time)),
+        )
     return (skins, time) if skins else "the result has no snapshots of bodies"

@@ -212,13 +212,14 @@ function remarks(motion, data) {
   if (!data.snapshots) {
     parts.push("The result has no snapshots, so only the bodies before the motion and their modes are shown.");
   } else if (run.static) {
-    parts.push("A body at rest: its displacement lies in the static part of contact, which the skin does not show.");
+    parts.push("A body at rest.");
   } else {
     parts.push(motion.time.length > 1 ? `${motion.time.length} moments, straight lines between them${data.thinned > 1 ? ` (one in ${data.thinned} snapshots)` : ""};`
       : "One moment, as output.snapshot_every is large;");
     parts.push(`${data.coordinates} modal coordinates drawn by ${data.shapes} shapes, which miss at most`,
-               `${digits(100 * data.missed, 2)} % of the largest deformation. The static part of contact is not in the picture.`);
+               `${digits(100 * data.missed, 2)} % of the largest deformation.`);
   }
+  if (data.snapshots && !data.static) parts.push("The result is of an earlier version: the static part of contact is not in the picture.");
   if (motion.forceMost > 0) parts.push(motion.points.state ? "Spikes: normal force at each point, on both bodies, in the colour of stick or slip; red without friction."
     : "Red spikes: contact force at each point, on both bodies.");
   if (data.points.left_out > 0) parts.push(`${data.points.left_out} points of least impulse have no spike.`);
