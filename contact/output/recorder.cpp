@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/output/recorder.hpp"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -60,18 +61,8 @@ Recorder::Recorder(const Model* model, const Vector& gap, const Vector& area, do
 
 Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOptions& options)
     : Recorder(&model, model.gap, model.area, step.step, options) {
-  B_a_.setZero(model.B.rows(), model.B.cols());
-  R_a_ = model.R_a;
-  if (step.scheme == Scheme::impulse) R_a_.setZero();
-  s_a_ = model.static_a;
-  driven_a_.setZero(model.B.rows(), model.forcing.size());
+  sides_.emplace(model, step);
   receivers_.emplace(model, step);
-  for (const Model::PairBlock& pair : model.pairs) {
-    const Model::BodyBlock& a = model.bodies[pair.a];
-    B_a_.middleCols(a.first_mode, a.modes) +=
-        pair.part_of(Vector::Ones(model.rows())).asDiagonal() * model.B.middleCols(a.first_mode, a.modes);
-  }
-  for (std::size_t d = 0; d < model.forcing.size(); ++d) driven_a_.col(d) = model.forcing[d].displacement_a;
   write_points(model);
   for (std::size_t k = 0; k < model.bodies.size(); ++k) {
     add_body(model.bodies[k].name, model.bodies[k].mass);
@@ -79,23 +70,11 @@ Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOp
   }
   make_model_rows(step, options.receivers_every);
   if (step.scheme == Scheme::at_rest) return;
-  if (step.scheme == Scheme::compliant)
-    // Steps move modes above half the rate into R and s; add the share of body a.
-    for (Eigen::Index n = 0; n < model.omega.size(); ++n)
-      if (!sampled(model.omega(n), step.step)) {
-        const double stiffness = model.omega(n) * model.omega(n);
-        R_a_ += B_a_.col(n) * model.B.col(n).transpose() / stiffness;
-        s_a_ += B_a_.col(n) * (model.load(n) / stiffness);
-        for (std::size_t d = 0; d < model.forcing.size(); ++d)
-          if (const Eigen::Index i = n - model.forcing[d].first_mode;
-              i >= 0 && i < model.forcing[d].force.size())
-            driven_a_.col(d) += B_a_.col(n) * (model.forcing[d].force(i) / stiffness);
-      }
   time_->append(0);
   bodies_row(model.initial_rates(), 0, 0);
   energy_row(initial_energy(model, step));
   persistency_->append(0);
-  if (snapshot_every_ > 0) snapshot_row(0, model.q0);
+  if (snapshots_) snapshots_->append(0, model.q0, Vector::Zero(model.rows()));
   if (receiver_rows_) receiver_rows_->record(*receivers_);
 }
 
@@ -119,11 +98,10 @@ void Recorder::record(const Equilibrium& equilibrium) {
   persistency_->append(0);
   if (equilibrium.active > 0) {
     contact_row(equilibrium.time, equilibrium.displacement, equilibrium.force);
-    const Vector still = Vector::Zero(model_->omega.size());
-    sides_row(equilibrium.time, equilibrium.q, still, equilibrium.displacement, equilibrium.force);
+    sides_row(sides_->at_rest(equilibrium));
     friction_row(equilibrium.displacement, equilibrium.force, equilibrium.states);
   }
-  if (snapshot_every_ > 0) snapshot_row(equilibrium.time, equilibrium.q);
+  if (snapshots_) snapshots_->append(equilibrium.time, equilibrium.q, equilibrium.force);
 }
 
 Recorder::Recorder(const Table& table, const Model* source, const StepOptions& step,
@@ -150,6 +128,10 @@ void Recorder::write_points(const Model& model) {
   file_.write<double>("/contact/point_a", flat(model.point_a), {m, 3}, "m");
   file_.write<double>("/contact/point_b", flat(model.point_b), {m, 3}, "m");
   file_.write<double>("/contact/normal", flat(model.normal), {m, 3}, "1");
+  std::vector<double> number(m);
+  for (std::size_t p = 0; p < model.pairs.size(); ++p)
+    std::fill_n(number.begin() + model.pairs[p].first_point, model.pairs[p].points, p + 1);
+  file_.write<double>("/contact/pair", number, {m}, "1");
 }
 
 void Recorder::write_body(const Model::BodyBlock& body, std::size_t number, const RecorderOptions& options) {
@@ -182,15 +164,12 @@ void Recorder::make_model_rows(const StepOptions& step, int receivers_every) {
   energy_ = {&file_.rows("/energy/total", {}, "J")};
   for (const auto& [name, term] : energy_terms) energy_.push_back(&file_.rows(name, {}, "J"));
   persistency_ = &file_.rows("/contact/persistency", {}, "W");
-  if (snapshot_every_ > 0) snapshot_time_ = &file_.rows("/snapshots/time", {}, "s");
+  if (snapshot_every_ > 0) snapshots_.emplace(file_, *model_, step);
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const Model::BodyBlock& body = model_->bodies[k];
     const std::string group = "/bodies/" + body.name;
     bodies_[k].angular_momentum = &file_.rows(group + "/angular_momentum", {3}, "kg m^2/s");
     bodies_[k].reaction = &file_.rows(group + "/reaction", {3}, "N");
-    if (snapshot_every_ > 0)
-      bodies_[k].snapshot =
-          &file_.rows("/snapshots/" + body.name, {static_cast<std::size_t>(body.modes)}, "kg^1/2 m");
   }
   if (!model_->receivers.empty()) receiver_rows_.emplace(file_, *model_, step, receivers_every);
 }
@@ -204,10 +183,11 @@ void Recorder::record(const Stepper& stepper) {
   if (touching && k % every_ == 0) {
     contact_row(t, stepper.displacement(), stepper.force());
     if (modal) {
-      sides_row(t, modal->q, modal->v, stepper.displacement(), stepper.end_force());
+      sides_row(sides_->after(stepper));
       friction_row(stepper.displacement(), stepper.force(), stepper.slip().states());
     }
   }
+  if (modal) sides_->pass(stepper);
   if (!stepper.at_sample()) return;
   const std::int64_t sample = k / stepper.options().steps_per_sample;
   if (sample % every_ == 0) {
@@ -222,7 +202,7 @@ void Recorder::record(const Stepper& stepper) {
     last_row_ = k;
   }
   if (!modal) return;
-  if (snapshot_every_ > 0 && sample % snapshot_every_ == 0) snapshot_row(t, modal->q);
+  if (snapshots_ && sample % snapshot_every_ == 0) snapshots_->append(t, modal->q, stepper.end_force());
   receivers_->observe(stepper);
   if (receiver_rows_) receiver_rows_->record(*receivers_);
 }
@@ -296,43 +276,11 @@ void Recorder::friction_row(const Vector& w, const Vector& force, std::span<cons
   append(contact_.state, state);
 }
 
-/// u = n·u_a − n·u_b, and n·u_a = B_a q + s_a − R_a λ where s_a and its rate include the share of the
-/// forcing.
-void Recorder::sides_row(double time, const Vector& q, const Vector& v, const Vector& u,
-                         const Vector& force) {
-  Vector u_a = B_a_ * q + s_a_ - R_a_ * force;
-  Vector v_a = B_a_ * v, v_relative = model_->B * v;
-  for (std::size_t d = 0; d < model_->forcing.size(); ++d) {
-    const Model::Forcing& one = model_->forcing[d];
-    const double slope = one.history.slope(time);
-    u_a += one.history.at(time) * driven_a_.col(d);
-    v_a += slope * one.displacement_a;
-    v_relative += slope * one.displacement;
-  }
-  Vector u_b = u_a - u, v_b = v_a - v_relative;
-  for (const Model::PairBlock& pair : model_->pairs)
-    if (pair.b < 0) {  // a half-space does not move
-      u_a.segment(pair.first_point, pair.points) = u.segment(pair.first_point, pair.points);
-      u_b.segment(pair.first_point, pair.points).setZero();
-      v_b.segment(pair.first_point, pair.points).setZero();
-    }
-  const Eigen::Index m = gap_.size();
-  append(contact_.displacement_a, u_a.head(m));
-  append(contact_.displacement_b, u_b.head(m));
-  append(contact_.velocity_a, v_a.head(m));
-  append(contact_.velocity_b, v_b.head(m));
-}
-
-/// Writes the coordinates of the whole motion, Φᵀ M u: those relative to the lift plus those of the lift, Γ
-/// ū.
-void Recorder::snapshot_row(double time, const Vector& q) {
-  snapshot_time_->append(time);
-  for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    Vector modal = q.segment(model_->bodies[k].first_mode, model_->bodies[k].modes);
-    for (const Model::Forcing& one : model_->forcing)
-      if (one.body == static_cast<int>(k)) modal += one.history.at(time) * one.lift;
-    append(bodies_[k].snapshot, modal);
-  }
+void Recorder::sides_row(const SidesMotion& sides) {
+  append(contact_.displacement_a, sides.displacement_a);
+  append(contact_.displacement_b, sides.displacement_b);
+  append(contact_.velocity_a, sides.velocity_a);
+  append(contact_.velocity_b, sides.velocity_b);
 }
 
 void Recorder::commit(const std::filesystem::path& summary) {

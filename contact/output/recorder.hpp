@@ -15,8 +15,10 @@
 
 #include "base/hdf5_writer.hpp"
 #include "contact/model/model.hpp"
+#include "contact/output/contact_sides.hpp"
 #include "contact/output/receiver_rows.hpp"
 #include "contact/output/receivers.hpp"
+#include "contact/output/snapshot_rows.hpp"
 #include "contact/static/equilibrium.hpp"
 #include "contact/stepping/stepper.hpp"
 #include "contact/table/table.hpp"
@@ -65,7 +67,7 @@ class Recorder {
  private:
   using Rows = base::hdf5::Rows;
   struct BodyRows {
-    Rows *velocity, *momentum, *angular_momentum = nullptr, *reaction = nullptr, *snapshot = nullptr;
+    Rows *velocity, *momentum, *angular_momentum = nullptr, *reaction = nullptr;
     double mass = 0;
     Eigen::Vector3d last_momentum = Eigen::Vector3d::Zero();    ///< at the last row
     Eigen::Vector3d contact_impulse = Eigen::Vector3d::Zero();  ///< on this body, since the last row [N s]
@@ -88,26 +90,23 @@ class Recorder {
   void bodies_row(const Eigen::Matrix3Xd& velocity);
   void energy_row(const Energy& energy);
   void contact_row(double time, const Vector& u, const Vector& force);
-  void sides_row(double time, const Vector& q, const Vector& v, const Vector& u, const Vector& force);
+  void sides_row(const SidesMotion& sides);
   void friction_row(const Vector& w, const Vector& force, std::span<const ContactState> states);
-  void snapshot_row(double time, const Vector& q);
 
   const Model* model_;  ///< null with a table
   Vector gap_;          ///< (m)
   double step_;
   std::int64_t every_, snapshot_every_, last_row_ = 0;
   base::hdf5::Writer file_;
-  Matrix B_a_, R_a_;  ///< (n,N), (n,n) share of body a of each row; R_a_ zero under `impulse`
-  Vector s_a_;        ///< (n), constant
-  Matrix driven_a_;   ///< (n,forcings) displacement for a history of value 1
+  std::optional<ContactSides> sides_;
   std::optional<Receivers> receivers_;
   Rows* time_;
   Rows* persistency_ = nullptr;
-  Rows* snapshot_time_ = nullptr;
   ContactRows contact_{};
   std::vector<Rows*> energy_;  ///< total, then the terms
   std::vector<BodyRows> bodies_;
   std::optional<ReceiverRows> receiver_rows_;
+  std::optional<SnapshotRows> snapshots_;
 };
 
 }  // namespace ricochet::contact

@@ -145,13 +145,11 @@ def contact_shares(file: File, omega: Floats) -> tuple[Floats, float]:
     if file.has("/surface/residual_flexibility"):
         normal_only = file.attribute("/surface/residual_flexibility", "components") is not None
         three = direction is None and not normal_only
-        size = 3 * points if three else points
-        flexibility = file.array("/surface/residual_flexibility", size, size)
+        name = "/surface/residual_flexibility"
         if three:
-            blocks = flexibility.reshape(points, 3, points, 3)
-            rest = float(np.einsum("ma,mamb,mb->", normal, blocks, normal))
+            rest = float(np.einsum("ma,mab,mb->", normal, file.diagonal(name, points, 3), normal))
         else:
-            rest = float(np.trace(flexibility))
+            rest = float(file.diagonal(name, points, 1).sum())
     total = own.sum() + rest
     if not points or total <= 0:
         return np.full(count, np.nan), 0.0

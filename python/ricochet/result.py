@@ -293,6 +293,14 @@ class Result(_Data):
         """(m,3) unit normals, pointing out of the first body"""
         return self._read("contact/normal", len(self.initial_gap), 3)
 
+    @cached_property
+    def pair(self) -> NDArray[np.int64] | None:
+        """(m) number of the pair of each contact point, from 1, in the order of the scene; None in older
+        files and for table kernels without modes"""
+        if not self._file.has("/contact/pair"):
+            return None
+        return self._read("contact/pair", len(self.initial_gap)).astype(np.int64)
+
     # ---- Motion and energy ----
 
     @cached_property

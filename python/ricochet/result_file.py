@@ -93,6 +93,27 @@ class File:
     def array(self, name: str, *shape: int | None) -> NDArray[Any]:
         """The values of a dataset, floats or integers. None in `shape` stands for a dimension of any
         length."""
+        return self._values(name, self._dataset(name, shape), ())
+
+    def blocks(self, name: str, *shape: int | None) -> Iterator[NDArray[Any]]:
+        """The values of a dataset as for `array`, in consecutive parts of its first dimension of at most
+        64 MiB."""
+        data = self._dataset(name, shape)
+        rows = max(1, 2**26 * len(data) // max(data.nbytes, 1))
+        for first in range(0, len(data), rows):
+            yield self._values(name, data, (slice(first, first + rows),))
+
+    def diagonal(self, name: str, count: int, width: int) -> NDArray[Any]:
+        """(count,width,width) blocks on the diagonal of a square dataset, which is read in parts to save memory."""
+        data, out = self._dataset(name, (count * width,) * 2), np.empty((count, width, width))
+        for first in range(0, count, 256):
+            some = np.arange(first, min(first + 256, count))
+            rows = slice(first * width, (int(some[-1]) + 1) * width)
+            part = self._values(name, data, (rows, rows)).reshape(len(some), width, len(some), width)
+            out[some] = part[some - first, :, some - first]
+        return out
+
+    def _dataset(self, name: str, shape: tuple[int | None, ...]) -> h5py.Dataset:
         refused = f'{self.path}: dataset "{name}"'
         if not self.has(name):
             raise InputError(f"{refused} is missing. Compute it again.")
@@ -102,8 +123,12 @@ class File:
             raise InputError(f"{refused} has shape {data.shape}, expected ({expected}). Compute it again.")
         if data.nbytes > 64 * self.path.stat().st_size:  # a damaged file must not exhaust the memory
             raise InputError(f"{refused} claims more than the file can hold. Compute it again.")
+        return data
+
+    def _values(self, name: str, data: h5py.Dataset, part: tuple[slice, ...]) -> NDArray[Any]:
+        refused = f'{self.path}: dataset "{name}"'
         try:
-            values: NDArray[Any] = data[()]
+            values: NDArray[Any] = data[part]
         except OSError:
             raise InputError(f"{refused} is damaged. Compute it again.") from None
         if values.dtype.kind not in "fi" or not np.isfinite(values).all():

@@ -129,8 +129,8 @@ class Picture:
 
 def plot(what: Result | Kernel | PathLike, out: PathLike | None = None) -> list[Picture]:
     """Draws a result or a kernel. Pictures of a result show the contact, the energy and, if there are
-    snapshots, the bodies. The picture of a kernel shows its first elastic modes. For the modes, the scene
-    needs `output.view = true`.
+    snapshots, the bodies. The picture of a kernel shows its first elastic modes, if it has any. For the
+    modes, the scene needs `output.view = true`.
 
     what: a result, its path, or a kernel.
     out: folder of the pictures; default: the folder of the result or of the kernel.
@@ -139,7 +139,8 @@ def plot(what: Result | Kernel | PathLike, out: PathLike | None = None) -> list[
     """
     folder = None if out is None else Path(out)
     if isinstance(what, Kernel):
-        return [Picture(pictures.draw_modes(what.path, folder or what.path.parent))]
+        drawn = pictures.draw_modes(what.path, folder or what.path.parent)
+        return [Picture(drawn)] if drawn else []
     return [Picture(path) for path in pictures.draw(_path_of(what), folder)]
 
 

@@ -131,6 +131,25 @@ TEST(Result, holds_every_dataset_with_its_shape_and_unit) {
     EXPECT_NEAR(u_a[row] - u_b[row], 0.25 - gap[row], 1e-12);
   }
 
+  // Coordinates and forces of a snapshot give the displacement of the end that touches, candidate 1 of the
+  // left rod and 0 of the right one.
+  const auto pressed = read(file, "/static/left/snapshot", {any}, "1");
+  const std::size_t pressing = pressed.size();
+  ASSERT_GE(pressing, 1U);
+  EXPECT_EQ(pressed.front(), 1);
+  EXPECT_EQ(read(file, "/static/left/candidate", {pressing}, "1").front(), 1);
+  EXPECT_EQ(read(file, "/static/right/candidate", {pressing}, "1").front(), 0);
+  const double on_left = read(file, "/static/left/force", {pressing, 1}, "N").front();
+  EXPECT_LT(on_left, -0.1);
+  EXPECT_EQ(read(file, "/static/right/force", {pressing, 1}, "N").front(), -on_left);
+  const auto left_q = read(file, "/snapshots/left", {4, modes}, "kg^1/2 m");
+  double end_moved = kernel.surface.residual_flexibility[3] * on_left;
+  for (std::size_t n = 0; n < modes; ++n) end_moved += kernel.surface.shape[modes + n] * left_q[modes + n];
+  const auto then = std::ranges::lower_bound(touching, 10 - 1e-9) - touching.begin();
+  EXPECT_NEAR(touching[static_cast<std::size_t>(then)], 10, 1e-12);
+  EXPECT_NEAR(end_moved, u_a[static_cast<std::size_t>(then)], 1e-12);
+  EXPECT_EQ(read(file, "/contact/pair", {1}, "1"), (std::vector<double>{1}));
+
   const auto when = read(file, "/snapshots/time", {4}, "s");
   EXPECT_NEAR(when[1], 10, 1e-12);
   const auto q = read(file, "/snapshots/right", {4, modes}, "kg^1/2 m");

@@ -62,6 +62,9 @@ class Reader(unittest.TestCase):
         names = self.run_page("docs/results.md").names
         self.assertAlmostEqual(names["total"].sum() * names["step"], 10, delta=0.1)
         self.assertEqual(len(names["place"]), 101)
+        self.assertGreater(names["together"].sum(), 100)
+        relative = names["v_a"] - names["v_b"]
+        self.assertLess(abs(relative[1:][names["together"]]).max(), 1e-10)  # round-off of u/Δ
         # The wave from the struck end passes the middle with half the impact speed; its
         # reflection restores the full speed.
         self.assertAlmostEqual(names["v"][np.searchsorted(names["t"], 10), 0], 0.5, delta=0.1)

@@ -55,7 +55,7 @@ FOLDERS = {
     "contact": Folder(
         "contact/**/*.cpp",
         ("test_contact", "test_contact_core", "test_contact_realtime", "test_programs", "fuzz/table")
-        + _programs("spin", "table", "driven", "motion", "rods", "friction")
+        + _programs("spin", "table", "driven", "motion", "skins", "rods", "friction")
         + ("python/friction", "python/api", *_programs("exports", "report", "robust")),
     ),
     "player": Folder("player/*.cpp", ("test_player",)),
@@ -110,14 +110,14 @@ FOLDERS = {
             "python/ricochet/pages/": (
                 "python/histories",
                 "python/geometry",
-                "programs/report",
+                *_programs("skins", "report", "page_view"),
                 "web/instrument",
             ),
             "python/ricochet/pictures/": (
                 "python/histories",
                 "python/geometry",
                 "python/friction",
-                *_programs("command", "report"),
+                *_programs("skins", "command", "report", "page_view"),
             ),
             "python/ricochet/studies/": _programs("sweep", "sweep_faults", "batch"),
             "python/ricochet/tradeoffs/": ("python/commands", *_programs("tradeoff")),

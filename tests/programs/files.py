@@ -103,6 +103,9 @@ class Files(ProgramTest):
 
             return change
 
+        def all_of(name, value):
+            return lambda file: file[name].__setitem__(slice(None), value)
+
         def scene(text):
             return attribute("/", "scene", text)
 
@@ -130,7 +133,13 @@ class Files(ProgramTest):
             "bodies in a circle": (circle, drawn),
             "receivers of one row": (cut(1, *receiver), foreign),
             "receivers of no row": (cut(0, *receiver), foreign),
-            "no snapshots": (cut(0, "snapshots/time", "snapshots/moving", "snapshots/resting"), foreign),
+            "no snapshots": (
+                cut(0, "snapshots/time", "snapshots/moving", "snapshots/resting"),
+                "snapshots that do not exist",
+            ),
+            "forces on other candidates": (all_of("static/moving/candidate", 99), "is not the kernel"),
+            "forces NaN": (all_of("static/moving/force", nan), "not finite"),
+            "gravity a text": (attribute("static/moving", "gravity", "1"), drawn),
             "one row": (cut(1, "time"), "holds nothing but the start"),
             "a shape": (cut(3, "contact/force"), "has shape"),
         }

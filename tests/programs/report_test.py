@@ -109,20 +109,20 @@ def unpacked(packed):
     return values * packed.get("scale", 1.0)
 
 
+def data_of(page):
+    """The data of a page."""
+    return json.loads(
+        re.search(r'<script type="application/json" id="run">(.*?)</script>', page.read_text(), re.DOTALL)[1]
+    )
+
+
 class ReportTest(ProgramTest):
     def page(self, result, *more):
         """The page of a result: path, text and data."""
         path = self.folder / "page.html"
         done = self.succeed(Run([BIN / "ricochet", "report", result, "--out", path, *more]))
         self.assertEqual(done.out, f"{path}\n")
-        text = path.read_text()
-        return (
-            path,
-            text,
-            json.loads(
-                re.search(r'<script type="application/json" id="run">(.*?)</script>', text, re.DOTALL)[1]
-            ),
-        )
+        return path, path.read_text(), data_of(path)
 
     def opened(self, path, name):
         """The page in the browser, which must not report any error."""

@@ -231,10 +231,13 @@ def kernel(path):
         file.attrs.update(
             mesh_sha256=np.bytes_("0" * 64), created_by=np.bytes_("a test"), dofs=24, elements=5, order=1
         )
-        file.attrs["supported"] = 0
+        file.attrs["supported"], file.attrs["mass"] = 0, 1.0
         modes = file.create_group("modes")
         modes.attrs["basis"] = np.bytes_("modes")
         modes["angular_frequency"] = np.array([0.0, 0, 0, 4e3])
+        modes["decay_rate"] = np.array([0.0, 0, 0, 40])
+        file["loads/body_force"] = np.eye(3, 4)
+        file["surface/normal"], file["surface/shape"] = np.zeros((0, 3)), np.zeros((0, 3, 4))
         certificate = modes.create_group("certificate")
         certificate.attrs.update(complete=1, upto_hz=1e4, count_found=4, left_out=0, flexibility_error=0.0)
         file["view/node"], file["view/element"], file["view/shape"] = node, element, shape.astype("f4")

@@ -3,6 +3,7 @@
 
 import base64
 import itertools
+import types
 import unittest
 
 import numpy as np
@@ -10,7 +11,10 @@ import numpy as np
 from programs import ProgramTest
 from ricochet import surfaces
 from ricochet.interchange.rotations import angles_of, rotation_of, turn_between
+from ricochet.modal_table import ModalTable
 from ricochet.pages import motion
+from ricochet.pages.modes import table_of
+from ricochet.pictures import modes, planes
 from ricochet.pictures.viewpoint import View, clearest, clearness, spread, views
 
 X, Y, Z = np.eye(3)
@@ -135,6 +139,42 @@ class Viewpoints(unittest.TestCase):
         node, element = square(0, 1, 0.0)
         np.testing.assert_allclose(clearest([(node, element), (node + 2 * X, element)], contact).turn()[2], Z)
 
+    def test_of_a_floor_are_from_above_and_upright(self):
+        """Also where a view from below, or along another axis, would show more of the bodies."""
+        random = np.random.default_rng(3)
+        contact = np.zeros((1, 3))
+        for normal in [*np.eye(3), *-np.eye(3), *random.normal(size=(20, 3))]:
+            normal = normal / np.linalg.norm(normal)
+            stretched = random.uniform(0.1, 3, size=3)
+            node, element = grid((0, 0), (1, 1), 0.0, 4) * stretched, np.array([[0, 1, 5], [3, 7, 9]])
+            for tilted in (False, True):
+                turn = clearest([(node, element)], contact, tilted, up=normal, normals=[normal]).turn()
+                np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-12)
+                self.assertAlmostEqual(turn[0] @ normal, 0)  # level
+                self.assertGreater(turn[1] @ normal, 0.5)  # up on the screen
+                self.assertGreater(
+                    turn[2] @ normal, 0.05 if tilted else -1e-9
+                )  # the floor is not seen from beneath
+        # A wall is seen from the side of its normal, upright or not.
+        for normal in (X, -X):
+            self.assertGreater(
+                clearest([square(0, 1, 0.0)], contact, True, normals=[normal]).turn()[2] @ normal, 0.05
+            )
+
+    def test_have_up_against_gravity_or_along_the_normal_of_a_floor(self):
+        floor, wall = {"floor": {"normal": [0, 0, 2]}}, {"wall": {"normal": [-1, 0, 0]}}
+        gravity = {"gravity": [0, -9.81, 0]}
+        for scene, up in (
+            ({"loads": gravity}, Y),
+            ({"loads": gravity, "obstacles": floor}, Y),
+            ({"obstacles": floor}, Z),
+            ({"loads": {"gravity": [0, 0, 0]}, "obstacles": floor}, Z),
+            ({"obstacles": wall}, None),
+            ({"obstacles": floor | {"side": {"normal": [0, 1, 0]}}}, None),
+            ({}, None),
+        ):
+            np.testing.assert_equal(planes.upward(scene), up)
+
     def test_use_points_of_lines_and_triangles_at_most_a_distance_apart(self):
         random = np.random.default_rng(1)
         node, element = square(0, 3, 0.0)
@@ -145,6 +185,52 @@ class Viewpoints(unittest.TestCase):
         self.assertLess(len(points), 2 * 17 * 18 / 2 + 1)  # 16 parts of a diagonal of 4.2 are the most
         line = spread(node, np.array([[0, 1]]), 0.8)
         np.testing.assert_allclose(np.sort(line[:, 0]), [0, 0.75, 1.5, 2.25, 3])
+
+
+class Modes(unittest.TestCase):
+    def test_stand_upright_except_plates_and_long_beams_which_lie(self):
+        corners = np.array(list(itertools.product((0, 1), repeat=3)), float)
+        for extent, up in (
+            ([3, 2, 4], Z),
+            ([5, 4, 1], Z),
+            ([1, 5, 4], X),
+            ([4, 1, 5], Y),
+            ([1, 1, 9], Y),
+            ([9, 1, 1], Z),
+        ):
+            np.testing.assert_array_equal(modes.upright(corners * extent), up)
+
+    def test_are_listed_on_pages_from_the_first_elastic_one_with_shares_of_the_mass(self):
+        participation = np.array([[2.0, 0, 0], [1, 0, 0], [0, 0.5, 1]])
+        known = ModalTable(
+            "plate",
+            "modes",
+            4.0,
+            np.array([0, 50, 70.0]),
+            np.array([np.nan, 0.01, 0.02]),
+            participation,
+            np.array([np.nan, 0.3, 0.5]),
+            0.2,
+        )
+        table = table_of("plate", known)
+        self.assertEqual(
+            (table["rigid"], table["elastic"], [row["number"] for row in table["rows"]]), (1, 2, [2, 3])
+        )
+        self.assertEqual([row["mass"] for row in table["rows"]], [[0.25, 0, 0], [0, 0.0625, 0.25]])
+        self.assertEqual(
+            [(row["damping"], row["contact"]) for row in table["rows"]], [(0.01, 0.3), (0.02, 0.5)]
+        )
+
+    def test_are_coloured_on_finer_triangles_of_the_same_surface(self):
+        random = np.random.default_rng(4)
+        corner = random.normal(size=(7, 3, 4))
+        corner[..., 3] = corner[..., :3] @ [1, 2, 3] + 4  # linear in the place
+        found = modes.finer(corner)
+        self.assertGreaterEqual(len(found), modes.FACETS)
+        self.assertEqual(len(found), 7 * 4 ** round(np.log(len(found) / 7) / np.log(4)))
+        self.assertAlmostEqual(areas(found[..., :3]).sum(), areas(corner[..., :3]).sum())
+        np.testing.assert_allclose(found[..., 3], found[..., :3] @ [1, 2, 3] + 4)
+        self.assertIs(modes.finer(found), found)
 
 
 class Bodies(unittest.TestCase):
@@ -180,6 +266,32 @@ class Bodies(unittest.TestCase):
             self.assertGreater(np.linalg.norm(size[count - 1 :]), left_out * np.linalg.norm(size))
         self.assertEqual(motion.few_shapes(shape[:, :0], mixed[:, :0], 6, 1e-3)[0].shape, (40, 0))
 
+    def test_show_a_static_field_at_one_node_beside_large_modes(self):
+        """The field of a force is tiny per newton, and sharp; among 900 nodes it adds little to a mean."""
+        node = grid((0, 0), (1, 1), 0.0, 30)
+        random, time = np.random.default_rng(1), np.linspace(0, 1, 90)
+        shape = random.normal(size=(900, 3, 6 + 100 + 1))
+        shape[:, :, -1] = 0
+        shape[450, 2, -1] = 1e-9  # m/N
+        coordinates = np.concatenate([1e-3 * random.normal(size=(90, 106)), 3e7 * time[:, None] ** 2], axis=1)
+        skin = types.SimpleNamespace(
+            node=node,
+            element=np.array([[0, 1, 31], [0, 31, 30]]),
+            shape=shape,
+            coordinates=coordinates,
+            modes=106,
+            rigid=np.arange(107) < 6,
+            rotation=np.eye(3),
+            translation=np.zeros(3),
+        )
+        body = motion.body_of("sheet", skin, np.arange(90), 1.0, {}).data
+        drawn = unpacked(body["amount"])[-1] @ np.stack([unpacked(field) for field in body["bent"]])
+        exact = shape[450, 2, 6:] @ coordinates[-1, 6:]
+        self.assertGreater(exact, 0.02)
+        self.assertAlmostEqual(
+            drawn.reshape(900, 3)[450, 2], exact, delta=0.1 * exact
+        )  # 80 shapes of 100 modes
+
     def test_with_many_triangles_are_coarsened_without_holes(self):
         node = grid((0, 0), (1, 1), 0.0, 31)
         corner = (31 * np.arange(30)[:, None] + np.arange(30)).ravel()
@@ -214,17 +326,15 @@ class Bodies(unittest.TestCase):
     def test_stand_on_the_part_of_a_plane_that_is_near_them(self):
         low, high = np.array([1.0, -1, 2]), np.array([3.0, 1, 6])
         plane = {"point": [9, 9, 0.5], "normal": [0, 0, -3]}
-        corner = unpacked(motion.half_space("floor", plane, low, high)["node"])
-        np.testing.assert_allclose(corner[:, 2], 0.5, rtol=1e-6)
-        np.testing.assert_allclose(corner.mean(axis=0), [2, 0, 0.5], atol=1e-6)
-        np.testing.assert_allclose(
-            np.linalg.norm(corner - np.roll(corner, 1, axis=0), axis=1), 1.4 * 4, rtol=1e-6
-        )
+        corner = planes.square_of(plane, low, high)
+        np.testing.assert_allclose(corner[:, 2], 0.5)
+        np.testing.assert_allclose(corner.mean(axis=0), [2, 0, 0.5], atol=1e-12)
+        np.testing.assert_allclose(np.linalg.norm(corner - np.roll(corner, 1, axis=0), axis=1), 1.4 * 4)
         tilted = {"point": [0, 0, 0], "normal": [1, 1, 1]}
-        corner = unpacked(motion.half_space("wall", tilted, low, high)["node"])
-        np.testing.assert_allclose(corner.sum(axis=1), 0, atol=1e-5)
+        corner = planes.square_of(tilted, low, high)
+        np.testing.assert_allclose(corner.sum(axis=1), 0, atol=1e-12)
         np.testing.assert_allclose(
-            np.ptp(corner.mean(axis=0) - (low + high) / 2), 0, atol=1e-5
+            np.ptp(corner.mean(axis=0) - (low + high) / 2), 0, atol=1e-12
         )  # along the normal
 
     def test_are_found_by_the_node_nearest_to_a_contact_point(self):

@@ -22,7 +22,8 @@ from ricochet.pictures.friction import moment_panel, pressure_map
 from ricochet.pictures.grid import Grid
 from ricochet.pictures.history import History
 from ricochet.pictures.modes import draw_rod, modes_picture
-from ricochet.pictures.skins import skins_of
+from ricochet.pictures.normal_axis import normal_axis
+from ricochet.pictures.skins import Skin, amplification, largest_amplification, skins_of
 from ricochet.pictures.style import BODY, STYLE, prefixed
 from ricochet.result_file import File
 from ricochet.studies import chart as studies
@@ -105,7 +106,7 @@ class Histories(HistoryTest):
         history, _ = self.history(form="point")
         self.assertEqual(history.positions()[2], "distance from the first touch")  # one point is no line
 
-    def test_move_along_the_normal_from_where_the_second_surface_was(self):
+    def test_show_the_height_above_a_floor(self):
         history, drag = self.history()
         i = int(np.argmax(drag.gap))
         place, speed, mean_place, mean_speed = history.along_normal(i)
@@ -113,19 +114,71 @@ class Histories(HistoryTest):
         self.assertEqual(
             [list(of) for of in (place, speed, mean_place, mean_speed)], [names, names, ["block"], ["block"]]
         )
+        # The normal is -z, out of the block; heights are along z.
         time = drag.time[drag.rows]
         np.testing.assert_allclose(
-            place["block"][1][:-1], 1e-6 * np.sin(1e3 * time) - drag.gap[i], atol=1e-15
+            place["block"][1][:-1], drag.gap[i] - 1e-6 * np.sin(1e3 * time), atol=1e-15
         )
-        np.testing.assert_allclose(speed["block"][1][:-1], 1e-6 * np.sin(1e3 * time), atol=1e-15)
+        np.testing.assert_allclose(speed["block"][1][:-1], -1e-6 * np.sin(1e3 * time), atol=1e-15)
         np.testing.assert_array_equal(place["floor"][1][:-1], 0)
-        # The normal is -z, and the block moves along z at -0.06 cos(πt/T). 1e-4: trapezia of 400 steps.
+        # The block moves along z at -0.06 cos(πt/T): down, then up. 1e-4: trapezia of 400 steps.
         total = STEP * STEPS
         np.testing.assert_allclose(
-            mean_speed["block"][1], 0.06 * np.cos(np.pi * drag.time / total), atol=1e-12
+            mean_speed["block"][1], -0.06 * np.cos(np.pi * drag.time / total), atol=1e-12
         )
-        path = 0.06 * total / np.pi * np.sin(np.pi * drag.time / total)
-        np.testing.assert_allclose(mean_place["block"][1] + drag.gap[i], path, atol=1e-4 * path.max())
+        path = -0.06 * total / np.pi * np.sin(np.pi * drag.time / total)
+        np.testing.assert_allclose(mean_place["block"][1] - drag.gap[i], path, atol=1e-4 * abs(path).max())
+
+    def test_point_out_of_the_side_that_is_still(self):
+        floor, wall = {"obstacles": {"floor": {}}}, {"obstacles": {"wall": {}}}
+        fall = {"loads": {"gravity": [0, -9.81, 0]}}
+        held = {"bodies": {"lower": {"support": {"rim": "xyz"}}, "upper": {"support": {}}}}
+        down, across, up = np.array([0, -1.0, 0]), np.array([1.0, 0, 0]), np.array([0, 1.0, 0])
+        like = {"upper": 1.0, "lower": 2.0}
+        for sides, normal, scene, masses, expected in [
+            (("ball", "floor"), down, floor | fall, {"ball": 1}, (-1, "floor", "height above the floor")),
+            (("ball", "floor"), down, floor, {"ball": 1}, (-1, "floor", "distance from the floor")),
+            (("ball", "wall"), across, wall | fall, {"ball": 1}, (-1, "wall", "distance from the wall")),
+            (("upper", "lower"), down, held | fall, like, (-1, "lower", "height above lower")),
+            (("lower", "upper"), up, held | fall, like, (1, "lower", "height above lower")),
+            (("upper", "lower"), down, fall, like, (1, "lower", "position towards lower")),
+            (("upper", "lower"), down, {}, {"upper": 1, "lower": 10}, (-1, "lower", "distance from lower")),
+            (("upper", "lower"), down, {}, {"upper": 10, "lower": 1}, (1, "upper", "distance from upper")),
+            (("side a", "side b"), down, floor | fall, like, (1, "side b", "position towards side b")),
+        ]:
+            axis = normal_axis(sides, normal, scene, masses)
+            self.assertEqual((axis.sign, axis.origin, axis.position), expected)
+            way = "towards" if "towards" in axis.position else "away from"
+            of = f"the {axis.origin}" if axis.origin in ("floor", "wall") else axis.origin
+            self.assertEqual(axis.velocity, f"velocity {way} {of}")
+
+    def test_put_the_zero_where_the_still_side_began(self):
+        history, drag = self.history()
+        i = int(np.argmax(drag.gap))
+        moved = 1e-6 * np.sin(1e3 * drag.time[drag.rows])
+        # The block held by a support, before a free "floor": the axis points out of the block.
+        scene = {
+            "bodies": {"block": {"support": {"foot": "xyz"}}, "floor": {}},
+            "contact": {"between": ["block", "floor"]},
+        }
+        masses = types.SimpleNamespace(mass=1.0)
+        with mock.patch.object(history, "scene", scene), mock.patch.object(
+            history, "bodies", {"block": masses, "floor": masses}
+        ):
+            place, speed, mean_place, _ = history.along_normal(i)
+        np.testing.assert_allclose(place["block"][1][:-1], moved, atol=1e-15)
+        np.testing.assert_allclose(place["floor"][1][:-1], drag.gap[i], atol=1e-15)
+        np.testing.assert_allclose(speed["block"][1][:-1], moved, atol=1e-15)
+        self.assertEqual(mean_place["block"][1][0], 0)
+
+    def test_know_the_pair_of_a_point(self):
+        history, _ = self.history()
+        pairs = [{"between": ["block", "floor"]}, {"between": ["block", "wall"]}]
+        with mock.patch.object(history, "scene", {"contact": {"pair": pairs}}):
+            self.assertEqual(history.sides_names(0), ("side a", "side b"))  # files of earlier versions
+            history.pair = np.array([1, 2])
+            self.assertEqual(history.sides_names(0), ("block", "floor"))
+            self.assertEqual(history.sides_names(1), ("block", "wall"))
 
 
 class Charts(HistoryTest):
@@ -133,6 +186,9 @@ class Charts(HistoryTest):
         history, drag = self.history()
         i = history.strongest
         places, speeds = charts.along_normal_charts(history, i)
+        self.assertEqual(places["y"]["label"], "distance from the floor")
+        self.assertEqual(speeds["y"]["label"], "velocity away from the floor")
+        self.assertEqual(speeds["note"], "Those of contact points are means over the steps.")
         for found, of, unit in ((places, 0, "m"), (speeds, 1, "m/s")):
             self.assertEqual(found["y"]["unit"], unit)
             curves = history.along_normal(i)
@@ -268,39 +324,52 @@ class Snapshots(HistoryTest):
         skins, time = skins_of(history, self.folder)
         return history, drag, skins, time
 
-    def test_are_those_moved_by_the_coordinates_and_magnified_from_the_first_touch_on(self):
+    def test_are_those_moved_by_the_coordinates_and_only_their_deformation_is_magnified(self):
         _, drag, skins, time = self.skins()
         skin = skins["block"]
         np.testing.assert_allclose(time, drag.time[::4])
         bent = np.abs(skin.node[:, 0]) * skin.node[:, 2] / 1e-4  # along z for a coordinate of 1
+        size = np.linalg.norm(np.ptp(skin.node, axis=0))
         for k in (0, 31, 77):
             amount = 1e-6 * np.sin(4e3 * time[k])
-            expected = skin.node + drag.moved[4 * k] + np.outer(amount * bent, [0, 0, 1])
-            np.testing.assert_allclose(skin.at(k), expected, atol=1e-12)
+            for factor in (0, 1, 50):
+                expected = skin.node + drag.moved[4 * k] + np.outer(factor * amount * bent, [0, 0, 1])
+                np.testing.assert_allclose(skin.at(k, factor), expected, atol=1e-12)
+            np.testing.assert_array_equal(skin.at(k), skin.at(k, 1))
             self.assertAlmostEqual(skin.deformation(k), abs(amount) * bent.max(), places=12)
-        moved = skin.at(77) - skin.at(31)
-        np.testing.assert_allclose(skin.at(77, 31, 50), skin.at(31) + 50 * moved, atol=1e-12)
+            self.assertAlmostEqual(skin.strain(k), abs(amount) * bent.max() / size, places=10)
 
-    def test_are_magnified_by_a_round_number_that_shows_the_motion(self):
-        def amplified(moved, deformation=0.0):
-            node = np.array([[0, 0, 0], [3, 4, 0.0]])  # of size 5
-            skin = types.SimpleNamespace(
-                at=lambda k: node + [0, 0, moved * k], deformation=lambda k: deformation * k
-            )
-            return snapshots.amplification({"a": skin}, np.array([1]), 0)
+    def test_are_magnified_by_a_round_number_that_shows_the_deformation(self):
+        # 0.1 of the size is drawn at most, and more than 0.04, because round numbers are at most 2.5 apart.
+        for share, factor in ((1e-3, 100), (9e-4, 100), (3e-4, 200), (1.9e-6, 50000), (0.0099, 10)):
+            self.assertAlmostEqual(amplification(share), factor)
+        for share in (0, 1e-15, 0.01, 0.3):  # nothing but round-off, or visible as it is
+            self.assertEqual(amplification(share), 1)
+        for share, most in ((1e-3, 250), (1e-5, 25000), (0.01, 25), (0.5, 2), (0, 2)):
+            self.assertAlmostEqual(largest_amplification(share), most)
 
-        # 5 % of the size is 0.25.
-        for moved, factor in (
-            (1e-3, 200),
-            (0.25 / 99, 50),
-            (0.25 / 19, 10),
-            (0.25 / 2.1, 2),
-            (0.25 / 1.9, 1),
-            (0, 1),
-        ):
-            self.assertAlmostEqual(amplified(moved), factor)
-        self.assertEqual(amplified(1e-3, 0.051), 1)  # 1 % of deformation can be seen
-        self.assertAlmostEqual(amplified(1e-3, 0.049), 200)
+    def test_are_drawn_at_moments_that_differ_from_the_one_before_as_much_as_nine_can(self):
+        # A bump that passes within a hundredth of the time, between long rests: even times would miss it.
+        time = np.linspace(0, 1, 2001)
+        path = np.stack([np.exp(-(((time - 0.3) / 0.005) ** 2)), np.zeros_like(time)], axis=1)
+        chosen = snapshots.moments(path, 9)
+        steps = np.linalg.norm(np.diff(path[chosen], axis=0), axis=1)
+        # The path has a length of 2. With steps of at least d, eight need 8 d of it.
+        self.assertEqual((len(chosen), chosen[0]), (9, 0))
+        self.assertTrue(0.18 < steps.min() <= 2 / 8, steps)
+        self.assertTrue(np.all(np.diff(chosen) > 0))
+        self.assertEqual(snapshots.moments(path[:5], 9).tolist(), [0, 1, 2, 3, 4])
+        self.assertEqual(snapshots.moments(path[:1], 9).tolist(), [0])
+
+    def test_are_compared_by_the_mean_distance_of_the_nodes_as_drawn(self):
+        _, _, skins, _ = self.skins()
+        (skin,), during = skins.values(), np.array([3, 40, 77])
+        for factor in (1, 300):
+            path = snapshots.drawn_path(skins, during, factor)
+            for a, b in ((0, 1), (1, 2), (0, 2)):
+                apart = skin.at(during[a], factor) - skin.at(during[b], factor)
+                exact = np.sqrt((apart**2).sum(axis=1).mean())
+                self.assertAlmostEqual(np.linalg.norm(path[a] - path[b]) / exact, 1, places=5)  # of 32 bits
 
     def test_show_nearer_bodies_in_front(self):
         square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]])
@@ -325,12 +394,32 @@ class Snapshots(HistoryTest):
             ]
             self.assertEqual(found, [order[0]] * 2 + [order[1]] * 2)
 
+    def test_have_outlines_without_the_edges_that_the_body_itself_hides(self):
+        square = np.array([[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0.0]])
+        node = np.concatenate(
+            [square, 0.25 * square + [0.5, 0.5, -1], 0.25 * square + [0.5, 0.5, 1], square + [1, 1, -2]]
+        )
+        element = (np.array([[0, 1, 2], [0, 2, 3]]) + 4 * np.arange(4)[:, None, None]).reshape(-1, 3)
+        skin = types.SimpleNamespace(element=element, rim=lambda flat: Skin.rim(skin, flat))
+        edges = {tuple(edge) for edge in snapshots.unhidden(skin, node)}
+        around = [(0, 1), (1, 2), (2, 3), (0, 3)]
+        # The small square behind is hidden, that in front is not. Of the last one, half of two sides is behind the first.
+        whole = {(a + first, b + first) for first in (0, 8) for a, b in around}
+        self.assertEqual(edges - {(12, 13), (12, 15)}, whole | {(13, 14), (14, 15)})
+
     def test_of_a_rod_have_space_above_and_below(self):
         history, _, _, time = self.skins(form="line")
         rod = np.stack([np.linspace(0, 0.2, 5), np.zeros(5), np.zeros(5)], axis=1)
         element = np.stack([np.arange(4), np.arange(1, 5)], axis=1)
         skin = types.SimpleNamespace(
-            at=lambda *_: rod, deformation=lambda _: 1.0, element=element, rim=lambda flat: element
+            at=lambda *_: rod,
+            strain=lambda _: 1.0,
+            weights=lambda _: np.ones(1),
+            node=rod,
+            shape=np.ones((5, 3, 1)),
+            coordinates=time[:, None],
+            element=element,
+            rim=lambda flat: element,
         )
         figure = self.drawn(history, {"block": skin}, time)
         ax = figure.axes[0]

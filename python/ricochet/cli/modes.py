@@ -3,6 +3,7 @@
 
     ricochet modes meshes/two-disks/two-disks.toml
     ricochet modes bell.toml --set modes.up_to_hz=5000 --csv bell.csv --plot
+    ricochet modes bell.toml --page
     ricochet modes bell.toml --verify
 
 Columns: frequency, damping ratio, effective mass along each axis as a share of the mass of the body, and the share of the mode in
@@ -10,13 +11,16 @@ the static flexibility of the contact. Effective masses of all modes of a free b
 contains participation factors and effective masses in SI units.
 """
 import argparse
+import sys
 import tomllib
 from pathlib import Path
+from typing import Any
 
 from ricochet import programs
 from ricochet.cli.options import add_count, add_run, words_for_programs
 from ricochet.errors import InputError
 from ricochet.modal_table import ModalTable, write_csv
+from ricochet.pages.modes import write_modes_page
 from ricochet.pictures import DRAWN_MODES, draw_modes
 
 
@@ -28,6 +32,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--plot",
         action="store_true",
         help=f"draw the first {DRAWN_MODES} elastic modes as <body>-modes.png; sets output.view = true",
+    )
+    parser.add_argument(
+        "--page",
+        action="store_true",
+        help="write <slug>.modes.html, on which the first 20 modes of each body are seen in motion; sets output.view = true",
     )
     parser.add_argument(
         "--verify",
@@ -48,12 +57,14 @@ def verify(options: argparse.Namespace) -> None:
     )
 
 
-def kernels(options: argparse.Namespace) -> list[Path]:
-    """Computes missing kernels. Returns the kernel files of all bodies, in the order of the scene."""
-    options.set = [*options.set, *(["output.view=true"] if options.plot else [])]
+def kernels(options: argparse.Namespace) -> tuple[list[Path], dict[str, Any]]:
+    """Computes missing kernels. Returns the kernel files of all bodies, in the order of the scene, and the resolved
+    scene."""
+    options.set = [*options.set, *(["output.view=true"] if options.plot or options.page else [])]
     words = words_for_programs(options)
     program = programs.BIN / "ricochet-kernel"
-    bodies = tomllib.loads(programs.resolved(options.scene, words, program.name)).get("bodies", {})
+    scene = tomllib.loads(programs.resolved(options.scene, words, program.name))
+    bodies = scene.get("bodies", {})
     if not bodies:
         raise InputError(
             f"{options.scene}: takes its kernels from contact.table: there are no bodies with modes"
@@ -68,19 +79,26 @@ def kernels(options: argparse.Namespace) -> list[Path]:
             found.setdefault(
                 body, out / rest.rpartition("/")[2]
             )  # with --accuracy, more lines follow, for another element order
-    return list(found.values())
+    return list(found.values()), scene
 
 
 def run(options: argparse.Namespace) -> None:
     if options.verify:
         verify(options)
         return
-    found = kernels(options)
+    found, scene = kernels(options)
     tables = [ModalTable.read(kernel) for kernel in found]
     print("\n\n".join(table.text(options.first) for table in tables))
     if options.csv:
         write_csv(tables, options.csv)
         print(options.csv)
     if options.plot:
-        for kernel in found:
-            print(draw_modes(kernel, kernel.parent))
+        for table, kernel in zip(tables, found):
+            if path := draw_modes(kernel, kernel.parent):
+                print(path)
+            else:
+                print(f"ricochet modes: no picture of {table.body}: it has no elastic modes", file=sys.stderr)
+    if options.page:
+        title = scene.get("title") or options.scene.stem
+        path = found[0].parent / f"{programs.slug(title)}.modes.html"
+        print(write_modes_page(title, found, scene, path))

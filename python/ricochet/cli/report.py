@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Writes a result as one web page that opens in any browser, without a network: the scene, the impact in motion, charts,
-sound, energy, errors, and the commands that repeat the run.
+"""Writes a result as one web page that opens in any browser, without a network: the impact and the modes of the bodies in
+motion, charts, sound, energy, errors, the scene, and the commands that repeat the run.
 
     ricochet report out/two-disks.result.h5
 

@@ -95,7 +95,7 @@ def friction_charts(result: History) -> list[Chart]:
     out = [chart("friction", "Friction", TIME, axis("force", "N", zero=True), lines, note, **more)]
     i = result.roughest
     moved, force = result.loop(i)
-    a, b = result.sides_names()
+    a, b = result.sides_names(i)
     lines = []
     for value, name in STATES.items():
         here = result.state[:, i] == value
@@ -123,12 +123,14 @@ def along_normal_charts(result: History, i: int) -> list[Chart]:
         ]
         return dashed + at_point
 
-    note = "From where the second surface was: the sides touch where their lines meet."
-    places, speeds = axis("place along the normal", "m"), axis("velocity along the normal", "m/s")
+    along = result.axis(i)
+    note = f"The sides touch where their lines meet; 0 is {along.zero}."
+    means = f"Those of contact points are {result.velocities}."
+    places, speeds = axis(along.position, "m"), axis(along.velocity, "m/s")
     more: dict[str, Any] = {"cursor": True, "window": window}
     return [
         chart("place", "Place of the two surfaces", TIME, places, lines(place, mean_place), note, **more),
-        chart("speed", "Velocity", TIME, speeds, lines(speed, mean_speed), **more),
+        chart("speed", "Velocity", TIME, speeds, lines(speed, mean_speed), means, **more),
     ]
 
 

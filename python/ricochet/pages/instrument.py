@@ -13,7 +13,7 @@ from ricochet.errors import InputError
 from ricochet.interchange.instrument import Instrument, instrument_of
 from ricochet.interchange.rotations import rotation_of
 from ricochet.kernel import Kernel
-from ricochet.pages.motion import coarser, packed, tube
+from ricochet.pages.motion import coarser, of_rest, packed, tube
 from ricochet.pages.page import FOLDER
 from ricochet.pictures.viewpoint import View
 from ricochet.result import Result
@@ -64,14 +64,7 @@ def picture_of(instrument: Instrument, scene: Scene, kernel: Kernel) -> dict[str
     )
     view = max(views(), key=lambda view: float(view.turn()[2] @ instrument.places[0].normal))
     body = {"name": instrument.body, "node": packed(place), "element": packed(element, "u4"), "lines": False}
-    none = packed(np.zeros(0))
-    return {
-        "time": packed([0.0]),
-        "bodies": [body],
-        "obstacles": [],
-        "view": {"base": view.base, "azimuth": view.azimuth, "elevation": view.elevation},
-        "points": {"anchor": [], "offset": none, "normal": none, "force": none, "state": None},
-    }
+    return of_rest([body], view)
 
 
 def played(instrument: Instrument, scene: Scene, kernel: Kernel) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 modes."""
 import base64
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ricochet.arrays import Array
-from ricochet.pictures.skins import skins_of
-from ricochet.pictures.viewpoint import clearest
-from ricochet.pictures.skins import Skin
 from ricochet.pictures.history import History
+from ricochet.pictures.planes import gravity_of, normals_of, square_of, upward
+from ricochet.pictures.skins import Skin, amplification, largest_amplification, skins_of
+from ricochet.pictures.snapshots import MOMENTS as PICTURES
+from ricochet.pictures.snapshots import drawn_path, moments
+from ricochet.pictures.viewpoint import View, clearest
 
 Packed = dict[str, Any]  # an array encoded as text
 
@@ -24,6 +27,8 @@ SHAPES_MB = 4  # maximum memory of the shapes of all bodies
 LEFT_OUT = 3e-4  # allowed relative root mean square error of the deformation
 POINTS = 300  # number of contact points whose forces are drawn, those with the largest impulse
 SIDES = 12  # sides of a rod's cross-section
+MODES = 20  # maximum number of modes of a body whose shapes are in the page
+MODES_MB = 4  # maximum size of the shapes of modes of all bodies, as text
 
 
 def packed(values: Any, kind: str = "f4") -> Packed:
@@ -113,11 +118,19 @@ def materials(body: dict[str, Any]) -> dict[str, dict[str, Any]]:
     return {"": found} if "density" in found else found
 
 
-def body_of(
-    name: str, skin: Skin, chosen: Array, share: float, scene: dict[str, Any]
-) -> tuple[dict[str, Any], Array, Array, tuple[float, float]]:
-    """Returns a body of the page, its node positions at rest, its triangles, and error and size of its
-    deformation [m].
+@dataclass
+class Drawn:
+    """A body of the page."""
+
+    data: dict[str, Any]
+    place: Array  # (V,3) nodes at rest [m]
+    element: Array  # (T,3)
+    missed: float  # largest error of its deformation by the few shapes, at 60 moments [m]
+    deformation: Array  # (S) largest displacement by elastic modes at each moment [m]
+
+
+def body_of(name: str, skin: Skin, chosen: Array, share: float, scene: dict[str, Any]) -> Drawn:
+    """A body at the snapshots `chosen`.
 
     @param share  share of this body in the triangles and shapes that all bodies may have
     """
@@ -132,41 +145,31 @@ def body_of(
     shape = np.einsum("ij,vjn->vin", skin.rotation.astype("f4"), skin.shape[of]).reshape(3 * len(of), -1)
     most = max(1, min(SHAPES, int(share * SHAPES_MB * 2**20 / (6 * len(of)))))
     rigid, moved = few_shapes(shape[:, skin.rigid], coordinates[:, skin.rigid], 6, 1e-12)
-    shape, coordinates = shape[:, ~skin.rigid], coordinates[:, ~skin.rigid]
-    bent, amount = few_shapes(shape, coordinates, most, LEFT_OUT)
+    bending, static = np.split(np.flatnonzero(~skin.rigid), [skin.modes - np.count_nonzero(skin.rigid)])
+    # The static fields are sharp and small, so that a fit to all fields would miss the place of contact.
+    local = few_shapes(shape[:, static], coordinates[:, static], most // 2, LEFT_OUT)
+    wide = few_shapes(shape[:, bending], coordinates[:, bending], most - local[0].shape[1], LEFT_OUT)
+    bent, amount = (np.concatenate(parts, axis=1) for parts in zip(wide, local))
+    elastic, coordinates = shape[:, ~skin.rigid], coordinates[:, ~skin.rigid]
     some = np.unique(np.linspace(0, len(chosen) - 1, 60).astype(int))
-    exact = shape @ coordinates[some].T
-    missed = np.abs(exact - bent @ amount[some].T).max(initial=0)
-    largest = np.abs(exact).max(initial=0)
+    missed = np.abs(elastic @ coordinates[some].T - bent @ amount[some].T).max(initial=0)
     place = (node[of] + offset) @ skin.rotation.T + skin.translation
-    return (
-        {
-            "name": name,
-            "node": packed(place),
-            "element": packed(element, "u4"),
-            "lines": not tubular,
-            "rigid": packed(rigid.T),
-            "moved": packed(moved),
-            "bent": [packed(column, "i2") for column in bent.T],
-            "amount": packed(amount),
-        },
-        place,
-        element,
-        (missed, largest),
-    )
-
-
-def half_space(name: str, obstacle: dict[str, Any], low: Array, high: Array) -> dict[str, Any]:
-    """The part of the surface of an obstacle that is near the bodies, as a square."""
-    point, normal = np.array(obstacle.get("point", [0, 0, 0]), float), np.array(obstacle["normal"], float)
-    normal /= np.linalg.norm(normal)
-    centre = (low + high) / 2
-    centre -= normal * (normal @ (centre - point))
-    side = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
-    side *= 0.7 * np.max(high - low) / np.linalg.norm(side)
-    other = np.cross(normal, side)
-    corners = centre + np.array([side + other, side - other, -side - other, other - side])
-    return {"name": name, "node": packed(corners), "element": packed([[0, 1, 2], [0, 2, 3]], "u4")}
+    deformation = np.zeros(len(chosen))
+    for part in np.array_split(bent.reshape(len(of), 3, -1), len(of) // 2000 + 1):
+        np.maximum(deformation, np.linalg.norm(part @ amount.T, axis=1).max(axis=0), out=deformation)
+    some = bending[: min(MODES, int(share * MODES_MB * 2**20 / (8 * len(of))))]
+    data = {
+        "name": name,
+        "node": packed(place),
+        "element": packed(element, "u4"),
+        "lines": not tubular,
+        "rigid": packed(rigid.T),
+        "moved": packed(moved),
+        "bent": [packed(column, "i2") for column in bent.T],
+        "amount": packed(amount),
+        "modes": {int(n) + 1: packed(shape[:, n], "i2") for n in some},
+    }
+    return Drawn(data, place, element, missed, deformation)
 
 
 def nearest(points: Array, places: Sequence[Array]) -> tuple[Array, Array]:
@@ -207,36 +210,72 @@ def states_at(result: History, times: Array, points: Array) -> Array:
     return out
 
 
+def of_rest(bodies: Sequence[dict[str, Any]], view: View) -> dict[str, Any]:
+    """The data of bodies that do not move, in the form of an animation of one moment."""
+    none = packed(np.zeros(0))
+    return {
+        "time": packed([0.0]),
+        "snapshots": True,
+        "bodies": bodies,
+        "obstacles": [],
+        "amplify": {"natural": 1, "most": 2},
+        "view": {"base": view.base, "azimuth": view.azimuth, "elevation": view.elevation},
+        "points": {"anchor": [], "offset": none, "normal": none, "force": none, "state": None},
+    }
+
+
 def motion_of(result: History, folder: Path, scene: dict[str, Any]) -> dict[str, Any]:
-    """The data of the animation, or {"missing": reason} if there are no visualisation surfaces, snapshots or
-    kernels."""
-    found = skins_of(result, folder)
+    """The data of the animation, or {"missing": reason} if there are no visualisation surfaces or kernels. Without
+    snapshots, it consists of one moment, of bodies at rest."""
+    found = skins_of(result, folder, at_rest=True)
     if isinstance(found, str):
         return {"missing": found}
     skins, time = found
     every = -(-len(time) // MOMENTS)
     chosen = np.arange(0, len(time), every)
-    bodies, places, elements, misses = zip(
-        *(body_of(name, skin, chosen, 1 / len(skins), scene) for name, skin in skins.items())
-    )
+    bodies = [body_of(name, skin, chosen, 1 / len(skins), scene) for name, skin in skins.items()]
+    places = [body.place for body in bodies]
     everything = np.concatenate(places)
-    low, high = everything.min(axis=0), everything.max(axis=0)
+    box = everything.min(axis=0), everything.max(axis=0)
     points = np.sort(np.argsort(result.impulse())[::-1][:POINTS])
     points = points[result.impulse()[points] > 0]
-    largest = max(size for _, size in misses)
     anchor, offset = nearest(result.point_a[points], places)
-    view = clearest(list(zip(places, elements)), result.point_a[points], tilted=True)
+    planes = normals_of(scene)
+    view = clearest(
+        [(body.place, body.element) for body in bodies],
+        result.point_a[points],
+        tilted=True,
+        up=upward(scene),
+        normals=list(planes.values()),
+    )
+    strain = np.max([body.deformation / skin.size for body, skin in zip(bodies, skins.values())], axis=0)
+    spans = result.spans()
+    touching = (time[chosen] >= spans[0][0]) & (time[chosen] <= spans[-1][1]) if spans else np.array([False])
+    during = np.flatnonzero(touching) if touching.any() else np.arange(len(chosen))
+    natural = amplification(strain[during].max())
+    largest = max(body.deformation.max() for body in bodies)
     return {
         "time": packed(time[chosen]),
         "thinned": every,
-        "bodies": bodies,
+        "snapshots": result.file.has("/snapshots/time"),
+        "bodies": [body.data for body in bodies],
         "obstacles": [
-            half_space(name, obstacle, low, high) for name, obstacle in scene.get("obstacles", {}).items()
+            {
+                "name": name,
+                "node": packed(square_of(plane, *box)),
+                "element": packed([[0, 1, 2], [0, 2, 3]], "u4"),
+                "normal": planes[name],
+            }
+            for name, plane in scene.get("obstacles", {}).items()
         ],
+        "gravity": gravity_of(scene),
         "view": {"base": view.base, "azimuth": view.azimuth, "elevation": view.elevation},
-        "shapes": sum(len(body["bent"]) for body in bodies),
-        "coordinates": sum(len(skin.rigid) for skin in skins.values()),
-        "missed": max(miss for miss, _ in misses) / largest if largest else 0.0,
+        "amplify": {"natural": natural, "most": max(natural, largest_amplification(strain.max()))},
+        "pictures": during[moments(drawn_path(skins, chosen[during], natural), PICTURES)],
+        "shapes": sum(len(body.data["bent"]) for body in bodies),
+        "static": bool(result.file.names("/static")),
+        "coordinates": sum(skin.modes for skin in skins.values()),
+        "missed": max(body.missed for body in bodies) / largest if largest else 0.0,
         "points": {
             "anchor": anchor.tolist(),
             "offset": packed(offset),

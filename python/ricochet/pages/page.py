@@ -12,8 +12,10 @@ from ricochet import files
 from ricochet.errors import InputError
 
 FOLDER = Path(__file__).resolve().parent / "assets"
-REPORT = ["base.js", "charts.js", "motion.js", "player.js", "engine.js", "instrument.js", "page.js"]
-INSTRUMENT = ["base.js", "charts.js", "motion.js", "player.js", "engine.js", "instrument.js", "play.js"]
+SHARED = ["base.js", "charts.js", "surface.js", "motion.js", "player.js"]
+REPORT = [*SHARED, "overlay.js", "modes.js", "engine.js", "instrument.js", "page.js"]
+MODAL = [*SHARED, "overlay.js", "modes.js", "modal.js"]
+INSTRUMENT = [*SHARED, "engine.js", "instrument.js", "play.js"]
 LARGEST_MB = 16
 
 

@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 
 from ricochet.pages import charts
+from ricochet.pages.checks import checks_of, peak_of
 from ricochet.pages.instrument import of_run
+from ricochet.pages.modes import modes_of
 from ricochet.pages.motion import materials, motion_of
 from ricochet.pages.sound import sounds_of
 from ricochet.errors import InputError
@@ -173,6 +175,9 @@ def run_of(path: Path, kernels: Path | None = None) -> dict[str, Any]:
         "states": charts.state_map(result) if rubs(result) and not still else None,
         "friction": result.has_friction,
         "motion": motion,
+        "modes": modes_of(result, folder),
+        "peak": None if still else peak_of(result),
+        "checks": [] if still else checks_of(result, summary),
         "instrument": (
             {"missing": "bodies at rest, and those of table kernels, cannot be struck"}
             if still or by_table

@@ -67,16 +67,19 @@ def draw(
             yield picture
 
 
-def draw_modes(kernel: Path, folder: Path) -> Path:
+def draw_modes(kernel: Path, folder: Path) -> Path | None:
     """Writes the picture of the first elastic modes of a kernel file as <body>-modes.png and returns its
-    path.
+    path, or None if the kernel has no elastic modes.
 
     Raises InputError, for example if the kernel has no visualisation surface.
     """
     with expected(kernel, "ricochet-kernel"), matplotlib.rc_context(STYLE | {"axes.grid": False}):
         file = File(kernel, "ricochet-kernel")
         path = folder / f"{file.text('/', 'body') or 'body'}-modes.png"
-        save(modes_picture(file, DRAWN_MODES), path)
+        figure = modes_picture(file, DRAWN_MODES)
+        if figure is None:
+            return None
+        save(figure, path)
     return path
 
 

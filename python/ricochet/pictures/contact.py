@@ -105,10 +105,14 @@ def contact_picture(result: History) -> Figure:
     place, speed, *means = result.along_normal(i)
     mean_place, mean_speed = ({body: values[shown] for body, (_, values) in mean.items()} for mean in means)
     figure, axes = panels(result, i, f", at ({', '.join(f'{x:.4g}' for x in result.point_a[i])}) m")
-    title = "Place of the two surfaces, from where the second one was (they touch where the lines meet)"
+    axis = result.axis(i)
+    titles = (
+        f"Place of the two surfaces (they touch where the lines meet; 0: {axis.zero})",
+        f"Velocity (those of contact points are {result.velocities})",
+    )
     for ax, unit, label, title, at_point, mean in [
-        (axes[0], "m", "place", title, place, mean_place),
-        (axes[1], "m/s", "velocity", "Velocity", speed, mean_speed),
+        (axes[0], "m", axis.position, titles[0], place, mean_place),
+        (axes[1], "m/s", axis.velocity, titles[1], speed, mean_speed),
     ]:
         scale, shown_unit = prefixed(largest_of(*(v for _, v in at_point.values()), *mean.values()), unit)
         for name, (when, values) in at_point.items():
@@ -124,5 +128,5 @@ def contact_picture(result: History) -> Figure:
         for body, values in mean.items():
             style = {"color": colour_of(result, body), "linewidth": 1, "zorder": 1.5}
             ax.plot(t, values * scale, "--", label=f"{body}, mean of its mass", **style)
-        ax.set(ylabel=f"{label} along normal ({shown_unit})", title=title)
+        ax.set(ylabel=f"{label} ({shown_unit})", title=title)
     return finish(result, figure, axes)

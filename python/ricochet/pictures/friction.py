@@ -150,7 +150,7 @@ def loop_panel(result: History, ax: Axes) -> None:
             result, force, result.state[:, i] == state
         )
         ax.plot(x * m, y * n, color=STATE[state], linewidth=1.4, solid_capstyle="round")
-    a, b = result.sides_names()
+    a, b = result.sides_names(i)
     if len(a + b) > 24:
         a, b = "side a", "side b"
     ax.set(

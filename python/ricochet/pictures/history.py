@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ricochet.arrays import Array
 from ricochet.errors import InputError
+from ricochet.pictures.normal_axis import NormalAxis, normal_axis
 from ricochet.result import SLIP, STICK, Result
 
 Curve = tuple[Array, Array]  # times [s] and values, NaN between episodes
@@ -178,26 +179,44 @@ class History(Result):
         return np.concatenate([*times, []]), np.concatenate([*parts, []])
 
     def along_normal(self, i: int) -> tuple[Curves, Curves, Curves, Curves]:
-        """Motion along the normal of point i: position and velocity of the two sides there, by name, then of
-        the centre of mass of each body. Positions are relative to the initial position of the second surface,
-        so the sides touch where their lines meet.
+        """Motion along the axis of point i: position and velocity of the two sides there, by name, then of
+        the centre of mass of each body. Positions are relative to the initial surface of the side
+        `axis(i).origin`, so the sides touch where their lines meet.
         """
-        n, gap, names = self.normal[i], self.initial_gap[i], self.sides_names()
+        axis, gap, names = self.axis(i), self.initial_gap[i], self.sides_names(i)
+        n = axis.sign * self.normal[i]
+        starts = {names[0]: 0.0, names[1]: axis.sign * gap}
         place, speed, mean_place, mean_speed = Curves(), Curves(), Curves(), Curves()
-        for side, name, offset in [("a", names[0], gap), ("b", names[1], 0.0)]:
-            place[name] = self.broken(self.sides["displacement_" + side][:, i] - offset)
-            speed[name] = self.broken(self.sides["velocity_" + side][:, i])
+        for side, name in zip("ab", names):
+            start = starts[name] - starts[axis.origin]
+            place[name] = self.broken(start + axis.sign * self.sides["displacement_" + side][:, i])
+            speed[name] = self.broken(axis.sign * self.sides["velocity_" + side][:, i])
         for body, v in self.velocity.items():
             along = v @ n
             path = np.concatenate([[0], np.cumsum(0.5 * (along[1:] + along[:-1]) * np.diff(self.time))])
-            mean_place[body] = self.time, path - (gap if body == names[0] else 0)
+            mean_place[body] = self.time, path + starts.get(body, 0.0) - starts[axis.origin]
             mean_speed[body] = self.time, along
         return place, speed, mean_place, mean_speed
 
-    def sides_names(self) -> tuple[str, str]:
-        """Names of the two sides if the scene has one pair. With several pairs, the pair of a point is not
-        known."""
+    def axis(self, i: int) -> NormalAxis:
+        """The axis of the motion at point i."""
+        masses = {name: body.mass for name, body in self.bodies.items()}
+        return normal_axis(self.sides_names(i), self.normal[i], self.scene, masses)
+
+    @property
+    def velocities(self) -> str:
+        """Which velocity the rows of the contact hold."""
+        impulses = self.scene.get("contact", {}).get("scheme") == "impulse"
+        return "taken just after the impulses" if impulses else "means over the steps"
+
+    def sides_names(self, i: int) -> tuple[str, str]:
+        """Names of the two sides of point i. Files of earlier versions do not hold its pair if there are
+        several."""
         contact = self.scene.get("contact", {})
         pairs = contact.get("pair", [contact])
-        between = pairs[0].get("between", []) if len(pairs) == 1 else []
+        if len(pairs) == 1:
+            pair = pairs[0]
+        else:
+            pair = pairs[self.pair[i] - 1] if self.pair is not None else {}
+        between = pair.get("between", [])
         return (between[0], between[1]) if len(between) == 2 else ("side a", "side b")

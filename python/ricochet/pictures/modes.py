@@ -14,11 +14,13 @@ from ricochet.result_file import File
 
 AMPLITUDE = 0.08  # largest displacement in the picture, relative to the size of the body
 COLUMNS = 3
+FACETS = 8000  # triangles are divided until there are so many, because each has one colour
+SLENDER = 0.3  # ratio of extents below which a body is a plate or a beam
 
 
-def modes_picture(file: File, count: int) -> Figure:
+def modes_picture(file: File, count: int) -> Figure | None:
     """The first `count` elastic modes of a kernel file at their largest deflection. Rods show the
-    displacement along their axis.
+    displacement along their axis. Returns None if there are no elastic modes.
 
     Raises InputError if the kernel has no visualisation surface.
     """
@@ -30,7 +32,11 @@ def modes_picture(file: File, count: int) -> Figure:
     node, element = file.array("/view/node", None, 3), file.array("/view/element", None, None)
     shape = file.array("/view/shape", len(node), 3, len(omega)).astype(float)
     chosen = np.flatnonzero(omega > 0)[:count]
-    rows = max(1, -(-len(chosen) // COLUMNS))
+    if len(chosen) == 0:
+        return None
+    rows = -(-len(chosen) // COLUMNS)
+    ritz = file.text("/modes", "basis") == "contact"
+    name, names = ("vector", "contact-adapted basis") if ritz else ("mode", "elastic modes")
     figure = Figure(figsize=(WIDTH, 2.3 * rows + 0.5), layout="constrained")
     axes = figure.subplots(rows, COLUMNS, squeeze=False).ravel()
     for ax, n in zip(axes, chosen):
@@ -38,11 +44,30 @@ def modes_picture(file: File, count: int) -> Figure:
             draw_rod(ax, node, shape[:, :, n])
         else:
             draw_surface(ax, node, element, shape[:, :, n])
-        ax.set_title(f"mode {n + 1}: {omega[n] / (2 * np.pi):.5g} Hz", fontsize=9)
+        ax.set_title(f"{name} {n + 1}: {omega[n] / (2 * np.pi):.5g} Hz", fontsize=9)
     for ax in axes[len(chosen) :]:
         ax.axis("off")
-    figure.suptitle(f"{file.text('/', 'body') or 'body'}: elastic modes", fontsize=11)
+    shown = "along the rod" if element.shape[1] == 2 else "as colour, over the shape at rest in grey"
+    title = f"{file.text('/', 'body') or 'body'}: {names}, displacement {shown}"
+    figure.suptitle(title, fontsize=11)
     return figure
+
+
+def upright(node: Floats) -> Floats:
+    """The axis that points up: that across a plate, y for a beam along z, otherwise z."""
+    extent = np.ptp(node, axis=0)
+    if extent.min() < SLENDER * np.median(extent):
+        return np.eye(3)[np.argmin(extent)]
+    return np.eye(3)[1 if extent[2] > np.delete(extent, 2).max() / SLENDER else 2]
+
+
+def finer(corner: Floats) -> Floats:
+    """Divides triangles (T,3,k) into four each until there are at least FACETS."""
+    while len(corner) < FACETS:
+        middle = (corner + np.roll(corner, -1, axis=1)) / 2  # of the edges 01, 12, 20
+        ends = [np.stack([corner[:, i], middle[:, i], middle[:, i - 1]], axis=1) for i in range(3)]
+        corner = np.concatenate([*ends, middle])
+    return corner
 
 
 def draw_rod(ax: Axes, node: Floats, shape: Floats) -> None:
@@ -59,16 +84,16 @@ def draw_surface(ax: Axes, node: Floats, element: Floats, shape: Floats) -> None
     """The deflected surface over the outline at rest. Its colour shows the magnitude of the displacement."""
     size = np.linalg.norm(np.ptp(node, axis=0))
     moved = np.linalg.norm(shape, axis=1)
-    view = clearest([(node, element)], np.empty((0, 3)), tilted=True).turn()
+    view = clearest([(node, element)], np.empty((0, 3)), tilted=True, up=upright(node)).turn()
     at_rest = (node @ view.T)[element]
-    deflected = ((node + AMPLITUDE * size / moved.max() * shape) @ view.T)[element]
-    normal = normals(deflected)
-    colour = matplotlib.colormaps["viridis"](moved[element].mean(axis=1) / moved.max())
-    colour[:, :3] *= (0.65 + 0.35 * np.abs(normal[:, 2]))[:, None]
-    order = np.argsort(deflected[:, :, 2].mean(axis=1), kind="stable")
-    for patches, tint in ((at_rest, "#e8e8e8"), (deflected[order], colour[order])):
+    deflected = (node + AMPLITUDE * size / moved.max() * shape) @ view.T
+    corner = finer(np.column_stack([deflected, moved / moved.max()])[element])
+    colour = matplotlib.colormaps["viridis"](corner[:, :, 3].mean(axis=1))
+    colour[:, :3] *= (0.65 + 0.35 * np.abs(normals(corner[:, :, :3])[:, 2]))[:, None]
+    order = np.argsort(corner[:, :, 2].mean(axis=1), kind="stable")
+    for patches, tint in ((at_rest, "#e8e8e8"), (corner[order], colour[order])):
         flat = PolyCollection(patches[:, :, :2], facecolors=tint, edgecolors=tint, linewidths=0.3)
         ax.add_collection(flat)
-    everything = np.concatenate([at_rest, deflected]).reshape(-1, 3)[:, :2]
+    everything = np.concatenate([at_rest, corner[:, :, :3]]).reshape(-1, 3)[:, :2]
     low, high = everything.min(axis=0), everything.max(axis=0)
     fit(ax, low, high, 0.03 * (high - low).max())

@@ -9,17 +9,33 @@ from numpy.typing import NDArray
 from ricochet.arrays import Array
 from ricochet.errors import InputError
 from ricochet.pictures.history import History
+from ricochet.pictures.static_part import static_part
 from ricochet.result_file import File, are_finite, is_there
+
+STILL = 0.01  # deformation is drawn larger if all of it is below this, relative to the size of the body
+SHOWN = 0.1  # largest deformation, relative to the size, that is then drawn
+MOST = 0.25  # the same at the upper end of a choice
 
 
 class Skin:
-    """The visualisation surface of a body, moved by its modes."""
+    """The visualisation surface of a body, moved by its modes and by the static response of the modes left out
+    (`static`, fields and amplitudes, behind the modes in `shape` (V,3,N+r) and `coordinates` (s,N+r))."""
 
-    def __init__(self, kernel: File, rotation: Array, translation: Array, coordinates: Array) -> None:
+    def __init__(
+        self,
+        kernel: File,
+        rotation: Array,
+        translation: Array,
+        coordinates: Array,
+        static: tuple[Array, Array] | None = None,
+    ) -> None:
         self.rotation, self.translation = rotation, translation
         self.node = kernel.array("/view/node", None, 3).astype(float)
         self.element = kernel.array("/view/element", None, None).astype(int)
-        self.shape = kernel.array("/view/shape", len(self.node), 3, coordinates.shape[1])
+        self.modes = coordinates.shape[1]
+        shape = kernel.array("/view/shape", len(self.node), 3, self.modes)
+        fields, amplitudes = static or (shape[:, :, :0], coordinates[:, :0])
+        self.shape = np.concatenate([shape, fields], axis=2)
         if self.element.size == 0 or self.element.shape[1] not in (2, 3):
             raise InputError(
                 f'{kernel.path}: dataset "/view/element" holds neither lines nor triangles. Compute it again.'
@@ -28,20 +44,32 @@ class Skin:
             raise InputError(
                 f'{kernel.path}: dataset "/view/element" names nodes that do not exist. ' "Compute it again."
             )
-        self.rigid = kernel.array("/modes/angular_frequency", coordinates.shape[1]) == 0
-        self.coordinates = coordinates
+        self.omega = kernel.array("/modes/angular_frequency", coordinates.shape[1])
+        self.rigid = np.append(self.omega == 0, np.zeros(amplitudes.shape[1], bool))
+        self.coordinates = np.concatenate([coordinates, amplitudes], axis=1)
 
-    def at(self, k: int, start: int | None = None, amplify: float = 1.0) -> Array:
-        """(V,3) node positions at snapshot k [m]. `amplify` multiplies the motion since snapshot `start`."""
-        now = self.coordinates[k]
-        if start is not None:
-            now = self.coordinates[start] + amplify * (now - self.coordinates[start])
+    @property
+    def size(self) -> float:
+        """The diagonal of the box around the body at rest [m]"""
+        return float(np.linalg.norm(np.ptp(self.node, axis=0)))
+
+    def weights(self, amplify: float) -> Array:
+        """(N) factors on the coordinates: `amplify` on elastic modes, 1 on rigid ones."""
+        return np.where(self.rigid, 1.0, amplify)
+
+    def at(self, k: int, amplify: float = 1.0) -> Array:
+        """(V,3) node positions at snapshot k [m]. `amplify` multiplies the deformation, not the rigid motion."""
+        now = self.weights(amplify) * self.coordinates[k]
         return np.asarray((self.node + self.shape @ now) @ self.rotation.T + self.translation)
 
     def deformation(self, k: int) -> float:
-        """The largest displacement by elastic modes at snapshot k [m]."""
-        moved = self.shape[:, :, ~self.rigid] @ self.coordinates[k, ~self.rigid]
+        """The largest displacement without that of the rigid modes at snapshot k [m]."""
+        moved = self.shape @ np.where(self.rigid, 0, self.coordinates[k]).astype(self.shape.dtype)
         return float(np.linalg.norm(moved, axis=1).max())
+
+    def strain(self, k: int) -> float:
+        """The largest displacement by elastic modes at snapshot k, relative to the size of the body"""
+        return self.deformation(k) / (self.size or 1.0)
 
     def outline(self, flat: Array) -> Array:
         """(·,2,2) end points of the edges of `rim`"""
@@ -61,15 +89,31 @@ class Skin:
         return np.asarray(unique[(count == 1) | ((towards > 0) & (towards < count))])
 
 
-def skins_of(result: History, folder: Path) -> tuple[dict[str, Skin], Array] | str:
-    """The skins by body and the times of their snapshots, or the reason why there are none."""
+def amplification(share: float) -> float:
+    """The factor by which deformation is drawn larger, for a largest deformation relative to the size of the body: 1 if
+    that is visible, otherwise a round number."""
+    if not 1e-12 < share < STILL:
+        return 1.0
+    ten = 10.0 ** np.floor(np.log10(SHOWN / share))
+    return float(ten * max(factor for factor in (1, 2, 5) if factor * ten <= SHOWN / share))
+
+
+def largest_amplification(share: float) -> float:
+    """The factor with which the largest deformation is drawn as a quarter of the size of the body."""
+    return max(amplification(share), MOST / share if share > 1e-12 else 1.0, 2.0)
+
+
+def skins_of(result: History, folder: Path, at_rest: bool = False) -> tuple[dict[str, Skin], Array] | str:
+    """The skins by body and the times of their snapshots, or the reason why there are none. With `at_rest`, a result
+    without snapshots has one at time 0, of bodies that have not moved."""
     f = result.file
-    if not f.has("/snapshots/time"):
+    still = at_rest and not f.has("/snapshots/time")
+    if not still and not f.has("/snapshots/time"):
         return "the result has no snapshots (set [output] snapshot_every)"
-    time = f.array("/snapshots/time", None)
+    time = np.zeros(1) if still else f.array("/snapshots/time", None)
     skins = {}
     for body in result.bodies:
-        if not f.has(f"/snapshots/{body}"):
+        if not still and not f.has(f"/snapshots/{body}"):
             continue
         where = f"/bodies/{body}"
         name = f.text(where, "kernel")
@@ -82,6 +126,15 @@ def skins_of(result: History, folder: Path) -> tuple[dict[str, Skin], Array] | s
         kernel = File(path, "ricochet-kernel")
         if not kernel.has("/view/node"):
             return f"{path.name} has no visualisation surface (set [output] view = true)"
-        coordinates = f.array(f"/snapshots/{body}", len(time), None)
-        skins[body] = Skin(kernel, np.reshape(rotation, (3, 3)), np.reshape(translation, 3), coordinates)
+        if still:
+            coordinates = np.zeros((1, len(kernel.array("/modes/angular_frequency", None))))
+        else:
+            coordinates = f.array(f"/snapshots/{body}", len(time), None)
+        skins[body] = Skin(
+            kernel,
+            np.reshape(rotation, (3, 3)),
+            np.reshape(translation, 3),
+            coordinates,
+            static_part(f, kernel, body, len(time)),
+        )
     return (skins, time) if skins else "the result has no snapshots of bodies"

@@ -3,20 +3,22 @@
 view of the contact."""
 from matplotlib.axes import Axes
 import numpy as np
-from matplotlib.collections import PolyCollection
+from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
-from matplotlib.patches import Rectangle
+from matplotlib.lines import Line2D
+from matplotlib.patches import Polygon, Rectangle
+from numpy.typing import NDArray
 
 from ricochet.arrays import Array
+from ricochet.pictures.history import History
+from ricochet.pictures.planes import normals_of, square_of, upward
+from ricochet.pictures.skins import Skin, amplification
 from ricochet.pictures.style import WIDTH, colour_of, fit, largest_of, legend_below, normals, prefixed
 from ricochet.pictures.viewpoint import clearest
-from ricochet.pictures.skins import Skin
-from ricochet.pictures.history import History
 
 MOMENTS = 9
-STILL = 0.01  # motion is magnified if all deformations, relative to the size, are below this
-SHOWN = 0.05  # approximate largest motion, relative to the size, if it is magnified
+FLOOR, GHOST = "#dedbd3", "#8a8a8a"
 
 
 def snapshots_picture(result: History, skins: dict[str, Skin], time: Array) -> Figure | None:
@@ -28,68 +30,134 @@ def snapshots_picture(result: History, skins: dict[str, Skin], time: Array) -> F
     during = np.flatnonzero((time > start + half) & (time <= end + half))
     if len(during) == 0:
         return None
-    chosen = during[np.unique(np.round(np.linspace(0, len(during) - 1, MOMENTS)).astype(int))]
-    touch = max(int(np.searchsorted(time, start, side="right")) - 1, 0)
-    amplify = amplification(skins, chosen, touch)
-    places = [{body: skin.at(k, touch, amplify) for body, skin in skins.items()} for k in chosen]
+    some = during[np.unique(np.linspace(0, len(during) - 1, 60).astype(int))]
+    amplify = amplification(max(skin.strain(k) for skin in skins.values() for k in some))
+    chosen = during[moments(drawn_path(skins, during, amplify), MOMENTS)]
+    places = [{body: skin.at(k, amplify) for body, skin in skins.items()} for k in chosen]
+    ghosts = [{body: skin.at(k, 0) for body, skin in skins.items()} for k in chosen]
+    scene, planes = result.scene, normals_of(result.scene)
+    solid = any(skin.element.shape[1] == 3 for skin in skins.values())
+    first = {body: skin.at(during[0]) for body, skin in skins.items()}
     view = clearest(
-        [(skin.at(touch), skin.element) for skin in skins.values()], result.point_a[result.impulse() > 0]
+        [(first[body], skin.element) for body, skin in skins.items()],
+        result.point_a[result.impulse() > 0],
+        tilted=bool(planes) and solid,  # otherwise the upper side of a floor is not seen
+        up=upward(scene),
+        normals=list(planes.values()),
     )
     turn = view.turn()
 
-    everything = np.concatenate([place for moment in places for place in moment.values()]) @ turn.T
+    outlines = {body: unhidden(skin, ghosts[0][body] @ turn.T) for body, skin in skins.items()}
+    shown = [place for moment in places + ghosts * (amplify != 1) for place in moment.values()]
+    everything = np.concatenate(shown) @ turn.T
     low, high = everything.min(axis=0)[:2], everything.max(axis=0)[:2]
     if high[1] - low[1] < 0.02 * (high[0] - low[0]):  # a rod is a line, so add space above and below it
         low[1], high[1] = low[1] - 0.1 * (high[0] - low[0]), high[1] + 0.1 * (high[0] - low[0])
     margin = 0.04 * (high - low).max()
     shape = (high[1] - low[1] + 2 * margin) / (high[0] - low[0] + 2 * margin)
+    resting = np.concatenate(list(first.values()))
+    box = resting.min(axis=0), resting.max(axis=0)
+    floors = [square_of(plane, *box) @ turn.T for plane in scene.get("obstacles", {}).values()]
 
     # Bars are drawn beside tall pictures and below wide ones.
     beside, rows = shape > 1.3, -(-len(chosen) // 3)
     width = WIDTH / 3 * (0.5 if beside else 1)
     height = width * min(shape, 2.2)
-    figure = Figure(figsize=(WIDTH, rows * (height + (0.4 if beside else 1.3)) + 0.8), layout="constrained")
+    figure = Figure(figsize=(WIDTH, rows * (height + (0.4 if beside else 1.3)) + 1.0), layout="constrained")
     if beside:
         grid = figure.add_gridspec(rows, 6, width_ratios=[1.1, 0.9] * 3)
     else:
         grid = figure.add_gridspec(2 * rows, 3, height_ratios=[height, 0.9] * rows)
     ms, time_unit = prefixed(end, "s")
     forces = Forces(result, [int(np.argmin(np.abs(result.contact_time - time[k]))) for k in chosen])
-    for cell, (k, moment) in enumerate(zip(chosen, places)):
+    for cell, k in enumerate(chosen):
         r, c = divmod(cell, 3)
         ax = figure.add_subplot(grid[r, 2 * c] if beside else grid[2 * r, c])
-        paint(ax, result, skins, moment, turn)
+        for floor in floors:
+            ax.add_patch(Polygon(floor[:, :2], facecolor=FLOOR, edgecolor=FLOOR, zorder=0))
+        paint(ax, result, skins, places[cell], turn)
+        if amplify != 1:
+            for body, edges in outlines.items():
+                flat = (ghosts[cell][body] @ turn.T)[:, :2]
+                ax.add_collection(LineCollection(flat[edges], colors=GHOST, linewidths=0.7, zorder=3))
         fit(ax, low, high, margin)
         ax.set_title(f"{time[k] * ms:#.4g} {time_unit}")
         if cell == 0:
             scale_bar(ax, low[0], low[1] - margin / 2, high[0] - low[0])
         below = figure.add_subplot(grid[r, 2 * c + 1] if beside else grid[2 * r + 1, c])
         forces.draw(below, cell, labelled=(cell + 3 >= len(chosen), c == 0))
-    handles = [Rectangle((0, 0), 1, 1, color=colour_of(result, body)) for body in skins]
-    legend_below(figure, handles, skins)
-    scale = "true to scale" if amplify == 1 else f"motion since the first touch {amplify:,.0f} times as large"
-    moments = "one moment" if len(chosen) == 1 else f"{len(chosen)} moments"
-    figure.suptitle(f"{result.title}: {moments} of the contact, {scale}, and its force", fontsize=11)
+    handles: list[Rectangle | Line2D] = [
+        Rectangle((0, 0), 1, 1, color=colour_of(result, body)) for body in skins
+    ]
+    names = list(skins)
+    if amplify != 1:
+        handles.append(Line2D([], [], color=GHOST, linewidth=0.8))
+        names.append("without deformation")
+    if floors:
+        handles.append(Rectangle((0, 0), 1, 1, color=FLOOR))
+        names.append(", ".join(planes))
+    legend_below(figure, handles, names)
+    scale = "true to scale" if amplify == 1 else f"deformation drawn {amplify:,.0f} times as large"
+    count = "one moment" if len(chosen) == 1 else f"{len(chosen)} moments"
+    figure.suptitle(f"{result.title}: {count} of the contact\n{scale}", fontsize=11)
     return figure
 
 
-def amplification(skins: dict[str, Skin], chosen: Array, touch: int) -> float:
-    """The factor by which motion is magnified: 1 if the deformation is visible, otherwise a round number."""
-    before = {body: skin.at(touch) for body, skin in skins.items()}
-    everything = np.concatenate(list(before.values()))
-    size = np.linalg.norm(np.ptp(everything, axis=0))
-    if max(skin.deformation(k) for skin in skins.values() for k in chosen) >= STILL * size:
-        return 1
-    moved = max(
-        np.linalg.norm(skin.at(k) - before[body], axis=1).max()
-        for body, skin in skins.items()
-        for k in chosen
-    )
-    wanted = SHOWN * size / moved if moved > 0 else 1
-    if wanted < 2:
-        return 1
-    ten = 10.0 ** np.floor(np.log10(wanted))
-    return ten * max(factor for factor in (1, 2, 5) if factor * ten <= wanted)
+def drawn_path(skins: dict[str, Skin], during: NDArray[np.int64], amplify: float) -> Array:
+    """(S,r) coordinates of the snapshots `during`, in which the Euclidean distance of two snapshots is the root mean
+    square distance of the nodes as drawn [m]."""
+    parts, nodes = [], sum(len(skin.node) for skin in skins.values())
+    for skin in skins.values():
+        weights = skin.weights(amplify)
+        shape = skin.shape.reshape(-1, len(weights))
+        # Converted to double precision in parts to save memory.
+        pieces = [piece.astype(float) * weights for piece in np.array_split(shape, len(shape) // 10_000 + 1)]
+        values, vectors = np.linalg.eigh(sum(piece.T @ piece for piece in pieces) / nodes)
+        parts.append(skin.coordinates[during] @ (vectors * np.sqrt(np.maximum(values, 0))))
+    return np.concatenate(parts, axis=1)
+
+
+def moments(path: Array, most: int) -> NDArray[np.int64]:
+    """At most `most` rows of a path (S,r), from the first on. Each is the first row that is at least a distance d away
+    from the one before, with the largest d that leaves enough rows."""
+
+    def walk(distance: float) -> list[int]:
+        found = [0]
+        while len(found) < most:
+            away = np.linalg.norm(path[found[-1] + 1 :] - path[found[-1]], axis=1)
+            beyond = np.flatnonzero(away >= distance)
+            if not len(beyond):
+                break
+            found.append(found[-1] + 1 + int(beyond[0]))
+        return found
+
+    near, far = 0.0, 2 * float(np.linalg.norm(path - path[0], axis=1).max())
+    for _ in range(40):
+        middle = (near + far) / 2
+        near, far = (middle, far) if len(walk(middle)) == min(most, len(path)) else (near, middle)
+    return np.array(walk(near))
+
+
+def unhidden(skin: Skin, seen: Array) -> NDArray[np.int64]:
+    """(·,2) edges of the outline that no triangle of the body hides. `seen`: (V,3) nodes as right, up, towards the viewer."""
+    edges = skin.rim(seen[:, :2])
+    if skin.element.shape[1] == 2:
+        return edges
+    first, second, third = np.moveaxis(seen[skin.element], 1, 0)
+    one, two = second - first, third - first
+    double = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]  # twice the area
+    flat = np.abs(double) < 1e-300
+    least, near = 1e-6, 1e-3 * np.ptp(seen, axis=0).max()
+
+    def hidden(point: Array) -> bool:
+        way = point - first
+        with np.errstate(divide="ignore", invalid="ignore"):
+            s = (way[:, 0] * two[:, 1] - way[:, 1] * two[:, 0]) / double
+            t = (one[:, 0] * way[:, 1] - one[:, 1] * way[:, 0]) / double
+            inside = (s > least) & (t > least) & (s + t < 1 - least) & ~flat
+            return bool(np.any(inside & (s * one[:, 2] + t * two[:, 2] > way[:, 2] + near)))
+
+    return edges[[not hidden(point) for point in seen[edges].mean(axis=1)]]
 
 
 def paint(ax: Axes, result: History, skins: dict[str, Skin], places: dict[str, Array], turn: Array) -> None:

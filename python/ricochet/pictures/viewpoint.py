@@ -13,11 +13,12 @@ GAIN = 0.05  # a later view is chosen only if it is better by this
 
 class View:
     """A viewpoint. The rows of `base` are right, up and towards the eye. They are turned by `azimuth` and
-    `elevation` [rad]."""
+    `elevation` [rad]. `toward` counts without its part along `up`."""
 
     def __init__(self, toward: Array, up: Array, azimuth: float = 0.0, elevation: float = 0.0) -> None:
         right = np.cross(up, toward)
-        self.base = np.array([right, np.cross(toward, right), toward]) / np.linalg.norm(right)
+        right = right / np.linalg.norm(right)
+        self.base = np.array([right, up, np.cross(right, up)])
         self.azimuth, self.elevation = azimuth, elevation
 
     def turn(self) -> Array:
@@ -29,18 +30,29 @@ class View:
         return np.array([c * right + s * toward, ce * up - se * deep, se * up + ce * deep])
 
 
-def views(low: Array, high: Array, tilted: bool) -> Iterator[View]:
+def views(low: Array, high: Array, tilted: bool, up: Array | None = None) -> Iterator[View]:
     """Yields views along the axes, starting with the axis of smallest extent, and along space diagonals. If
-    `tilted`, views along the axes are slightly turned."""
+    `tilted`, views along the axes are slightly turned. If `up` is given, it points up in all views, and none is
+    from below."""
     extent, axes = high - low, np.eye(3)
     depth = 2 if extent[2] <= 1.001 * extent.min() else int(np.argmin(extent))
     flat = extent[depth] < 0.3 * np.delete(extent, depth).min()
-    aside = ((-0.12, 0.06) if flat else (-0.35, 0.2)) if tilted else (0.0, 0.0)
-    for axis in [depth, *(axis for axis in range(3) if axis != depth)]:
-        for way in (-1, 1) if axis == 1 else (1, -1):
-            yield View(way * axes[axis], axes[1 if axis == 2 else 2], *aside)
-    for x, y, way in itertools.product((1, -1), (-1, 1), (1, -1)):
-        yield View(np.array([x, y, 0]) / np.sqrt(2), axes[2], 0.0, way * np.arctan(np.sqrt(0.5)))
+    order = [depth, *(axis for axis in range(3) if axis != depth)]
+    if up is None:
+        asides = [(-0.12, 0.06) if flat else (-0.35, 0.2)] if tilted else [(0.0, 0.0)]
+        across, slopes = [axes[0], axes[1]], [1, -1]
+    else:
+        lying = flat and abs(up[depth]) > 0.9  # a plate is seen obliquely, not along its edge
+        aside = (-0.35, 0.6) if lying else (-0.12, 0.06) if flat else (-0.35, 0.2)
+        asides = [aside, (-aside[0], aside[1])] if tilted else [(0.0, 0.0)]
+        order = sorted({0, 1, 2} - {int(np.argmax(np.abs(up)))}, key=lambda axis: extent[axis])
+        across, slopes = [axis - up * (up @ axis) for axis in axes[sorted(order)]], [1]
+    for axis in order:
+        for way, aside in itertools.product((-1, 1) if axis == 1 else (1, -1), asides):
+            yield View(way * axes[axis], axes[1 if axis == 2 else 2] if up is None else up, *aside)
+    for x, y, way in itertools.product((1, -1), (-1, 1), slopes):
+        toward = (x * across[0] + y * across[1]) / np.sqrt(2)
+        yield View(toward, axes[2] if up is None else up, 0.0, way * np.arctan(np.sqrt(0.5)))
 
 
 def spread(node: Array, element: Array, distance: float) -> Array:
@@ -82,14 +94,26 @@ def clearness(view: View, bodies: Sequence[Array], contact: Array, cell: float) 
     return min(shares) - before.mean() / np.linalg.norm(high - low)
 
 
-def clearest(skins: Sequence[tuple[Array, Array]], contact: Array, tilted: bool = False) -> View:
-    """Returns the first view that is not much worse than any other. `skins`: nodes (V,3) and elements (E,2 or
-    3) of each body. `contact`: (·,3) points that touch."""
+def clearest(
+    skins: Sequence[tuple[Array, Array]],
+    contact: Array,
+    tilted: bool = False,
+    up: Array | None = None,
+    normals: Sequence[Array] = (),
+) -> View:
+    """Returns the first view that is not much worse than any other.
+
+    @param skins    nodes (V,3) and elements (E,2 or 3) of each body
+    @param contact  (·,3) points that touch
+    @param up       (3) the direction that points up
+    @param normals  (3) normals of planes. Views of their back are used only if there are no others.
+    """
     places = np.concatenate([node for node, _ in skins])
     low, high = places.min(axis=0), places.max(axis=0)
     cell = (high - low).max() / CELLS
     bodies = [spread(node, element, 0.7 * cell) for node, element in skins]
-    choices = list(views(low, high, tilted))
+    every = list(views(low, high, tilted, up))
+    choices = [view for view in every if all(view.turn()[2] @ normal > -1e-9 for normal in normals)] or every
     best, most = choices[0], -np.inf
     for view in choices:
         clear = clearness(view, bodies, contact, cell)

@@ -6,6 +6,7 @@ const run = JSON.parse(document.getElementById("run").textContent);
 
 addEventListener("error", event => { document.documentElement.dataset.error = event.message; });
 
+const soft = matchMedia("(prefers-reduced-motion: reduce)");
 const svgNames = document.getElementById("svg").namespaceURI;
 
 function fill(element, attributes, children) {
@@ -17,6 +18,10 @@ function fill(element, attributes, children) {
 /** Creates an element. Strings among the children are inserted as text, never as markup. */
 const make = (tag, attributes = {}, ...children) => fill(document.createElement(tag), attributes, children);
 const draw = (tag, attributes = {}, ...children) => fill(document.createElementNS(svgNames, tag), attributes, children);
+
+const section = name => document.getElementById(name);
+const note = text => make("p", {class: "note"}, text);
+const plural = (count, name) => `${count} ${name}${count === 1 ? "" : "s"}`;
 
 const arrays = {f4: Float32Array, i2: Int16Array, u1: Uint8Array, u2: Uint16Array, u4: Uint32Array};
 
@@ -51,6 +56,9 @@ function quantity(value, unit = "", count = 4) {
   const shown = prefixed(Math.abs(value), unit);
   return digits(value * shown.factor, count) + (shown.unit ? " " + shown.unit : "");
 }
+
+/** A row of a table. The first cell is its header. */
+const row = (...cells) => make("tr", {}, ...cells.map((cell, k) => make(k ? "td" : "th", {scope: k ? undefined : "row"}, cell)));
 
 const table = (head, rows) =>
   make("div", {class: "wide"},

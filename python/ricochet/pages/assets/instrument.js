@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // An instrument to play: the body in 3D, struck where it is clicked, its controls, the contact force and the spectrum.
 
-const soft = matchMedia("(prefers-reduced-motion: reduce)");
 const cssText = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const bytesOf = text => Uint8Array.from(atob(text), letter => letter.charCodeAt(0));
 

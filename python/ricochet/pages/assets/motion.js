@@ -1,97 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Animates the impact in WebGL 2: visualisation surfaces X + F c(t), with a few shapes F in place of the modes of each body.
-// Amplification by A from the start of contact: X + F (c₀ + A (c − c₀)).
-
-const stops = [[0.19, 0.15, 0.36], [0.17, 0.36, 0.56], [0.13, 0.57, 0.55], [0.37, 0.74, 0.40], [0.80, 0.84, 0.22], [0.99, 0.92, 0.60]];
-
-/** The colour for a value from 0 to 1. */
-function ramp(share) {
-  const at = Math.min(1, Math.max(0, share)) * (stops.length - 1), k = Math.min(stops.length - 2, Math.floor(at));
-  return stops[k].map((part, c) => part + (at - k) * (stops[k + 1][c] - part));
-}
-
-function rampKey(low, high, unit) {
-  const bar = make("i");
-  const colours = stops.map(stop => `rgb(${stop.map(part => Math.round(255 * part)).join(" ")})`);
-  bar.style.background = `linear-gradient(90deg, ${colours.join(", ")})`;
-  return make("div", {class: "ramp"}, quantity(low, unit), bar, quantity(high, unit, 3));
-}
-
-const vertexShader = `#version 300 es
-in vec3 place; in float value;
-uniform mat3 turn; uniform vec3 target; uniform vec2 lens; uniform float distance, radius;
-out vec3 eye; out float share;
-void main() {
-  eye = turn * (place - target);
-  float away = distance - eye.z, near = max(distance - radius, 0.02 * distance), far = distance + radius;
-  gl_Position = vec4(eye.xy * lens, ((far + near) * away - 2.0 * far * near) / (far - near), away);
-  share = value;
-}`;
-const fragmentShader = `#version 300 es
-precision highp float;
-in vec3 eye; in float share;
-uniform vec4 ink; uniform bool lit, ramped; uniform vec3 stops[${stops.length}];
-out vec4 colour;
-void main() {
-  float at = clamp(share, 0.0, 1.0) * ${stops.length - 1}.0;
-  int k = min(int(at), ${stops.length - 2});
-  vec3 base = ramped ? mix(stops[k], stops[k + 1], at - float(k)) : ink.rgb;
-  vec3 normal = normalize(cross(dFdx(eye), dFdy(eye)));
-  float light = lit ? 0.62 + 0.38 * abs(dot(normal, normalize(vec3(0.35, 0.5, 0.8)))) : 1.0;
-  colour = vec4(base * light * ink.a, ink.a);
-}`;
-
-const unit = k => [0, 1, 2].map(i => Number(i === k));
-const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-
-class Skin {
-  constructor(data, number) {
-    this.name = data.name;
-    this.number = number;
-    this.node = unpack(data.node);
-    this.element = unpack(data.element);
-    this.still = data.rigid === undefined;
-    this.visible = true;
-    this.lines = data.lines;
-    this.fields = this.still ? [] : [...Skin.rows(data.rigid), ...data.bent.map(unpack)];
-    this.rigid = this.still ? 0 : data.rigid.shape[0];
-    this.amounts = this.still ? [] : [unpack(data.moved), unpack(data.amount)];
-    this.place = Float32Array.from(this.node);
-    this.value = new Float32Array(this.node.length / 3);
-  }
-  static rows(packed) {
-    const values = unpack(packed), [rows, length] = packed.shape;
-    return Array.from({length: rows}, (_, k) => values.subarray(k * length, (k + 1) * length));
-  }
-  /** Amplitudes of the fields at snapshot k + f. If dt is given, their rates; dt is the time from snapshot k to k + 1. */
-  amplitudes(k, f, dt) {
-    return this.amounts.flatMap((values, part) => {
-      const count = part === 0 ? this.rigid : this.fields.length - this.rigid, next = Math.min(k + 1, values.length / count - 1);
-      return Array.from({length: count}, (_, r) => {
-        const a = values[k * count + r], b = values[next * count + r];
-        return dt === undefined ? a + f * (b - a) : (b - a) / dt;
-      });
-    });
-  }
-  /** out = base + Σ weights · fields, for the fields from number `from` on. */
-  combine(out, base, weights, from = 0) {
-    if (base) out.set(base); else out.fill(0);
-    for (let r = from; r < this.fields.length; ++r) {
-      const field = this.fields[r], weight = weights[r];
-      if (weight !== 0) for (let i = 0; i < out.length; ++i) out[i] += weight * field[i];
-    }
-  }
-  edges() {
-    const seen = new Map();
-    for (let t = 0; t < this.element.length; t += 3)
-      for (let s = 0; s < 3; ++s) {
-        const a = this.element[t + s], b = this.element[t + (s + 1) % 3];
-        seen.set(Math.min(a, b) * 2 ** 26 + Math.max(a, b), [a, b]);
-      }
-    return Uint32Array.from([...seen.values()].flat());
-  }
-}
+// Animates the impact in WebGL 2. Deformation is drawn A times as large, and rigid motion as it is: X + F_r c_r + A F_e c_e. A mode of
+// a body can take the place of the impact.
 
 const measures = {
   speed: {label: "speed", unit: "m/s"}, displacement: {label: "displacement since the start", unit: "m"},
@@ -113,14 +22,14 @@ class Motion {
     const margin = 0.35 * (window[1] - window[0]);
     this.windows = {whole, contact: [Math.max(whole[0], window[0] - margin), Math.min(whole[1], window[1] + margin)]};
     this.touch = window;
-    const [k, f] = this.find(touched ? window[0] : whole[0]);
-    for (const body of this.bodies) body.start = body.amplitudes(k, f);
     for (const body of this.bodies) body.first = body.amplitudes(0, 0);
     this.most = {};
     this.colour = this.time.length > 1 ? "speed" : "body";
     this.mesh = false;
     this.arrows = true;
-    this.amplify = 1;
+    this.natural = data.amplify?.natural ?? 1;
+    this.amplify = this.natural;
+    this.mode = null;
     this.measureScene();
     this.home();
     this.setup();
@@ -141,56 +50,51 @@ class Motion {
 
   placeBodies(k, f, amplify) {
     for (const body of this.bodies) {
-      const now = body.amplitudes(k, f);
-      body.combine(body.place, body.node, now.map((c, r) => body.start[r] + amplify * (c - body.start[r])));
+      body.combine(body.place, body.node, body.amplitudes(k, f).map((c, r) => r < body.rigid ? c : amplify * c));
     }
   }
 
-  /** Determines the size of the scene, the motion during contact and, from both, an amplification that makes it visible. */
+  /** Determines the box around the bodies while they touch. */
   measureScene() {
-    const around = () => {
-      const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-      const add = values => values.forEach((x, i) => {
-        low[i % 3] = Math.min(low[i % 3], x);
-        high[i % 3] = Math.max(high[i % 3], x);
-      });
-      return {low, high, add};
-    };
-    const rest = around();
-    for (const body of this.bodies) rest.add(body.node);
-    const size = Math.hypot(...rest.high.map((x, i) => x - rest.low[i]));
-    let moved = 0;
-    for (const k of this.sampled(24)) {
-      if (this.time[k] < this.touch[0] || this.time[k] > this.touch[1]) continue;
-      this.placeBodies(k, 0, 1);
-      for (const body of this.bodies) {
-        const start = new Float32Array(body.place.length);
-        body.combine(start, body.node, body.start);
-        body.place.forEach((x, i) => { moved = Math.max(moved, Math.abs(x - start[i])); });
-      }
-    }
-    const wanted = moved > 0 ? 0.05 * size / moved : 1, ten = 10 ** Math.floor(Math.log10(wanted));
-    this.natural = wanted < 2 ? 1 : ten * [5, 2, 1].find(factor => factor * ten <= wanted);
-    this.amplify = this.natural;
-    const all = around();
+    const all = box();
     for (const k of this.sampled(24)) {
       if (this.time[k] < this.windows.contact[0] || this.time[k] > this.windows.contact[1]) continue;
       this.placeBodies(k, 0, this.amplify);
       for (const body of this.bodies) all.add(body.place);
     }
-    this.box = all.low[0] <= all.high[0] ? all : rest;
-    this.size = Math.hypot(...this.box.high.map((x, i) => x - this.box.low[i])) || 1;
+    if (all.low[0] > all.high[0]) for (const body of this.bodies) all.add(body.node);
+    this.impact = all;
   }
 
+  /** The first view, of all bodies or of the body whose mode is shown. */
   home() {
-    const {base, azimuth, elevation} = this.data.view, extent = this.box.high.map((x, i) => x - this.box.low[i]);
-    this.base = base;
-    this.view = {azimuth, elevation, zoom: 1};
-    this.target = this.box.low.map((x, i) => (x + this.box.high[i]) / 2);
-    const rows = this.turn();
-    const spans = rows.map(row => row.reduce((sum, part, i) => sum + Math.abs(part) * extent[i], 0));
-    this.spans = spans.map(span => Math.max(span, 0.02 * this.size));
+    this.base = this.data.view.base;
+    this.box = this.mode ? this.mode.box : this.impact;
+    this.look(this.data.view.azimuth, this.data.view.elevation);
     this.shape = Math.min(0.8, Math.max(0.3, 1.05 * this.spans[1] / this.spans[0]));
+  }
+
+  /** Looks at everything from a direction, given by angles from the front [rad]. */
+  look(azimuth, elevation) {
+    const {box} = this, extent = box.high.map((x, i) => x - box.low[i]);
+    this.size = Math.hypot(...extent) || 1;
+    this.view = {azimuth, elevation, zoom: 1};
+    this.target = box.low.map((x, i) => (x + box.high[i]) / 2);
+    this.spans = this.turn().map(row => Math.max(0.02 * this.size, row.reduce((sum, part, i) => sum + Math.abs(part) * extent[i], 0)));
+  }
+
+  /** Shows a mode of a body in place of the impact, or the impact again if no body is given. */
+  showMode(body, number) {
+    this.mode = null;
+    if (body) {
+      const field = body.mode(number), rest = box(), all = box(), share = 0.1;
+      rest.add(body.node);
+      const size = Math.hypot(...rest.high.map((x, i) => x - rest.low[i]));
+      for (const way of [1, -1]) all.add(body.node.map((x, i) => x + way * share * size * field[i]));
+      this.mode = {body, number, field, size, share, box: all};
+      for (let v = 0; v < body.value.length; ++v) body.value[v] = Math.hypot(field[3 * v], field[3 * v + 1], field[3 * v + 2]);
+    }
+    this.home();
   }
 
   /** Rotation matrix of the view. Its rows are right, up and towards the eye. */
@@ -304,9 +208,9 @@ class Motion {
     else gl.drawElements(gl.TRIANGLES, thing.element.length, gl.UNSIGNED_INT, 0);
   }
 
-  /** Draws the moment `time` [s] at the present size of the canvas. */
+  /** Draws the moment `time` [s] at the present size of the canvas; of a mode, the share `time` of its period. */
   draw(time) {
-    const gl = this.gl, {canvas, view} = this, [k, f, dt] = this.find(time);
+    const gl = this.gl, {canvas, view} = this;
     this.shown = time;
     gl.viewport(0, 0, canvas.width, canvas.height);
     gl.clearColor(0, 0, 0, 0);
@@ -319,23 +223,53 @@ class Motion {
     gl.uniform2f(this.at("lens"), fit, fit * wide);
     gl.uniform1f(this.at("distance"), distance);
     gl.uniform1f(this.at("radius"), 3.9 * this.size);
+    if (this.mode) this.drawMode(time); else this.drawImpact(...this.find(time));
+  }
+
+  drawImpact(k, f, dt) {
     this.placeBodies(k, f, this.amplify);
-    const top = this.top();
+    const top = this.top(), ramped = this.colour !== "body";
+    this.drawPlanes(true);
     for (const body of this.bodies.filter(body => body.visible)) {
-      const ramped = this.colour !== "body";
       if (ramped) { this.measure(body, k, f, dt); for (let v = 0; v < body.value.length; ++v) body.value[v] /= top; }
-      gl.enable(gl.POLYGON_OFFSET_FILL);
-      this.send(body, [...cssColour(`--body${Math.max(0, body.number) % 6}`), 1], {ramped});
-      gl.disable(gl.POLYGON_OFFSET_FILL);
-      if (this.mesh && body.wire) this.send(body, [0, 0, 0, 0.25], {lit: false, wire: true});
+      this.drawBody(body, ramped);
     }
-    for (const obstacle of this.obstacles.filter(obstacle => obstacle.visible)) this.send(obstacle, [0.5, 0.5, 0.5, 0.28], {lit: false});
-    if (!this.arrows || this.forceMost <= 0) return;
+    this.drawPlanes(false);
+    if (this.arrows && this.forceMost > 0) this.drawForces(Math.min(this.time.length - 1, Math.round(k + f)));
+  }
+
+  drawMode(phase) {
+    const {body, field, size, share} = this.mode, most = share * size * Math.sin(2 * Math.PI * phase);
+    for (let i = 0; i < body.place.length; ++i) body.place[i] = body.node[i] + most * field[i];
+    this.drawBody(body, true);
+  }
+
+  drawBody(body, ramped) {
+    const gl = this.gl;
+    gl.enable(gl.POLYGON_OFFSET_FILL);
+    this.send(body, [...cssColour(`--body${Math.max(0, body.number) % 6}`), 1], {ramped});
+    gl.disable(gl.POLYGON_OFFSET_FILL);
+    if (this.mesh && body.wire) this.send(body, [0, 0, 0, 0.25], {lit: false, wire: true});
+  }
+
+  /** Draws the planes seen from their front, behind the bodies, or those seen from their back, as glass before the bodies. */
+  drawPlanes(front) {
+    const gl = this.gl, eye = this.target.map((x, i) => x + 4 * this.size * this.turn()[2][i]);
+    for (const plane of this.obstacles.filter(plane => plane.visible)) {
+      if (dot(plane.normal, eye.map((x, i) => x - plane.node[i])) > 0 !== front) continue;
+      if (front) gl.disable(gl.DEPTH_TEST);
+      this.send(plane, front ? [...cssColour("--floor"), 1] : [0.5, 0.5, 0.5, 0.28], {lit: false});
+      gl.enable(gl.DEPTH_TEST);
+    }
+  }
+
+  /** Draws the forces of snapshot k, over everything else. */
+  drawForces(k) {
+    const gl = this.gl, red = [0.85, 0.12, 0.2, 0.85], white = [1, 1, 1, 0.9], tinted = name => [...cssColour(name), 1];
     gl.disable(gl.DEPTH_TEST);
-    const red = [0.85, 0.12, 0.2, 0.85], white = [1, 1, 1, 0.9], tinted = name => [...cssColour(name), 1];
     const states = [[0, red], [1, tinted("--stick")], [2, tinted("--slip")]];  // the halo makes them visible on any colour
     for (const [state, ink, halo] of this.points.state ? [[undefined, white, true], ...states] : [[undefined, red]]) {
-      this.makeSpikes(Math.min(this.time.length - 1, Math.round(k + f)), state, halo);
+      this.makeSpikes(k, state, halo);
       if (this.spikes.element.length) this.send(this.spikes, ink, {lit: false});
     }
     gl.enable(gl.DEPTH_TEST);
@@ -359,10 +293,4 @@ class Motion {
     for (let i = 3; i < pixels.length; i += 4) drawn += pixels[i] > 0;
     return drawn / (canvas.width * canvas.height);
   }
-}
-
-/** A colour of the style sheet, with components from 0 to 1. */
-function cssColour(name) {
-  const hex = getComputedStyle(document.documentElement).getPropertyValue(name).trim().slice(1);
-  return [0, 2, 4].map(i => parseInt(hex.slice(i, i + 2), 16) / 255);
 }

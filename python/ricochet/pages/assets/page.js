@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Fills the sections of the page with the data of the run.
 
-const section = name => document.getElementById(name);
 const {summary} = run;
-const note = text => make("p", {class: "note"}, text);
 const code = text => make("code", {}, text);
 const percent = value => `${digits(100 * value, 3)} %`;
-const plural = (count, name) => `${count} ${name}${count === 1 ? "" : "s"}`;
-
-/** A row of a table. The first cell is its header. */
-const row = (...cells) => make("tr", {}, ...cells.map((cell, k) => make(k ? "td" : "th", {scope: k ? undefined : "row"}, cell)));
 
 /** Text for a figure of the run, with its exact value as an attribute. */
 const told = (key, value, text) => make("span", {"data-key": key, "data-value": JSON.stringify(value)}, text);
@@ -80,6 +74,7 @@ function verdict() {
   return `The bodies touch from ${span}${parts}. The force peaks at ${force}; ${impulse} pass between them.`;
 }
 
+/** The figures that were asked for. */
 function highlights() {
   const s = summary, has = key => typeof s[key] === "number";
   const card = (title, content, more) => section("highlights").append(
@@ -90,30 +85,47 @@ function highlights() {
     card("Largest pressure", figure(`pairs.${k}.peak_pressure_pa`, pair.peak_pressure_pa, "Pa"));
     card("Approach", figure(`pairs.${k}.approach_m`, pair.approach_m, "m"));
   }
-  plain("Peak force", "peak_force_n", "N");
+  plain("Restitution", "restitution");
+  plain("Peak force", "peak_force_n", "N", run.peak ? `in one step, sum over ${plural(run.peak.points, "point")}` +
+    (run.peak.few ? ": the pressure depends on contact.spacing" : "") : undefined);
   plain("Impulse", "impulse_ns", "N s");
   if (has("contact_end_s"))
-    card("Contact", quantity(s.contact_end_s - s.contact_start_s, "s"),
-         `${plural(s.episodes.length, "episode")}, ${plural(s.contact_steps, "step")}`);
-  plain("Restitution", "restitution");
-  if (has("energy_lost_contact"))
-    card("Energy to contact", told("energy_lost_contact", s.energy_lost_contact, percent(s.energy_lost_contact)),
-         "of that at first touch");
+    card("Duration of contact", quantity(s.contact_end_s - s.contact_start_s, "s"), plural(s.episodes.length, "episode"));
+  for (const [name, v] of Object.entries(s.exit_velocity ?? {}))
+    card(`Exit velocity of ${name}`, told(`exit_velocity.${name}`, v, quantity(Math.hypot(...v), "m/s")), vector(v, "m/s"));
+  if (s.error_estimate) card("Estimated error", percent(s.error_estimate.total), `of the ${spaced(s.error_estimate.quantity)}`);
   if (has("energy_lost_friction"))
     card("Heat of friction", told("energy_lost_friction", s.energy_lost_friction, percent(s.energy_lost_friction)),
          "of the energy at first touch");
   if (has("max_slip_m") && has("friction_impulse_ns"))
     card("Longest slip", figure("max_slip_m", s.max_slip_m, "m"), `friction passes ${quantity(s.friction_impulse_ns, "N s", 3)}`);
-  plain("Energy drift", "energy_drift", "", "round-off: 10⁻¹² or less");
-  if (s.error_estimate) card("Estimated error", percent(s.error_estimate.total), `of the ${spaced(s.error_estimate.quantity)}`);
-  plain("Contact points", "candidates", "", run.static ? "" : `at most ${s.max_active} touch`);
-  if (s.real_time_factor > 0 && run.steps.duration_s) {
-    const {duration_s: duration} = run.steps, faster = s.real_time_factor >= 1;
-    const times = digits(faster ? s.real_time_factor : 1 / s.real_time_factor, 2);
-    const speed = times === "1" ? "as fast as" : `${times} times ${faster ? "faster" : "slower"} than`;
-    card("Steps", quantity(duration / s.real_time_factor, "s", 2),
-         `for ${quantity(duration, "s")} of motion (${speed} real time)`);
+}
+
+/** The checks of the numbers. One that is out of its bound is also a warning. */
+function checks() {
+  const at = section("checks"), outside = run.checks.filter(({ok}) => ok === false);
+  if (run.static) return at.remove();
+  for (const {label, value, unit, most, meaning} of outside.filter(({warned}) => !warned))
+    section("warnings").append(make("li", {}, `Warning: ${label} ${quantity(value, unit)} is above ${quantity(most, unit, 2)}: ${meaning}`));
+  const rows = run.checks.map(({key, label, value, unit, most, ok}) => row(label, figure(key, value, unit),
+    ok === null ? "" : `${ok ? "✓" : "✗"} at most ${quantity(most, unit, 2)}`));
+  rows.push(row("contact points", figure("candidates", summary.candidates), `at most ${summary.max_active} touch at a time`),
+            row("steps with a force", figure("contact_steps", summary.contact_steps), `in ${plural(summary.episodes.length, "episode")}`));
+  if (summary.real_time_factor > 0 && run.steps.duration_s) {
+    const {duration_s: duration} = run.steps, faster = summary.real_time_factor >= 1;
+    const times = digits(faster ? summary.real_time_factor : 1 / summary.real_time_factor, 2);
+    rows.push(row("time of stepping", quantity(duration / summary.real_time_factor, "s", 2), `${times} times ${faster ? "faster" : "slower"} than real`));
   }
+  const bounded = run.checks.filter(({ok}) => ok !== null).length;
+  at.append(make("summary", {}, outside.length ? `Checks: ${outside.length} of ${bounded} out of bounds` : `Checks: ${bounded} within bounds`), table(null, rows));
+  at.open = outside.length > 0;
+}
+
+/** What the peak force is. */
+function peakNote({points, few}) {
+  const sum = `The peak force is the largest sum of the forces of all points in one step; ${plural(points, "point")} carried it.`;
+  return few ? `${sum} With so few, the pressure is that of a patch and grows as contact.spacing falls. The total force depends on it ` +
+    "less: halve the spacing until it stays the same." : sum;
 }
 
 function contactSection() {
@@ -123,6 +135,7 @@ function contactSection() {
   at.append(...run.charts.contact.map(spec => new Chart(spec).element));
   if (run.map) at.append(forceMap(run.map));
   if (run.states) at.append(stateMap(run.states));
+  if (run.peak) at.append(note(peakNote(run.peak)));
   if (run.steps.every > 1)
     at.append(note(`One in ${run.steps.every} steps is in the result; the rest is not drawn, and a spectrum of so few may be aliased.`));
   if (run.static) return;
@@ -297,6 +310,9 @@ if (run.static) {
 section("verdict").append(verdict());
 section("warnings").append(...summary.warnings.map(text => make("li", {}, `Warning: ${text}`)));
 highlights();
+checks();
+const warned = section("warnings").childElementCount;
+if (warned) section("warned").append(make("a", {href: "#warnings"}, `${plural(warned, "warning")}, below`));
 contactSection();
 soundSection();
 energySection();
@@ -306,10 +322,12 @@ kernelsSection();
 figuresSection();
 timingSection();
 repeatSection();
+if (!run.modes.length) section("modes").remove();
 for (const part of document.querySelectorAll("section"))
   section("contents").append(make("a", {href: `#${part.id}`}, part.querySelector("h2").textContent));
 section("footer").append(`${run.title} · ${run.file.created_by ?? "Ricochet"} · this page is one file and loads nothing.`);
 charts.forEach(chart => chart.redraw());
-player(section("motion"), run.motion, time => charts.forEach(chart => chart.mark(time)));
+const shown = player(section("motion"), run.motion, time => charts.forEach(chart => chart.mark(time)));
+if (run.modes.length) new Modes(section("modes"), run.modes, shown);
 instrument(section("play"), run.instrument);
 document.documentElement.dataset.ready = "yes";

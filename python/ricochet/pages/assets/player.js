@@ -1,76 +1,105 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The surroundings of the animation: controls, colours, the pointer, and the row of moments.
 
-const seconds = 8;  // duration of a play from end to end
+const seconds = 8;  // duration of a play from end to end, at speed 1
+const period = 2;  // duration of a period of a mode, likewise
 
 const swatch = (colour, text) => make("span", {}, make("i", {class: `swatch ${colour}`}), text);
-const range = (name, max, step) => make("input", {type: "range", min: 0, max, step, "aria-label": name});
+const range = (name, min, max, step) => make("input", {type: "range", min, max, step, "aria-label": name});
 const choice = (name, options) =>
   make("select", {"aria-label": name}, ...Object.entries(options).map(([value, text]) => make("option", {value}, text)));
 const labelled = (text, ...controls) => make("label", {}, text, ...controls);
-const pressable = text => make("button", {type: "button"}, text);
+const pressable = (text, act) => {
+  const button = make("button", {type: "button"}, text);
+  button.addEventListener("click", act);
+  return button;
+};
+const silent = () => make("output", {"aria-live": "off"});  // otherwise every frame would be read aloud
 
-/** Fills the section. Calls `tell(time)` for each moment shown. */
+/** Fills the section. Calls `tell(time)` for each moment shown. Returns the player, or nothing if there is no picture. */
 function player(section, data, tell) {
   const say = text => section.append(make("p", {class: "note"}, text));
-  if (data.missing) {
-    say(`No ${run.static ? "picture of the bodies" : "motion"} to show: ${data.missing}.`);
-    if (run.by_table) return;
+  const keys = () => {
     say("Both programs need these keys of the scene, ricochet-kernel for the skins and ricochet-contact for the snapshots:");
     section.append(make("pre", {}, `[output]\nview = true\nsnapshot_every = ${run.static ? 1 : 4}`));
-    return;
+  };
+  if (data.missing) {
+    say(`No ${run.static ? "picture of the bodies" : "motion"} to show: ${data.missing}.`);
+    if (!run.by_table) keys();
+    return undefined;
   }
   const label = "The bodies in motion. Arrow keys turn them, plus and minus change their size.";
   const canvas = make("canvas", {tabindex: 0, role: "img", "aria-label": label});
   const motion = new Motion(data, canvas);
-  if (!motion.gl) return say("This browser shows no WebGL 2, which the animation needs.");
+  if (!motion.gl) return void say("This browser shows no WebGL 2, which the animation needs.");
   const shown = new Player(section, motion, canvas, tell);
-  say(remarks(motion, data));
+  if (!data.snapshots) keys();
   if (motion.time.length > 1) section.append(rowOfMoments(motion));
   shown.show();  // draws again, because the row of moments has used the canvas
   canvas.dataset.moments = motion.time.length;
   canvas.dataset.covered = motion.covered();
+  return shown;
 }
 
 class Player {
   constructor(section, motion, canvas, tell) {
-    Object.assign(this, {motion, canvas, tell, playing: false, window: motion.windows.contact, time: peakTime(motion)});
-    this.stage = make("div", {class: "stage"}, canvas);
+    Object.assign(this, {motion, canvas, tell, playing: false, window: motion.windows.contact, time: peakTime(motion), phase: 0.25});
+    this.overlay = new Overlay(motion);
+    this.stage = make("div", {class: "stage"}, canvas, this.overlay.element);
     this.legend = make("div", {class: "key"});
-    this.button = make("button", {type: "button", class: "play"}, "Play");
-    this.slider = range("Time", 1, 0.0005);
-    this.clock = make("output");
-    this.loud = range("Amplification", Math.log10(Math.max(20, 20 * motion.natural)), 0.01);
-    this.times = make("output");
-    const part = choice("Part of the run", {contact: "contact", whole: "whole run"}), home = pressable("Reset view");
-    const colour = choice("Colour", Object.fromEntries(Object.entries(measures).map(([name, {label}]) => [name, label])));
-    const arrows = make("input", {type: "checkbox"}), mesh = make("input", {type: "checkbox"});
-    const wired = motion.bodies.some(body => body.wire), moving = motion.time.length > 1;
-    const grow = (...controls) => make("label", {class: "grow"}, ...controls);
-    section.append(this.stage, this.legend,
-      make("div", {class: "controls"}, ...(moving ? [this.button, grow(this.slider, this.clock), part] : [])),
-      make("div", {class: "controls"}, ...(moving ? [labelled("colour", colour), grow("amplify", this.loud, this.times)] : []),
-           labelled(arrows, "forces"), ...(wired ? [labelled(mesh, "mesh")] : []), home),
-      make("div", {class: "controls", role: "group", "aria-label": "Bodies shown"}, "show",
-           ...[...motion.bodies, ...motion.obstacles].map(body => labelled(this.shower(body), body.name))));
-    colour.value = motion.colour;
-    arrows.checked = true;
-    const on = (control, type, act) => control.addEventListener(type, () => { act(); this.show(); });
-    this.button.addEventListener("click", () => this.play(!this.playing));
-    on(this.slider, "input", () => { this.play(false); this.time = this.within(Number(this.slider.value)); });
-    on(this.loud, "input", () => { motion.amplify = 10 ** Number(this.loud.value); });
-    on(part, "change", () => {
-      this.window = motion.windows[part.value];
-      this.time = Math.min(this.window[1], Math.max(this.window[0], this.time));
-    });
-    on(colour, "change", () => { motion.colour = colour.value; this.explain(); });
-    on(arrows, "change", () => { motion.arrows = arrows.checked; });
-    on(mesh, "change", () => { motion.mesh = mesh.checked; });
-    on(home, "click", () => { motion.home(); motion.amplify = motion.natural; });
+    this.panel = this.controls();
+    this.cockpit = make("div", {class: "cockpit", role: "group", "aria-label": "Motion and its controls"}, this.stage, this.legend, this.panel);
+    this.remark = make("p", {class: "note"});
+    section.append(this.cockpit, this.remark);
     handle(canvas, motion, () => { if (!this.playing) this.show(); });
     this.explain();
     this.fit();
-    new ResizeObserver(() => this.fit()).observe(this.stage);
+    const watch = new ResizeObserver(() => this.fit());
+    for (const part of [this.legend, this.panel]) watch.observe(part);  // not the stage, whose height follows from theirs
+    addEventListener("resize", () => this.fit());
+  }
+
+  controls() {
+    const {motion} = this, moving = motion.time.length > 1;
+    const grow = (...controls) => make("label", {class: "grow"}, ...controls);
+    const on = (control, act) => control.addEventListener(control.type === "range" ? "input" : "change", () => { act(); this.show(); });
+    const look = (text, azimuth, elevation) => pressable(text, () => { motion.look(azimuth, elevation); this.show(); });
+    this.button = pressable("Play", () => this.play(!this.playing));
+    this.button.className = "play";
+    this.slider = range("Time", 0, 1, 0.0005);
+    this.clock = silent();
+    this.speed = choice("Speed", {0.25: "¼", 0.5: "½", 1: "1", 2: "2", 4: "4"});
+    this.slower = silent();
+    this.loud = range("Amplification", 0, Math.log10(motion.data.amplify.most), 0.02);
+    this.times = silent();
+    this.part = choice("Part of the run", {contact: "contact", whole: "whole run"});
+    this.colour = choice("Colour", Object.fromEntries(Object.entries(measures).map(([name, {label}]) => [name, label])));
+    const arrows = make("input", {type: "checkbox", checked: ""}), mesh = make("input", {type: "checkbox"});
+    const home = pressable("reset", () => { motion.home(); motion.amplify = motion.natural; this.show(); });
+    this.speed.value = "1";
+    this.colour.value = motion.colour;
+    on(this.slider, () => { this.play(false); this.move(Number(this.slider.value)); });
+    on(this.speed, () => {});
+    on(this.loud, () => { motion.amplify = Number((10 ** this.loud.value).toPrecision(2)); });
+    on(this.part, () => {
+      this.window = motion.windows[this.part.value];
+      this.time = Math.min(this.window[1], Math.max(this.window[0], this.time));
+    });
+    on(this.colour, () => { motion.colour = this.colour.value; this.explain(); });
+    on(arrows, () => { motion.arrows = arrows.checked; });
+    on(mesh, () => { motion.mesh = mesh.checked; });
+    this.timed = make("div", {class: "controls"}, this.button, grow(this.slider, this.clock), labelled("speed", this.speed, this.slower));
+    this.ofImpact = make("div", {class: "controls"},
+      ...(moving ? [labelled("show", this.part), grow("amplify", this.loud, this.times), labelled("colour", this.colour)] : []),
+      labelled(arrows, "forces"),
+      make("span", {role: "group", "aria-label": "Bodies shown"},
+        ...[...motion.bodies, ...motion.obstacles].map(body => labelled(this.shower(body), body.name))));
+    this.ofMode = make("div", {class: "controls", hidden: ""});
+    const views = make("div", {class: "controls", role: "group", "aria-label": "View"}, "view", look("front", 0, 0),
+      look("side", -Math.PI / 2, 0), look("above", 0, Math.PI / 2), home,
+      ...(motion.bodies.some(body => body.wire) ? [labelled(mesh, "mesh")] : []));
+    this.timed.hidden = !moving;
+    return make("div", {class: "panel"}, this.timed, this.ofImpact, this.ofMode, views);
   }
 
   /** A checkbox that shows and hides a body or an obstacle. */
@@ -80,45 +109,80 @@ class Player {
     return box;
   }
 
-  /** The time at a position in the part of the run that is shown, from 0 to 1. */
-  within(share) { return this.window[0] + share * (this.window[1] - this.window[0]); }
+  /** Goes to a share of the part of the run that is shown, or of the period of the mode. */
+  move(share) {
+    if (this.motion.mode) this.phase = share;
+    else this.time = this.window[0] + share * (this.window[1] - this.window[0]);
+  }
+
+  /** Plays a mode of a body, or shows the impact again if no body is given. */
+  turnTo(body, number, title) {
+    const {motion, canvas} = this;
+    motion.showMode(body, number);
+    this.title = title;
+    this.ofMode.hidden = !body;
+    this.ofImpact.hidden = Boolean(body);
+    this.timed.hidden = !body && motion.time.length === 1;
+    canvas.dataset.mode = body ? number : "";
+    this.phase = 0.25;
+    this.explain();
+    this.fit();
+    this.show();
+    this.play(Boolean(body) && !soft.matches);
+  }
 
   show() {
-    const {motion, time, window} = this;
-    motion.draw(time);
-    this.slider.value = (time - window[0]) / (window[1] - window[0]);
+    const {motion, time, window} = this, {mode} = motion;
+    motion.draw(mode ? this.phase : time);
+    this.overlay.update(this.stage.clientWidth || 640, this.canvas.clientHeight || 400);
+    this.slider.value = mode ? this.phase : (time - window[0]) / (window[1] - window[0]);
     this.loud.value = Math.log10(motion.amplify);
-    this.clock.textContent = quantity(time, "s");
+    this.clock.textContent = mode ? `${this.phase.toFixed(2)} period` : quantity(time, "s");
     this.times.textContent = `× ${digits(motion.amplify, 2)}`;
-    this.canvas.dataset.time = time;
-    this.tell(time);
+    const slower = seconds / this.speed.value / (window[1] - window[0]);
+    this.slower.textContent = mode || motion.time.length === 1 ? "" : `${slower < 1 ? `${digits(1 / slower, 2)} times faster` : `${digits(slower, 2)} times slower`} than real`;
+    this.slider.setAttribute("aria-valuetext", this.clock.textContent);
+    this.loud.setAttribute("aria-valuetext", this.times.textContent);
+    this.canvas.dataset[mode ? "phase" : "time"] = mode ? this.phase : time;
+    const text = mode ? remarkOnMode(motion) : remarks(motion, motion.data);
+    if (this.remark.textContent !== text) this.remark.textContent = text;
+    if (!mode) this.tell(time);
   }
 
   explain() {
     const {motion} = this, {label, unit} = measures[motion.colour];
+    if (motion.mode) return this.legend.replaceChildren(make("b", {}, this.title), make("span", {}, "displacement, relative"), rampKey(0, 1, ""));
     const most = motion.forceMost, force = most > 0 ? `contact force, at most ${quantity(most, "N")} at a point${motion.time.length > 1 ? ", in these moments" : ""}` : "no contact force";
     const names = motion.bodies.map(body => swatch(`c${Math.max(0, body.number) % 6}`, body.name));
     this.legend.replaceChildren(...(unit ? [make("span", {}, label), rampKey(0, motion.top(), unit)] : names), ...(motion.points.state && most > 0
       ? [make("span", {}, `${force}:`), swatch("cstick", "sticks"), swatch("cslip", "slips")] : [swatch("cforce", force)]));
   }
 
+  /** Sizes the canvas so that it and all controls fit into the window, from the top of the page if the section is near it. */
   fit() {
-    const {canvas, stage} = this, ratio = Math.min(2, devicePixelRatio || 1), wide = stage.clientWidth || 640;
-    const width = Math.round(wide * ratio), height = Math.round(width * Math.max(this.motion.shape, wide < 480 ? 0.6 : 0));
+    const {canvas, stage, cockpit, motion} = this, ratio = Math.min(2, devicePixelRatio || 1), wide = stage.clientWidth || 640;
+    const top = cockpit.getBoundingClientRect().top + scrollY, near = top < 0.45 * innerHeight;
+    const room = innerHeight - (cockpit.offsetHeight - stage.offsetHeight) - (near ? top : 8) - 12;
+    const wanted = wide * Math.max(motion.shape, wide < 480 ? 0.75 : 0.45);
+    const [width, height] = [wide * ratio, Math.min(wanted, Math.max(room, 180)) * ratio].map(Math.round);
     if (canvas.width === width && canvas.height === height) return;
     [canvas.width, canvas.height] = [width, height];
+    canvas.style.height = `${height / ratio}px`;
     this.show();
   }
 
   play(on) {
+    if (on === this.playing) return;
     this.playing = on;
     this.button.textContent = on ? "Pause" : "Play";
     let last = performance.now();
     const frame = now => {
       if (!this.playing) return;
-      const next = this.time + Math.min(0.1, Math.max(0, now - last) / 1000) / seconds * (this.window[1] - this.window[0]);
+      const {motion, window} = this, past = Math.min(0.1, Math.max(0, now - last) / 1000) * this.speed.value;
       last = now;
-      this.time = next > this.window[1] ? this.window[0] : next;
+      if (motion.mode) this.phase = (this.phase + past / period) % 1;
+      else this.time += past / seconds * (window[1] - window[0]);
+      if (this.time > window[1]) this.time = window[0];
       this.show();
       requestAnimationFrame(frame);
     };
@@ -137,35 +201,46 @@ function peakTime(motion) {
   return motion.time[best];
 }
 
+const handling = "Drag to turn, scroll or pinch to come nearer, drag with Shift to shift.";
+
 function remarks(motion, data) {
-  const parts = ["Drag to turn, scroll or pinch to come nearer, drag with Shift to shift."];
-  if (run.static) {
-    parts.push("A body at rest: its displacement lies in the static part of contact, which the skin does not show.");
+  const parts = [handling];
+  if (motion.amplify > 1) {
+    parts.unshift(`Deformation is drawn ${digits(motion.amplify, 2)} times too large, and rigid motion as it is, so surfaces that touch ` +
+      "seem to cross or to stand apart. Only × 1 is true to scale.");
+  }
+  if (!data.snapshots) {
+    parts.push("The result has no snapshots, so only the bodies before the motion and their modes are shown.");
+  } else if (run.static) {
+    parts.push("A body at rest.");
   } else {
     parts.push(motion.time.length > 1 ? `${motion.time.length} moments, straight lines between them${data.thinned > 1 ? ` (one in ${data.thinned} snapshots)` : ""};`
       : "One moment, as output.snapshot_every is large;");
     parts.push(`${data.coordinates} modal coordinates drawn by ${data.shapes} shapes, which miss at most`,
-               `${digits(100 * data.missed, 2)} % of the largest deformation. The static part of contact is not in the picture.`);
+               `${digits(100 * data.missed, 2)} % of the largest deformation.`);
   }
-  if (motion.amplify > 1)
-    parts.push(`Motion since the first touch is drawn ${digits(motion.amplify, 2)} times too large; amplified surfaces may cross.`);
+  if (data.snapshots && !data.static) parts.push("The result is of an earlier version: the static part of contact is not in the picture.");
   if (motion.forceMost > 0) parts.push(motion.points.state ? "Spikes: normal force at each point, on both bodies, in the colour of stick or slip; red without friction."
     : "Red spikes: contact force at each point, on both bodies.");
   if (data.points.left_out > 0) parts.push(`${data.points.left_out} points of least impulse have no spike.`);
   return parts.join(" ");
 }
 
-/** A row of nine moments of the contact, from the first touch to the last. */
+const remarkOnMode = motion => `The largest displacement is drawn as ${100 * motion.mode.share} % of the size of the body; ` +
+  `the amplitude of a mode alone has no meaning. ${handling}`;
+
+/** A row of moments of the contact that differ from each other. */
 function rowOfMoments(motion) {
-  const [from, to] = motion.touch, [across, up] = motion.spans, width = 560;
+  const [across, up] = motion.spans, width = 560;
   const height = Math.round(width * Math.min(0.9, Math.max(0.2, 1.05 * up / across)));
-  const cells = Array.from({length: 9}, (_, k) => {
-    const time = from + k / 8 * (to - from), text = quantity(time, "s");
+  const cells = motion.data.pictures.map(k => {
+    const time = motion.time[k], text = quantity(time, "s");
     const picture = make("img", {src: motion.picture(time, width, height), alt: `The bodies at ${text}`});
     return make("figure", {}, picture, make("figcaption", {}, text));
   });
-  const title = run.episodes.length ? "Nine moments from first to last touch" : "Nine moments";
-  return make("div", {}, make("h3", {}, title), make("div", {class: "moments"}, ...cells));
+  const scale = motion.natural > 1 ? `deformation × ${digits(motion.natural, 2)}` : "true to scale";
+  return make("div", {}, make("h3", {}, `${plural(cells.length, "moment")} ${run.episodes.length ? "of the contact" : "of the run"}, ${scale}`),
+              make("div", {class: "moments"}, ...cells));
 }
 
 /** Turns, shifts and zooms the view on events of pointer, wheel, fingers and keys. */

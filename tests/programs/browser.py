@@ -26,7 +26,7 @@ class Browser:
         self.process = subprocess.Popen(
             [*CHROMIUM, "--remote-debugging-pipe", f"--user-data-dir={profile}", "about:blank"],
             preexec_fn=lambda: [os.dup2(end, number) for number, end in zip((3, 4), ends)],
-            pass_fds=(3, 4),
+            close_fds=False,  # those that Python opens are closed anyway, and dup2 keeps these two open
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
