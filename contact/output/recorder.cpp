@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/output/recorder.hpp"
 
-#include <array>
 #include <utility>
 
 namespace ricochet::contact {
@@ -14,15 +13,6 @@ std::vector<double> flat(const Matrix& x) { return {x.data(), x.data() + x.size(
 void append(base::hdf5::Rows* rows, const Eigen::Ref<const Vector>& row) {
   rows->append(std::span<const double>(row.data(), row.size()));
 }
-
-constexpr std::array<std::pair<const char*, double Energy::*>, 7> energy_terms{
-    {{"/energy/kinetic", &Energy::kinetic},
-     {"/energy/strain", &Energy::strain},
-     {"/energy/residual", &Energy::residual},
-     {"/energy/loads", &Energy::loads},
-     {"/energy/damping", &Energy::damping},
-     {"/energy/contact", &Energy::contact},
-     {"/energy/friction", &Energy::friction}}};
 
 }  // namespace
 
@@ -93,7 +83,7 @@ Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOp
       }
   time_->append(0);
   bodies_row(model.initial_rates(), 0, 0);
-  energy_row(initial_energy(model, step));
+  energy_->append(initial_energy(model, step));
   persistency_->append(0);
   if (snapshot_every_ > 0) snapshot_row(0, model.q0);
   if (receiver_rows_) receiver_rows_->record(*receivers_);
@@ -115,7 +105,7 @@ void Recorder::record(const Equilibrium& equilibrium) {
     append(bodies_[k].reaction, body.supported ? Vector3d(-load) : Vector3d::Zero());
     bodies_[k].contact_impulse.setZero();
   }
-  energy_row(equilibrium.energy);
+  energy_->append(equilibrium.energy);
   persistency_->append(0);
   if (equilibrium.active > 0) {
     contact_row(equilibrium.time, equilibrium.displacement, equilibrium.force);
@@ -179,8 +169,7 @@ void Recorder::make_model_rows(const StepOptions& step, int receivers_every) {
     contact_.tangential_displacement = &file_.rows("/contact/tangential_displacement", {m, 3}, "m");
     contact_.state = &file_.rows("/contact/state", {m}, "1");
   }
-  energy_ = {&file_.rows("/energy/total", {}, "J")};
-  for (const auto& [name, term] : energy_terms) energy_.push_back(&file_.rows(name, {}, "J"));
+  energy_.emplace(file_);
   persistency_ = &file_.rows("/contact/persistency", {}, "W");
   if (snapshot_every_ > 0) snapshot_time_ = &file_.rows("/snapshots/time", {}, "s");
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
@@ -215,7 +204,7 @@ void Recorder::record(const Stepper& stepper) {
     if (persistency_) persistency_->append(stepper.persistency());
     if (modal) {
       bodies_row(modal->v, static_cast<double>(last_row_) * step_, t);
-      energy_row(modal->energy());
+      energy_->append(modal->energy());
     } else {
       bodies_row(*stepper.body_velocities());
     }
@@ -264,12 +253,6 @@ void Recorder::bodies_row(const Eigen::Matrix3Xd& velocity) {
     append(bodies_[b].velocity, v);
     append(bodies_[b].momentum, bodies_[b].mass * v);
   }
-}
-
-void Recorder::energy_row(const Energy& energy) {
-  energy_.front()->append(energy.total());
-  for (std::size_t k = 0; k < energy_terms.size(); ++k)
-    energy_[k + 1]->append(energy.*energy_terms[k].second);
 }
 
 void Recorder::contact_row(double time, const Vector& u, const Vector& force) {
