@@ -3,8 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <fcntl.h>
+#include <unistd.h>
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <stdexcept>
 
 #include "base/hdf5_internal.hpp"
@@ -15,6 +18,9 @@ namespace {
 
 /// Capacity of a message in an object header, minus space for name and type.
 constexpr std::size_t kLongestAttribute = 64'000;
+
+/// Higher levels of compression make motions hardly smaller and take longer.
+constexpr unsigned kDeflate = 4;
 
 /// Strings have a fixed length. HDF5 does not check its heap of variable-length strings when reading, and a
 /// damaged heap crashes the reader.
@@ -77,10 +83,10 @@ void Rows::flush() {
   const int rank = static_cast<int>(size.size());
   bool done = H5Dset_extent(dataset_.get(), size.data()) >= 0;
   const Id file_space(H5Dget_space(dataset_.get()));
-  const Id memory_space(H5Screate_simple(rank, count.data(), nullptr));
+  const Id unnamed_space(H5Screate_simple(rank, count.data(), nullptr));
   done = done && H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(),
                                      nullptr) >= 0;
-  done = done && H5Dwrite(dataset_.get(), H5T_NATIVE_DOUBLE, memory_space.get(), file_space.get(),
+  done = done && H5Dwrite(dataset_.get(), H5T_NATIVE_DOUBLE, unnamed_space.get(), file_space.get(),
                           H5P_DEFAULT, block_.data()) >= 0;
   if (!done) fail_to_write(file_, name_);
   written_ += std::exchange(held_, 0);
@@ -90,18 +96,40 @@ void Rows::flush() {
 Writer::Writer(std::filesystem::path path)
     : path_(std::move(path)), temporary_(std::make_unique<AtomicFile>(path_)) {
   silence();
-  const Id creation = properties(H5P_FILE_CREATE);
   const Id access = unlocked_access();
   // The file format of HDF5 1.8 adds checksums to metadata.
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18);
+  create(temporary_->path().string(), access);
+}
+
+// Files in memory are of no use here: the image that HDF5 1.10 returns of them has a wrong checksum. The name
+// is removed at once, so that nothing remains of a process that is killed.
+Writer::Writer(Unnamed) {
+  silence();
+  std::error_code unusable;
+  const std::filesystem::path folder = std::filesystem::temp_directory_path(unusable);
+  std::string name = ((unusable ? std::filesystem::path("/tmp") : folder) / "ricochet-XXXXXX").string();
   errno = 0;
-  file_ = Id(H5Fcreate(temporary_->path().c_str(), H5F_ACC_TRUNC, creation.get(), access.get()));
+  unnamed_ = mkostemp(name.data(), O_CLOEXEC);
+  path_ = name;
+  if (unnamed_ < 0) fail_to_write(path_);
+  const Id access = unlocked_access();
+  // In older formats, the index of a compressed dataset takes 2.6 kB, often more than its values.
+  H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110);
+  create(name, access);
+  unlink(name.c_str());
+}
+
+void Writer::create(const std::string& name, const Id& access) {
+  errno = 0;
+  file_ = Id(H5Fcreate(name.c_str(), H5F_ACC_TRUNC, properties(H5P_FILE_CREATE).get(), access.get()));
   if (!file_.valid()) fail_to_write(path_);
 }
 
 Writer::~Writer() {
   rows_.clear();
   file_.reset();
+  if (unnamed_ >= 0) close(unnamed_);
 }
 
 void Writer::group(const std::string& name) {
@@ -176,6 +204,10 @@ Rows& Writer::rows(const std::string& dataset, const Shape& row, const std::stri
     const Id space(H5Screate_simple(rank, size.data(), limit.data()));
     const Id creation = properties(H5P_DATASET_CREATE);
     H5Pset_chunk(creation.get(), rank, chunk.data());
+    if (!temporary_) {
+      H5Pset_shuffle(creation.get());
+      H5Pset_deflate(creation.get(), kDeflate);
+    }
     rows_.push_back(std::make_unique<Rows>(make_dataset(dataset, H5T_IEEE_F64LE, space, creation),
                                            path_.string(), dataset, row, block));
   }
@@ -219,7 +251,7 @@ void Writer::integer_attribute(const std::string& object, const std::string& nam
   write_attribute(object, name, H5T_STD_I64LE, Id(H5Screate(H5S_SCALAR)), &value);
 }
 
-void Writer::commit(const std::filesystem::path& outdated) {
+void Writer::finish() {
   silence();
   for (const auto& rows : rows_) rows->flush();
   rows_.clear();
@@ -227,6 +259,21 @@ void Writer::commit(const std::filesystem::path& outdated) {
   // Flush first: closing does not report every write error.
   if (H5Fflush(file_.get(), H5F_SCOPE_GLOBAL) < 0) fail_to_write(path_);
   if (H5Fclose(file_.release()) < 0) fail_to_write(path_);
+}
+
+std::string Writer::content() {
+  finish();
+  std::string out(static_cast<std::size_t>(std::max<off_t>(lseek(unnamed_, 0, SEEK_END), 0)), '\0');
+  for (std::size_t at = 0; at < out.size();) {
+    const ssize_t read = pread(unnamed_, out.data() + at, out.size() - at, static_cast<off_t>(at));
+    if (read <= 0) fail_to_write(path_);
+    at += static_cast<std::size_t>(read);
+  }
+  return out;
+}
+
+void Writer::commit(const std::filesystem::path& outdated) {
+  finish();
   temporary_->commit(outdated);
 }
 

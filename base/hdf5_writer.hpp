@@ -47,11 +47,17 @@ class Rows {
   std::vector<double> block_;
 };
 
+/// A file without a name, whose content goes elsewhere. Its rows are compressed.
+struct Unnamed {};
+
 /// A new file. It has a temporary name until `commit`; if it is destroyed earlier, nothing remains.
 class Writer {
  public:
   /// Throws InputError if the file cannot be created.
   explicit Writer(std::filesystem::path path);
+  /// Ends with `content` in place of `commit`. HDF5 1.10 and later read the content. It takes space in the
+  /// folder of temporary files until then. Throws as above.
+  explicit Writer(Unnamed);
   ~Writer();
 
   /// Creates an empty group and the groups above it, so that attributes can be written before any dataset.
@@ -88,16 +94,23 @@ class Writer {
   /// @param outdated  as for AtomicFile
   void commit(const std::filesystem::path& outdated = {});
 
+  /// Writes buffered rows and returns the content of an unnamed file. No member may be called afterwards.
+  /// Throws InputError on failure.
+  std::string content();
+
   const std::filesystem::path& path() const { return path_; }
 
  private:
+  void create(const std::string& name, const Id& access);
+  void finish();
   Id make_dataset(const std::string& name, std::int64_t type, const Id& space, const Id& creation);
   void integer_attribute(const std::string& object, const std::string& name, std::int64_t value);
   void write_attribute(const std::string& object, const std::string& name, std::int64_t type, const Id& space,
                        const void* value);
 
   std::filesystem::path path_;
-  std::unique_ptr<AtomicFile> temporary_;
+  std::unique_ptr<AtomicFile> temporary_;  ///< null if the file has no name
+  int unnamed_ = -1;                       ///< descriptor of a file without a name, or -1
   Id file_;
   std::vector<std::unique_ptr<Rows>> rows_;
 };

@@ -17,7 +17,9 @@ class ReceiverRows {
  public:
   /// Creates the datasets.
   /// @param every  output samples between rows; above 1, a low-pass filter precedes (decimator.hpp)
-  ReceiverRows(base::hdf5::Writer& file, const Model& model, const StepOptions& step, int every);
+  /// @param velocities_only  leaves out displacements and accelerations
+  ReceiverRows(base::hdf5::Writer& file, const Model& model, const StepOptions& step, int every,
+               bool velocities_only = false);
 
   /// Call it with the motion at t = 0 and then after each output sample. Throws InputError if the disk
   /// is full.
@@ -28,7 +30,7 @@ class ReceiverRows {
  private:
   using Rows = base::hdf5::Rows;
   struct Datasets {
-    Rows *displacement, *velocity, *acceleration;
+    Rows *displacement = nullptr, *velocity = nullptr, *acceleration = nullptr;
   };
   void append(std::int64_t sample, std::span<const double> values);
 

@@ -2,7 +2,6 @@
 #include "contact/output/recorder.hpp"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 namespace ricochet::contact {
@@ -15,15 +14,6 @@ std::vector<double> flat(const Matrix& x) { return {x.data(), x.data() + x.size(
 void append(base::hdf5::Rows* rows, const Eigen::Ref<const Vector>& row) {
   rows->append(std::span<const double>(row.data(), row.size()));
 }
-
-constexpr std::array<std::pair<const char*, double Energy::*>, 7> energy_terms{
-    {{"/energy/kinetic", &Energy::kinetic},
-     {"/energy/strain", &Energy::strain},
-     {"/energy/residual", &Energy::residual},
-     {"/energy/loads", &Energy::loads},
-     {"/energy/damping", &Energy::damping},
-     {"/energy/contact", &Energy::contact},
-     {"/energy/friction", &Energy::friction}}};
 
 }  // namespace
 
@@ -72,7 +62,7 @@ Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOp
   if (step.scheme == Scheme::at_rest) return;
   time_->append(0);
   bodies_row(model.initial_rates(), 0, 0);
-  energy_row(initial_energy(model, step));
+  energy_->append(initial_energy(model, step));
   persistency_->append(0);
   if (snapshots_) snapshots_->append(0, model.q0, Vector::Zero(model.rows()));
   if (receiver_rows_) receiver_rows_->record(*receivers_);
@@ -94,7 +84,7 @@ void Recorder::record(const Equilibrium& equilibrium) {
     append(bodies_[k].reaction, body.supported ? Vector3d(-load) : Vector3d::Zero());
     bodies_[k].contact_impulse.setZero();
   }
-  energy_row(equilibrium.energy);
+  energy_->append(equilibrium.energy);
   persistency_->append(0);
   if (equilibrium.active > 0) {
     contact_row(equilibrium.time, equilibrium.displacement, equilibrium.force);
@@ -161,8 +151,7 @@ void Recorder::make_model_rows(const StepOptions& step, int receivers_every) {
     contact_.tangential_displacement = &file_.rows("/contact/tangential_displacement", {m, 3}, "m");
     contact_.state = &file_.rows("/contact/state", {m}, "1");
   }
-  energy_ = {&file_.rows("/energy/total", {}, "J")};
-  for (const auto& [name, term] : energy_terms) energy_.push_back(&file_.rows(name, {}, "J"));
+  energy_.emplace(file_);
   persistency_ = &file_.rows("/contact/persistency", {}, "W");
   if (snapshot_every_ > 0) snapshots_.emplace(file_, *model_, step);
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
@@ -195,7 +184,7 @@ void Recorder::record(const Stepper& stepper) {
     if (persistency_) persistency_->append(stepper.persistency());
     if (modal) {
       bodies_row(modal->v, static_cast<double>(last_row_) * step_, t);
-      energy_row(modal->energy());
+      energy_->append(modal->energy());
     } else {
       bodies_row(*stepper.body_velocities());
     }
@@ -244,12 +233,6 @@ void Recorder::bodies_row(const Eigen::Matrix3Xd& velocity) {
     append(bodies_[b].velocity, v);
     append(bodies_[b].momentum, bodies_[b].mass * v);
   }
-}
-
-void Recorder::energy_row(const Energy& energy) {
-  energy_.front()->append(energy.total());
-  for (std::size_t k = 0; k < energy_terms.size(); ++k)
-    energy_[k + 1]->append(energy.*energy_terms[k].second);
 }
 
 void Recorder::contact_row(double time, const Vector& u, const Vector& force) {

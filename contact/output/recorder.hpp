@@ -16,6 +16,7 @@
 #include "base/hdf5_writer.hpp"
 #include "contact/model/model.hpp"
 #include "contact/output/contact_sides.hpp"
+#include "contact/output/energy_rows.hpp"
 #include "contact/output/receiver_rows.hpp"
 #include "contact/output/receivers.hpp"
 #include "contact/output/snapshot_rows.hpp"
@@ -88,7 +89,6 @@ class Recorder {
   void push(const Vector& force, double duration);
   void bodies_row(const Vector& v, double from, double to);
   void bodies_row(const Eigen::Matrix3Xd& velocity);
-  void energy_row(const Energy& energy);
   void contact_row(double time, const Vector& u, const Vector& force);
   void sides_row(const SidesMotion& sides);
   void friction_row(const Vector& w, const Vector& force, std::span<const ContactState> states);
@@ -103,7 +103,7 @@ class Recorder {
   Rows* time_;
   Rows* persistency_ = nullptr;
   ContactRows contact_{};
-  std::vector<Rows*> energy_;  ///< total, then the terms
+  std::optional<EnergyRows> energy_;
   std::vector<BodyRows> bodies_;
   std::optional<ReceiverRows> receiver_rows_;
   std::optional<SnapshotRows> snapshots_;

@@ -19,10 +19,11 @@ if TYPE_CHECKING:
     from ricochet._core import __version__
     from ricochet.errors import InputError, RicochetError, SolverError
     from ricochet.kernel import Kernel
-    from ricochet.result import Result, SweepResult
+    from ricochet.result import Result
     from ricochet.runs import impact, kernels, plot, report, sweep
     from ricochet.scene import Scene
     from ricochet.simulation import Pickup, Simulation
+    from ricochet.sweep_result import SweepResult
 
 __all__ = [
     "InputError",
@@ -46,10 +47,11 @@ _PLACES = {
     "_core": ["__version__"],
     "errors": ["InputError", "RicochetError", "SolverError"],
     "kernel": ["Kernel"],
-    "result": ["Result", "SweepResult"],
+    "result": ["Result"],
     "runs": ["impact", "kernels", "plot", "report", "sweep"],
     "scene": ["Scene"],
     "simulation": ["Pickup", "Simulation"],
+    "sweep_result": ["SweepResult"],
 }
 _PLACE = {name: place for place, names in _PLACES.items() for name in names}
 

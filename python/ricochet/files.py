@@ -27,8 +27,10 @@ def writing(path: Path, choose: str) -> Iterator[None]:
         raise InputError(f"{path}: cannot be written ({error.strerror}). Choose another {choose}.") from None
 
 
-def write(path: Path, content: bytes | memoryview) -> None:
-    """Writes the file completely or leaves it unchanged. Raises OSError with the filename `path`."""
+@contextlib.contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """Yields the path of a new file beside `path`, which is synced and renamed when the block ends, and removed
+    if the block raises an exception. Raises OSError with the filename `path`."""
     try:
         if path.exists() and not path.is_file():  # a device would be replaced by a file
             raise FileExistsError(errno.EEXIST, "this name belongs to something other than a file")
@@ -37,8 +39,7 @@ def write(path: Path, content: bytes | memoryview) -> None:
         try:
             with open(partial, "wb") as file:
                 lock(file)
-                file.write(content)
-                file.flush()
+                yield partial
                 os.fsync(file.fileno())
             partial.rename(path)
         finally:
@@ -51,6 +52,12 @@ def write(path: Path, content: bytes | memoryview) -> None:
             os.fsync(folder)
         finally:
             os.close(folder)
+
+
+def write(path: Path, content: bytes | memoryview) -> None:
+    """Writes the file completely or leaves it unchanged. Raises OSError with the filename `path`."""
+    with replacing(path) as partial, open(partial, "r+b") as file:
+        file.write(content)
 
 
 def lock(file: BinaryIO) -> bool:

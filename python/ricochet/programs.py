@@ -18,6 +18,7 @@ Answer = dict[str, Any]  # an answer of ricochet-contact --batch: status, and su
 Show = Callable[[str], object]
 
 ROOT = Path(__file__).resolve().parents[2]  # the checkout
+OWN = re.compile(r"\s*ricochet-[a-z]+: ")  # starts an error of a program
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
 
@@ -132,20 +133,23 @@ def replace_this_process(command: Sequence[Word]) -> NoReturn:
 
 def refusal(process: "subprocess.Popen[str]") -> Answer | None:
     """Waits for the end of a quiet program. Returns its error in the form of an answer of --batch, or None if
-    it succeeded."""
+    it succeeded. An error that the program itself did not report has "died": mpirun ends with status 1 if a
+    signal ends it."""
+    lines: list[str] = []
     try:
-        wait(process)
+        wait(process, lines.append)
     except RicochetError as error:
         if error.status not in (1, 2):
             raise
-        return {"status": error.status, "error": str(error)}
+        answer = {"status": error.status, "error": str(error)}
+        return answer if any(map(OWN.match, lines)) else answer | {"died": True}
     return None
 
 
 def complaint(err: str) -> str:
     """The line of standard error that contains the reason for a failure."""
     lines = [line.strip() for line in err.splitlines() if line.strip()]
-    own = [line.split(": ", 1)[1] for line in lines if re.match("ricochet-[a-z]+: ", line)]
+    own = [line.split(": ", 1)[1] for line in lines if OWN.match(line)]
     return (own or lines or ["it gave no reason"])[-1]
 
 

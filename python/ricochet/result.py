@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 from ricochet.arrays import Floats
 from ricochet.errors import InputError
 from ricochet.result_file import File
-from ricochet.studies.table import Table
 
 
 class _Data:
@@ -415,48 +414,6 @@ class Result(_Data):
         )
 
 
-class SweepResult:
-    """The figures of all impacts of a study. All columns have a row for each impact."""
-
-    #: columns that a notebook shows
-    SHOWN = ("peak_force_n", "impulse_ns", "restitution", "contact_steps")
-
-    def __init__(self, table: Table) -> None:
-        self.title = table.title
-        #: values of the varied keys
-        self.inputs: dict[str, NDArray[Any]] = {
-            name: np.array(column) for name, column in table.inputs.items()
-        }
-        #: figures of summary.json, such as `exit_velocity.upper.y`; NaN if an impact does not have one
-        self.outputs: dict[str, Floats] = {
-            name: np.array(column, dtype=np.float64) for name, column in table.outputs.items()
-        }
-        #: 0: finished, 2: refused, 1: failed
-        self.status: NDArray[np.int64] = np.array(table.status, dtype=np.int64)
-        #: the reason why an impact was refused or failed, one line
-        self.error: list[str] = list(table.error)
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        """A column of the inputs or outputs. Raises KeyError."""
-        return self.inputs[name] if name in self.inputs else self.outputs[name]
-
-    def __len__(self) -> int:
-        return len(self.status)
-
-    def __repr__(self) -> str:
-        failed = np.count_nonzero(self.status)
-        return f"<SweepResult {self.title!r}: {', '.join(self.inputs)}; {len(self)} impacts, {failed} failed>"
-
-    def _repr_html_(self) -> str:
-        names = [*self.inputs, *(name for name in self.SHOWN if name in self.outputs)]
-        head = "".join(f"<th>{html.escape(name)}</th>" for name in [*names, "error"])
-        body = ""
-        for row in range(len(self)):
-            cells = [_text(self[name][row]) for name in names] + [self.error[row]]
-            body += "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in cells) + "</tr>"
-        return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-
-
 #: datasets of the energy ledger
 _TERMS = ("kinetic", "strain", "residual", "loads", "damping", "contact", "friction", "total")
 
@@ -482,7 +439,3 @@ _FIGURES = (
 
 def _prefix(seconds: float) -> tuple[float, str]:
     return (1.0, "s") if seconds >= 1 else (1e3, "ms") if seconds >= 1e-3 else (1e6, "µs")
-
-
-def _text(value: object) -> str:
-    return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -14,10 +14,11 @@ from ricochet import _core, files, pages, pictures, programs
 from ricochet.errors import InputError
 from ricochet.kernel import Kernel
 from ricochet.progress import Progress
-from ricochet.result import Result, SweepResult
+from ricochet.result import Result
 from ricochet.scene import PathLike, Scene, plain, scene_of
 from ricochet.studies.study import Study
 from ricochet.studies.sweep import Sweep
+from ricochet.sweep_result import SweepResult
 
 #: matches a line that ricochet-kernel prints at the end of a phase
 _PHASE = re.compile(r"(?P<body>[\w-]+): (?P<phase>.+?) {2,}[\d.]+ (s|min|h)")
@@ -77,17 +78,23 @@ def sweep(
     study: Scene | PathLike,
     grid: Mapping[str, Sequence[Any]] | None = None,
     *,
+    keep: Sequence[str] = (),
     out: PathLike | None = None,
     jobs: int | None = None,
     ranks: int = 2,
+    retry: bool = False,
 ) -> SweepResult:
-    """Runs the impacts of a study and computes the kernels that they need. Skips finished impacts.
+    """Runs the impacts of a study and computes the kernels that they need. Skips impacts that are finished,
+    were refused or have failed, unless something they depend on has changed.
 
     study: a study file (docs/studies.md), or a Scene whose keys `grid` varies.
     grid: lists of values by key; every combination is run.
+    keep: histories to keep of each impact, for `SweepResult.history`: "force", "receivers", "bodies",
+        "energy". A study file has a `keep` of its own.
     out: folder of kernels and results; default: `out` beside the study, or `scene.out`.
     jobs: number of impacts that run at the same time; default: one for each processor.
     ranks: MPI ranks of ricochet-kernel.
+    retry: whether to run impacts again that were refused or have failed.
 
     Raises InputError for a study that is refused, and SolverError if all of its impacts fail. If only some
     impacts fail, their rows of the result contain the reason in `error`.
@@ -96,22 +103,23 @@ def sweep(
         if not grid:
             raise InputError("grid: is missing: name keys of the scene, with lists of their values")
         folder = _folder(study, out)
-        path = _study_file(study, grid, folder)
+        path = _study_file(study, grid, keep, folder)
     else:
-        if grid is not None:
-            raise InputError(
-                "grid: does not go with a study file, which has a grid of its own. Leave it out."
-            )
+        for name, given in (("grid", grid is not None), ("keep", bool(keep))):
+            if given:
+                raise InputError(
+                    f"{name}: does not go with a study file, which has a {name} of its own. Leave it out."
+                )
         path = Path(study)
         folder = path.parent / "out" if out is None else Path(out)
-    run = Sweep(Study(path), folder, jobs, ranks)
+    run = Sweep(Study(path), folder, jobs, ranks, retry=retry)
     with contextlib.closing(run.journal):
         run.prepare()
         try:
             run.run()
         finally:
             table = run.write()
-    return SweepResult(table)
+    return SweepResult(table, run.results)
 
 
 class Picture:
@@ -184,11 +192,12 @@ def _compute(scene: Scene, folder: Path, ranks: int) -> None:
     bar.advance("kernels", bar.total - bar.done)
 
 
-def _study_file(scene: Scene, grid: Mapping[str, Sequence[Any]], folder: Path) -> Path:
+def _study_file(scene: Scene, grid: Mapping[str, Sequence[Any]], keep: Sequence[str], folder: Path) -> Path:
     """Writes the scene, and a study that varies it, into `folder`."""
     written = scene.write(folder / f"{scene.slug}.toml")
     path = folder / f"{scene.slug}.study.toml"
-    table = {"scene": written.name, "title": scene.title, "grid": plain(grid)}
+    words = [keep] if isinstance(keep, str) else list(keep)
+    table = {"scene": written.name, "title": scene.title, "keep": words, "grid": plain(grid)}
     files.write(path, "\n".join(programs.settings(table)).encode())
     return path
 

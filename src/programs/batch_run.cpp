@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "src/programs/batch_run.hpp"
 
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
 #include <filesystem>
 #include <istream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "contact/output/histories.hpp"
 #include "contact/output/summary.hpp"
 #include "kernels/read.hpp"
 #include "kernels/write.hpp"
@@ -17,6 +23,7 @@
 #include "src/programs/accuracy.hpp"
 #include "src/programs/impact_runner.hpp"
 #include "src/scene/derive.hpp"
+#include "src/scene/near_miss.hpp"
 #include "src/scene/read.hpp"
 #include "src/scene/request.hpp"
 #include "src/scene/scene.hpp"
@@ -31,11 +38,81 @@ namespace {
 /// Greatest allowed nesting of lists and objects in a request.
 constexpr int most_nested = 16;
 
+constexpr std::array<std::pair<const char*, bool contact::HistoryOptions::*>, 4> history_words{
+    {{"force", &contact::HistoryOptions::force},
+     {"receivers", &contact::HistoryOptions::receivers},
+     {"bodies", &contact::HistoryOptions::bodies},
+     {"energy", &contact::HistoryOptions::energy}}};
+
+/// The histories that a request keeps; no value: none. Throws InputError for an unknown word, and for
+/// receivers of a scene without any.
+std::optional<contact::HistoryOptions> kept(const Json& request, const scene::Scene& scene) {
+  if (!request.contains("keep")) return std::nullopt;
+  contact::HistoryOptions out;
+  for (const auto& word : request["keep"].get<std::vector<std::string>>()) {
+    const auto found = std::ranges::find(history_words, word, [](const auto& known) { return known.first; });
+    if (found == history_words.end()) {
+      std::vector<std::string> names;
+      for (const auto& [name, option] : history_words) names.emplace_back(name);
+      throw InputError(
+          fmt::format("keep: there is no history \"{}\"{}", word, scene::existing_names(word, names)));
+    }
+    out.*found->second = true;
+  }
+  if (out.receivers && scene.output.receivers.empty())
+    throw InputError(
+        fmt::format("{}: output.receiver: is missing: keep = [\"receivers\"] needs a [[output.receiver]]; "
+                    "add one, or keep "
+                    "other histories",
+                    scene.file.filename().string()));
+  return out;
+}
+
+/// Observes the histories that a request keeps.
+class Keeper : public ImpactObserver {
+ public:
+  explicit Keeper(const std::optional<contact::HistoryOptions>& options) : options_(options) {}
+
+  void started(const Impact& impact, const contact::Stepper&) override {
+    if (!options_) return;
+    if (impact.table)
+      histories_.emplace(*impact.table, impact.options, settled(impact));
+    else
+      histories_.emplace(*impact.model, impact.options, settled(impact));
+  }
+  void stepped(const contact::Stepper& stepper) override {
+    if (histories_) histories_->record(stepper);
+  }
+  void at_rest(const Impact& impact, const contact::Equilibrium& equilibrium) override {
+    if (options_ && !histories_) histories_.emplace(*impact.model, settled(impact));
+    if (histories_) histories_->record(equilibrium);
+  }
+  /// An HDF5 file; empty if none is kept.
+  std::string file() { return histories_ ? histories_->file() : ""; }
+
+ private:
+  /// With the rates that may have been chosen for the accuracy of the scene.
+  contact::HistoryOptions settled(const Impact& impact) const {
+    contact::HistoryOptions out = *options_;
+    out.every = impact.scene.output.every;
+    out.receivers_every = impact.scene.output.receivers_every(impact.scene.time.rate);
+    return out;
+  }
+
+  std::optional<contact::HistoryOptions> options_;
+  std::optional<contact::Histories> histories_;
+};
+
+struct Answer {
+  Json json;
+  std::string histories{};  ///< an HDF5 file, or empty
+};
+
 class Batch {
  public:
   explicit Batch(const console::Options& options) : options_(options) {}
 
-  Json answer(const std::string& line) {
+  Answer answer(const std::string& line) {
     try {
       const Json request = Json::parse(
           line,
@@ -53,18 +130,19 @@ class Batch {
       scene::Scene scene = scene::read(options_.scene, overrides);
       if (request.contains("derive"))
         for (const Json& file : request["derive"]) derive(scene, options_.out / file.get<std::string>());
+      const auto histories = kept(request, scene);
       if (request.value("kernels", false))
-        return {{"status", 0}, {"kernels", needed(scene)}, {"reads", other_files(scene)}};
-      return {{"status", 0}, {"summary", Json::parse(impact(std::move(scene)))}};
+        return {{{"status", 0}, {"kernels", needed(scene)}, {"reads", other_files(scene)}}};
+      return impact(std::move(scene), histories);
     } catch (const InputError& error) {
-      return {{"status", 2}, {"error", error.what()}};
+      return {{{"status", 2}, {"error", error.what()}}};
     } catch (const Json::exception&) {
-      return {{"status", 2},
-              {"error",
-               "--batch: \"set\" must be a list of texts KEY=VALUE, \"kernels\" true or false, \"derive\" a "
-               "list of file names"}};
+      return {{{"status", 2},
+               {"error",
+                "--batch: \"set\" must be a list of texts KEY=VALUE, \"kernels\" true or false, \"derive\" a "
+                "list of file names, \"keep\" a list of histories"}}};
     } catch (const std::exception& error) {
-      return {{"status", 1}, {"error", error.what()}};
+      return {{{"status", 1}, {"error", error.what()}}};
     }
   }
 
@@ -117,11 +195,15 @@ class Batch {
     return out;
   }
 
-  std::string impact(scene::Scene scene) {
+  Answer impact(scene::Scene scene, const std::optional<contact::HistoryOptions>& kept) {
     console::Console quiet(true);
-    ImpactObserver nobody;
-    const ImpactSummary summary = run_impact({std::move(scene), options_.out}, store_, quiet, nobody).summary;
-    return std::visit([](const auto& figures) { return contact::json_text(figures); }, summary);
+    Keeper keeper(kept);
+    const ImpactSummary summary = run_impact({std::move(scene), options_.out}, store_, quiet, keeper).summary;
+    const std::string text =
+        std::visit([](const auto& figures) { return contact::json_text(figures); }, summary);
+    Answer out{{{"status", 0}, {"summary", Json::parse(text)}}, keeper.file()};
+    if (!out.histories.empty()) out.json["histories"] = out.histories.size();
+    return out;
   }
 
   const console::Options& options_;
@@ -137,8 +219,11 @@ std::string text_of(const Json& answer) {
 
 int run_batch(const console::Options& options, std::istream& in, std::ostream& out) {
   Batch batch(options);
-  for (std::string line; out && std::getline(in, line);)
-    if (!line.empty()) out << text_of(batch.answer(line)) << std::endl;  // flushed: the caller waits for it
+  for (std::string line; out && std::getline(in, line);) {
+    if (line.empty()) continue;
+    const Answer answer = batch.answer(line);
+    out << text_of(answer.json) << '\n' << answer.histories << std::flush;  // the caller waits for it
+  }
   return 0;
 }
 

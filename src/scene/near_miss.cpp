@@ -59,7 +59,7 @@ std::string singular(std::string word) {
 }
 
 /// Words of the field, of formulas and of other programs, each with the key that has its meaning here.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 47> synonyms{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 50> synonyms{
     {{"e", "young"},
      {"elasticity", "young"},
      {"elasticmodulus", "young"},
@@ -70,6 +70,9 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 47> synonyms
      {"eta", "loss_factor"},
      {"file", "mesh"},
      {"position", "translate"},
+     {"position", "at"},
+     {"location", "at"},
+     {"coordinates", "at"},
      {"offset", "translate"},
      {"rotation", "rotate_deg"},
      {"orientation", "rotate_deg"},
@@ -118,6 +121,26 @@ const Key* same_meaning(const Section& section, const std::string& word) {
     if (synonym == plain(word) || synonym == plain(without_unit(word)))
       if (const Key* key = section.find(name)) return key;
   return nullptr;
+}
+
+/// The key of the section for which the word is a misspelt synonym, or null. Short synonyms resemble too many
+/// words.
+const Key* similar_meaning(const Section& section, const std::string& word) {
+  constexpr std::size_t least_letters = 5;
+  std::vector<std::string> known;
+  for (const auto& [synonym, name] : synonyms)
+    if (synonym.size() >= least_letters && section.find(name) != nullptr) known.emplace_back(synonym);
+  const std::string similar = most_similar(word, known);
+  return similar.empty() ? nullptr : same_meaning(section, similar);
+}
+
+/// The only name that begins with the same two letters as the word; empty if there is none.
+std::string same_beginning(const std::string& word, const std::vector<std::string>& names) {
+  const std::string beginning = plain(word).substr(0, 2);
+  const auto alike = [&](const std::string& name) {
+    return beginning.size() == 2 && name.starts_with(beginning);
+  };
+  return std::ranges::count_if(names, alike) == 1 ? *std::ranges::find_if(names, alike) : "";
 }
 
 /// The titles of the sections that have this key, "[time]" or "[[loads.point]] or [[loads.motion]]".
@@ -175,7 +198,11 @@ std::string unknown_key(const Section& section, const std::string& key, bool is_
   std::ranges::sort(names);
   const std::string similar = most_similar(without_unit(key), names);
   if (!similar.empty()) return meant(*section.find(similar));
-  return fmt::format("unknown key. The keys here are {}.", fmt::join(names, ", "));
+  if (const Key* key_meant = similar_meaning(section, without_unit(key))) return meant(*key_meant);
+  const std::string possible = same_beginning(key, names);
+  return fmt::format("unknown key. {}The keys here are {}.",
+                     possible.empty() ? "" : fmt::format("Did you mean \"{}\"? ", possible),
+                     fmt::join(names, ", "));
 }
 
 std::string existing_names(const std::string& name, const std::vector<std::string>& existing) {

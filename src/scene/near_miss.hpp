@@ -15,7 +15,7 @@ std::string most_similar(const std::string& word, const std::vector<std::string>
 
 /// The complaint about a key that `section` does not have, with what to write: the similar key of this
 /// section and, if the unknown key states a unit, its unit; otherwise the section that has such a key;
-/// otherwise all keys of this section.
+/// otherwise all keys of this section, with the one that begins alike.
 /// @param is_table  whether the value of the key is a table: then only tables of other sections are meant
 std::string unknown_key(const Section& section, const std::string& key, bool is_table);
 

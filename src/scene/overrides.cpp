@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "src/scene/overrides.hpp"
 
+#include <optional>
+
+#include "src/scene/near_miss.hpp"
 #include "src/scene/table.hpp"
 
 namespace ricochet::scene {
@@ -76,6 +79,13 @@ std::string trimmed(const std::string& text) {
   return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
+/// The key of the table that is most similar to `key`; empty if none is.
+std::string similar_key(const std::string& key, const toml::table& table) {
+  std::vector<std::string> names;
+  for (auto&& [name, node] : table) names.emplace_back(name.str());
+  return most_similar(key, names);
+}
+
 }  // namespace
 
 void apply_override(toml::table& root, const Override& text) {
@@ -93,15 +103,22 @@ void apply_override(toml::table& root, const Override& text) {
   }
 
   toml::table* table = &root;
+  std::string path;                  // of the current part
+  std::optional<std::string> meant;  // in place of the first part that the scene does not have
   for (std::size_t p = 0; p < parts.size(); ++p) {
     const Part& part = parts[p];
     const bool last = p + 1 == parts.size();
+    path += (p > 0 ? "." : "") + part.key;
     if (last && part.index.empty()) {
       table->insert_or_assign(part.key, *parsed.get("value"));
       return;
     }
     if (!table->contains(part.key)) {
-      if (!part.index.empty()) throw refusal(text, "the scene has no list " + part.key);
+      if (!meant) meant = similar_key(part.key, *table);
+      if (!part.index.empty())
+        throw refusal(text, "the scene has no list " + path +
+                                (meant->empty() ? ": add it to the scene, or give the whole list"
+                                                : ". Did you mean \"" + *meant + "\"?"));
       table->insert(part.key, toml::table{});
     }
     toml::node* node = table->get(part.key);

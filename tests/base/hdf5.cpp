@@ -5,6 +5,9 @@
 
 #include <hdf5.h>
 
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
 #include <stdexcept>
 
 #include "kernels/read.hpp"
@@ -43,6 +46,34 @@ TEST(Rows, read_back_in_order_for_any_block) {
   }
   EXPECT_EQ(file.read<double>("/contact/wide", {any, 3, 5000})[2 * 15000 + 14999], 2.0);
   EXPECT_EQ(file.string_attribute("/contact/force", "unit"), "N");
+}
+
+TEST(FileWithoutAName, is_compressed_and_returned_whole) {
+  const Folder folder;
+  const auto temporary = [] {
+    const std::filesystem::directory_iterator all(std::filesystem::temp_directory_path());
+    return std::ranges::count_if(all, [](const auto& entry) {
+      const std::string name = entry.path().filename().string();
+      return name.starts_with("ricochet-") && name.size() == std::string_view("ricochet-XXXXXX").size() &&
+             entry.is_regular_file();
+    });
+  };
+  const auto before = temporary();
+  constexpr std::size_t kRows = 3000;
+  Writer file(Unnamed{});
+  Rows& smooth = file.rows("/smooth", {2}, "m");
+  for (std::size_t k = 0; k < kRows; ++k)
+    smooth.append(std::vector<double>{static_cast<double>(k), -static_cast<double>(k)});
+  EXPECT_EQ(temporary(), before);  // nothing remains of a process that is killed here
+  const std::string content = file.content();
+  EXPECT_LT(content.size(), kRows * 2 * sizeof(double) / 2);
+  std::ofstream(folder / "copy.h5", std::ios::binary) << content;
+  const Reader copy(folder / "copy.h5", "Advice.");
+  const std::vector<double> values = copy.read<double>("/smooth", {kRows, 2});
+  for (std::size_t k = 0; k < kRows; ++k) {
+    ASSERT_EQ(values[2 * k], static_cast<double>(k));
+    ASSERT_EQ(values[2 * k + 1], -static_cast<double>(k));
+  }
 }
 
 TEST(Rows, may_stay_empty) {

@@ -119,7 +119,7 @@ FOLDERS = {
                 "python/friction",
                 *_programs("skins", "command", "report", "page_view"),
             ),
-            "python/ricochet/studies/": _programs("sweep", "sweep_faults", "batch"),
+            "python/ricochet/studies/": _programs("sweep", "sweep_faults", "sweep_histories", "batch"),
             "python/ricochet/tradeoffs/": ("python/commands", *_programs("tradeoff")),
             "python/ricochet/cli/": (
                 "python/commands",

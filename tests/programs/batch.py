@@ -5,12 +5,15 @@ import csv
 import shutil
 import unittest
 
+import h5py
+
 import slurm
 from programs import BIN, MESHES, ProgramTest, Run
 
 STUDY = """
 scene = "two-rods.toml"
 title = "Rods"
+keep = ["force"]
 [set]
 "modes.count" = 20
 "time.rate_hz" = 20.0
@@ -48,15 +51,27 @@ class Batch(ProgramTest):
         return "\n".join(path.read_text() for path in self.out.glob("*.log"))
 
     def test_kernels_impacts_and_results_are_those_of_a_sweep(self):
+        """Settings that are refused stop no job."""
+        self.study.write_text(f'{STUDY}"bodies.moving.contact" = ["right", "nope"]\n')
         self.submit()
         rows = self.rows()
-        self.assertEqual([row["status"] for row in rows], ["0"] * 16, self.logs())
+        self.assertEqual([row["status"] for row in rows], ["0", "2"] * 16, self.logs())
+        self.assertIn("16 refused or failed", self.logs())
         self.assertEqual(len(list(self.out.glob("*.kernel.h5"))), 3)
         self.assertEqual(len(list(self.out.glob("rods.sweep.*-of-3.jsonl"))), 3)
+        with h5py.File(self.out / "rods.sweep.h5") as file:
+            self.assertEqual(len(file["histories"]), 16)
+            for row, of in zip(rows[::2], file["histories"].values(), strict=True):
+                self.assertEqual(of["contact/total_force"][:].max(), float(row["peak_force_n"]))
+        self.submit("--retry", "--dry-run")
+        words = [path.read_text() for path in sorted(self.out.glob("rods.*.sh"))]
+        self.assertEqual(
+            [" --retry" in text for text in words], [False, True, True]
+        )  # collect, impacts, kernels
         alone = self.folder / "alone"
-        self.succeed(Run([BIN / "ricochet", "sweep", self.study, "--out", alone]))
+        self.assertEqual(Run([BIN / "ricochet", "sweep", self.study, "--out", alone]).status, 3)
         with open(alone / "rods.sweep.csv") as file:
-            for one, other in zip(rows, csv.DictReader(file), strict=True):
+            for one, other in zip(rows[::2], list(csv.DictReader(file))[::2], strict=True):
                 # Kernels of two ranks and of other runs differ by round-off, which the first impacts amplify.
                 self.assertAlmostEqual(float(one["impulse_ns"]), float(other["impulse_ns"]), delta=1e-6)
 

@@ -336,15 +336,18 @@ class Sweeps(Robust):
         self.assertLess((status == 0).sum(), 40)
 
     def test_a_full_disk_is_said_in_one_line_and_the_next_run_goes_on(self):
-        self.study = self.write("study.toml", STUDY)
-        run = ["env", f"RICOCHET_BIN={BIN}", *self.sweep()]
-        self.succeed(Run([*run, "--kernels"]))
-        for limit in (1000, 8_000, 30_000):  # within the journal or the tables
-            self.refused(self.limited(resource.RLIMIT_FSIZE, limit, *run), "sweep: ", "File too large")
-            self.assertEqual(self.left(), [])
-        self.succeed(Run(run))
-        with h5py.File(self.out / "many.sweep.h5") as file:
-            self.assertTrue((file["status"][:] == 0).all())
+        # Within the journal or the tables; within the histories, and within the file that collects them.
+        for keep, limits in ("", (1000, 8_000, 30_000)), ('keep = ["force"]\n', (60_000, 150_000)):
+            self.study = self.write("study.toml", keep + STUDY)
+            run = ["env", f"RICOCHET_BIN={BIN}", *self.sweep()]
+            self.succeed(Run([*run, "--kernels"]))
+            for limit in limits:
+                self.refused(self.limited(resource.RLIMIT_FSIZE, limit, *run), "sweep: ", "File too large")
+                self.assertEqual(self.left(), [])
+            self.succeed(Run(run))
+            with h5py.File(self.out / "many.sweep.h5") as file:
+                self.assertTrue((file["status"][:] == 0).all())
+                self.assertEqual(len(file.get("histories", ())), 40 * bool(keep))
 
     def test_lines_of_the_journal_that_a_disk_spoilt_are_run_again(self):
         self.study = self.write("study.toml", STUDY)

@@ -57,6 +57,15 @@ count = 3
 """
 
 
+KEEP = 'keep = ["force"]\n'
+
+
+def force_of(file, row):
+    """Times and values of the total force of a row."""
+    contact = file["histories"][row]["contact"]
+    return np.array([contact["time"], contact["total_force"]])
+
+
 class Studies(SweepTest):
     def settings(self, text):
         return Study(self.study(text)).settings
@@ -90,6 +99,13 @@ class Studies(SweepTest):
             ("[random]\na = {uniform = [0, 1]}", "count"),
             ("[random]\ncount = 2\na = {log_uniform = [-1, 1]}", "of one sign"),
             ("[grid]\na = [1]\n[list]\na = [2]", "varied twice"),
+            ("[gird]\na = [1]", 'unknown key "gird". Did you mean "grid"?'),
+            ('keep = ["forces"]', 'no history "forces". Did you mean "force"?'),
+            ('keep = ["xyz"]', 'no history "xyz": there are bodies, energy, force, receivers'),
+            ('keep = [["force"]]', "no history"),
+            ('keep = "force"', r'give a list, as in keep = \["force"\]'),
+            ('[set]\nkeep = ["force"]', "set.keep: belongs to the top of the file"),
+            ("[random]\ncuont = 3\na = {uniform = [0, 1]}", 'Is "cuont" meant as count'),
             ("[grid]\na = {from = -1, to = 1, steps = 3, scale = 'log'}", "same sign"),
             ("[grid", "is not TOML"),
         ]:
@@ -99,6 +115,17 @@ class Studies(SweepTest):
         done = Run(self.sweep(self.study(text)))
         self.assertEqual((done.status, done.err.count("\n")), (2, 1), done.err)
         self.assertFalse(self.out.exists())
+
+    def test_misspelt_keys_of_the_scene_are_named_with_those_that_are_meant(self):
+        for key, value, meant in [
+            ("contact.gp", 0.1, "gap"),
+            ("bodies.movng.velocity[0]", 1.0, "moving"),
+            ("bodies.moving.velocty[0]", 1.0, "velocity"),
+            ("bodies.movng.velocity", [1, 0, 0], "bodies.moving"),
+        ]:
+            done = Run(self.sweep(self.study(f'[grid]\n"{key}" = [{value}]')))
+            self.assertEqual((done.status, done.err.count("\n")), (2, 1), done.err)
+            self.assertRegex(done.err, f'[Dd]id you mean "?{meant}"?')
 
 
 class Pictures(unittest.TestCase):
@@ -191,7 +218,7 @@ class Sweeps(SweepTest):
             self.assertTrue((file["status"][:] == 0).all())
 
     def test_after_kills_nothing_finished_is_run_again_and_nothing_is_lost(self):
-        study = self.study(GRID.replace("count = 3", "count = 40"))
+        study = self.study(KEEP + GRID.replace("count = 3", "count = 40"))
         journal, before = self.out / "rods.sweep.jsonl", b""
         for enough in (5, 60):
             process = subprocess.Popen(
@@ -217,6 +244,12 @@ class Sweeps(SweepTest):
         self.assertEqual([row["status"] for row in self.rows()], ["0"] * 160)
         self.succeed(Run(self.sweep(study)))
         self.assertEqual(journal.read_bytes(), found)
+        alone = self.folder / "alone"
+        self.succeed(Run(self.sweep(study, "--out", alone)))
+        with h5py.File(self.out / "rods.sweep.h5") as one, h5py.File(alone / "rods.sweep.h5") as other:
+            self.assertEqual(len(one["histories"]), 160)
+            for row in one["histories"]:
+                np.testing.assert_array_equal(force_of(one, row), force_of(other, row))
 
     def test_impacts_whose_process_is_killed_are_run_again(self):
         """The sweep itself continues, as it does if memory runs out or if processes of a job are terminated."""
@@ -256,7 +289,7 @@ for line in sys.stdin:
         always = (victims / "ricochet-contact").read_text().replace("impacts == 10", "impacts > 0")
         (victims / "ricochet-contact").write_text(always)
         (self.out / "rods.sweep.jsonl").unlink()
-        self.succeed(Run(["env", f"RICOCHET_BIN={victims}", *self.sweep(study)]))
+        self.assertEqual(Run(["env", f"RICOCHET_BIN={victims}", *self.sweep(study)]).status, 1)
         self.assertEqual({row["status"] for row in self.rows()}, {"1"})
         self.assertEqual((self.out / "rods.sweep.jsonl").read_text(), "")
         self.succeed(Run(self.sweep(study)))
@@ -295,7 +328,13 @@ for line in sys.stdin:
             '[contact]\nbetween = ["rod", "wall"]\nscheme = "static"\n[loads]\ngravity = [-1, 0, 0]\n'
         )
         self.write("rod.toml", rod)
-        self.succeed(Run(self.sweep(self.study('[grid]\n"loads.gravity[0]" = [-1e-3, -2e-3]', "rod.toml"))))
+        keep = 'keep = ["force", "bodies", "energy"]\n'
+        text = '[grid]\n"loads.gravity[0]" = [-1e-3, -2e-3]'
+        self.succeed(Run(self.sweep(self.study(keep + text, "rod.toml"))))
+        with h5py.File(self.out / "rods.sweep.h5") as file:  # no velocities at rest
+            self.assertEqual(sorted(file["histories/0001"]), ["contact", "energy", "time"])
+            np.testing.assert_allclose(force_of(file, "0001"), [[0], [2e-2]], rtol=1e-9)
+            np.testing.assert_array_equal(file["histories/0001/time"], [0])
         for row in self.rows():  # the weight: 10 kg times gravity
             self.assertAlmostEqual(
                 float(row["pairs.0.force_n"]) / (-10 * float(row["loads.gravity[0]"])), 1, delta=1e-9
@@ -303,8 +342,14 @@ for line in sys.stdin:
         text = (
             '[set]\n"modes.count" = 20\n"time.rate_hz" = 20.0\n[grid]\n"contact.kernel" = ["modes", "table"]'
         )
-        self.succeed(Run(self.sweep(self.study(text))))
+        self.succeed(Run(self.sweep(self.study(keep + text))))
         modes, table = self.rows()
+        with h5py.File(self.out / "rods.sweep.h5") as file:  # table kernels know no energies
+            self.assertEqual(sorted(file["histories/0001"]), ["bodies", "contact", "time"])
+            one, other = (file[f"histories/000{k}"] for k in (0, 1))
+            np.testing.assert_array_equal(one["time"], other["time"])
+            for name in ("bodies/moving/velocity", "bodies/resting/velocity"):  # summed in another order
+                np.testing.assert_allclose(one[name], other[name], atol=1e-9)
         for name in ("impulse_ns", "exit_velocity.resting.x", "modes.moving"):  # summed in another order
             self.assertAlmostEqual(
                 float(table[name]), float(modes[name]), delta=1e-9 * abs(float(modes[name]))
@@ -339,7 +384,9 @@ for line in sys.stdin:
 
     def test_settings_that_are_refused_are_rows_that_say_why(self):
         text = GRID.replace("[0.5, 1.0]", "[0.5, inf]")
-        self.succeed(Run(self.sweep(self.study(text))))
+        done = Run(self.sweep(self.study(text)))
+        self.assertEqual((done.status, done.err), (3, ""))
+        self.assertIn("6 refused or failed", done.out)
         status = [(row["bodies.moving.velocity[0]"], row["status"], row["error"]) for row in self.rows()]
         self.assertEqual({entry[:2] for entry in status}, {("0.5", "0"), ("inf", "2")})
         self.assertIn("bodies.moving.velocity", status[-1][2])

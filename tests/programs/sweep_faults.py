@@ -20,6 +20,7 @@ from ricochet.programs import toml
 from ricochet.errors import InputError
 from ricochet.studies.journal import Journal, row_of
 from ricochet.studies.study import Study
+from ricochet.studies.workers import in_parallel
 
 STUDY = 'scene = "two-rods.toml"\ntitle = "Rods"\n[set]\n"modes.count" = 5\n"time.rate_hz" = 20.0\n'
 
@@ -150,19 +151,95 @@ class Journals(Faults):
         for line in [*map(json.dumps, wrong), "[" * 100000, "", "{"]:
             self.assertIsNone(row_of(line), line[:100])
 
-    def test_only_what_succeeded_is_final(self):
+    def test_refusals_are_final_unless_the_next_run_may_end_differently(self):
         refused, done = b'{"status": 2, "error": "no"}', b'{"status": 0, "summary": {}}'
         journal = Journal(self.out / "rods")
         for answer in (refused, refused):
             journal.add("k", answer)
-        journal.records.file.close()
+        # The disk may have room again, a kernel may be replaced, and a process may have been killed.
+        for name, text in [
+            ("disk", "full: choose another --out"),
+            ("new", "a.kernel.h5: has format version 99"),
+        ]:
+            journal.add(name, json.dumps({"status": 2, "error": text}).encode())
+        journal.add("died", b'{"status": 1, "error": "ended", "died": true}')
+        self.assertEqual(set(journal.rows), {"k", "disk", "new", "died"})  # in the table of this run
+        journal.close()
         again = Journal(self.out / "rods")
-        self.assertEqual((again.finished("k"), again.rows["k"]["error"]), (False, "no"))  # for tables
-        self.assertEqual((self.out / "rods.sweep.jsonl").read_bytes().count(b"\n"), 1)
-        again.add("k", done)
-        again.add("k", refused)
-        again.records.file.close()
+        self.assertEqual(
+            (again.finished("k"), again.refused("k"), again.rows["k"]["error"]), (False, True, "no")
+        )
+        self.assertEqual(list(again.rows), ["k"])
+        again.close()
+        retried = Journal(self.out / "rods", retry=True)
+        self.assertFalse(retried.refused("k"))
+        retried.add("k", done)
+        retried.add("k", refused)
+        retried.close()
         self.assertTrue(Journal(self.out / "rods", reads_only=True).finished("k"))
+
+    def test_histories_count_only_where_the_journal_has_them(self):
+        done, image = b'{"histories": 3, "status": 0, "summary": {}}', b"abc"
+        keys = ["%024d" % number for number in range(3)]
+        journal = Journal(self.out / "rods", keep=["force"])
+        for key in keys:
+            journal.add(key, done, image)
+        journal.close()
+
+        def finished(*keep):
+            journal = Journal(self.out / "rods", reads_only=True, keep=keep)
+            return [journal.finished(key) for key in keys]
+
+        self.assertEqual(finished(), [True] * 3)
+        self.assertEqual(finished("force"), [True] * 3)
+        self.assertEqual(finished("force", "energy"), [False] * 3)
+        archive = self.out / "rods.sweep.histories"
+        whole = archive.read_bytes()
+        for content, there in [
+            (whole[:-1], [True, True, False]),
+            (whole[:27] + b"\0" * 27 + whole[54:], [True, False, True]),
+            (b"", [False] * 3),
+        ]:
+            archive.write_bytes(content)
+            self.assertEqual(finished("force"), there)
+        archive.unlink()
+        self.assertEqual(finished("force"), [False] * 3)
+        line = json.loads((self.out / "rods.sweep.jsonl").read_bytes().splitlines()[0])
+        archive.write_bytes(whole)
+        for wrong in (
+            {"at": -1},
+            {"bytes": "3"},
+            {"words": ["nonsense"]},
+            {"words": [[]]},
+            {"words": 5},
+            {"more": 1},
+        ):
+            bad = line | {"kept": line["kept"] | wrong}
+            (self.out / "rods.sweep.jsonl").write_text(json.dumps(bad) + "\n")
+            self.assertEqual(finished("force"), [False] * 3, wrong)
+
+    def test_histories_of_a_process_that_dies_amid_them_are_asked_for_again(self):
+        """A substitute for ricochet-contact sends a part of the histories and dies, and then sends them whole."""
+        program = self.write(
+            "program",
+            f"""#!/usr/bin/python3
+import os, pathlib, sys, time
+first = pathlib.Path("{self.folder}/died")
+for line in sys.stdin.buffer:
+    again = first.exists()
+    first.touch()
+    sys.stdout.buffer.write(b'{{"histories": 200000, "status": 0}}\\n' + b"\\n" * (200000 if again else 70000))
+    sys.stdout.buffer.flush()
+    if not again:
+        os.kill(os.getpid(), 9)
+""",
+        )
+        program.chmod(0o755)
+        answers = sorted(in_parallel(1, [str(program)], [{}, {}, {}]))
+        self.assertEqual(
+            [(index, len(image)) for index, _, image in answers], [(k, 200000) for k in range(3)]
+        )
+        self.assertEqual({line for _, line, _ in answers}, {b'{"histories": 200000, "status": 0}'})
 
 
 class Kernels(Faults):
@@ -185,8 +262,8 @@ class Kernels(Faults):
         self.study(
             '[grid]\n"bodies.moving.contact" = ["nope", "right"]\n"bodies.moving.material.young" = [1.0, 2.0]'
         )
-        for stage in (["--kernels"], ["--part", "1/1"], ["--collect"]):
-            self.ends(self.sweep(*stage), 0)
+        for stage, status in (["--kernels"], 0), (["--part", "1/1"], 0), (["--collect"], 3):
+            self.ends(self.sweep(*stage), status)
         self.assertEqual([row["status"] for row in self.rows()], ["2", "2", "0", "0"])
         self.assertIn("nope", self.rows()[1]["error"])
 
@@ -204,9 +281,59 @@ exec {BIN}/ricochet-kernel "$@"
 """,
         ).chmod(0o755)
         self.study('[grid]\n"bodies.moving.order" = [2, 1]\n"contact.gap" = [0.0, 0.5]')
-        self.ends(self.sweep(env=[f"RICOCHET_BIN={self.folder}", "RICOCHET_LAUNCHER=env"]), 0)
+        self.ends(self.sweep(env=[f"RICOCHET_BIN={self.folder}", "RICOCHET_LAUNCHER=env"]), 1)
         self.assertEqual([row["status"] for row in self.rows()], ["1", "1", "0", "0"])
         self.assertEqual(self.rows()[0]["error"], "rank 0: it broke down")
+
+    def test_a_kernel_whose_program_was_ended_is_computed_by_the_next_run(self):
+        """mpirun ends with status 1 and without a word if a signal ends it. A substitute does so once."""
+        self.write("ricochet-contact", f'#!/bin/sh\nexec {BIN}/ricochet-contact "$@"\n').chmod(0o755)
+        ended = self.folder / "ended"
+        self.write(
+            "ricochet-kernel",
+            f'#!/bin/sh\n[ -e {ended} ] && exec {BIN}/ricochet-kernel "$@"\ntouch {ended}\nexit 1\n',
+        ).chmod(0o755)
+        self.study('[grid]\n"contact.gap" = [0.0, 0.5]')
+        how = {"env": [f"RICOCHET_BIN={self.folder}", "RICOCHET_LAUNCHER=env"]}
+        self.ends(self.sweep("--kernels", **how), 1, "it gave no reason")
+        self.assertEqual((self.out / "rods.sweep.jsonl").read_bytes(), b"")
+        self.ends(self.sweep(**how), 0)
+        self.assertEqual([row["status"] for row in self.rows()], ["0", "0"])
+
+    def test_what_was_refused_is_tried_once_for_all_rows_and_runs(self):
+        """Counts the starts of ricochet-kernel and the requests for impacts. Outputs and placement
+        change no kernel; bodies that overlap are refused by the impact."""
+        starts, requests = self.folder / "starts", self.folder / "requests"
+        starts.touch()
+        self.write(
+            "ricochet-kernel", f'#!/bin/sh\necho >> {starts}\nexec {BIN}/ricochet-kernel "$@"\n'
+        ).chmod(0o755)
+        self.write(
+            "ricochet-contact",
+            f'#!/bin/sh\ncase "$*" in *--batch*) tee -a {requests} | {BIN}/ricochet-contact "$@";;'
+            f' *) exec {BIN}/ricochet-contact "$@";; esac\n',
+        ).chmod(0o755)
+        mesh = '[grid]\n"bodies.moving.contact" = ["nope", "right"]\n"output.every" = [1, 2, 3]\n"bodies.moving.translate[0]" = [-10.0, -9.0]'
+
+        def counts(*more):
+            starts.write_text("")
+            requests.write_text("")
+            done = self.sweep(*more, env=[f"RICOCHET_BIN={self.folder}"])
+            self.assertEqual(done.returncode, 3, done.stderr)
+            asked = [json.loads(line) for line in requests.read_text().splitlines()]
+            return starts.read_text().count("\n"), sum("kernels" not in request for request in asked)
+
+        self.study(mesh)
+        # Meshes are checked once for each contact group, and then the other kernels are computed.
+        self.assertEqual(counts(), (3, 6))
+        refused = [row["error"] for row in self.rows() if row["status"] == "2"]
+        self.assertEqual(sum("nope" in error for error in refused), 6)
+        overlapping = len(refused) - 6
+        self.assertEqual(overlapping, 3, refused[-1])
+        self.assertEqual(counts(), (0, 0))
+        self.assertEqual(counts("--retry"), (1, overlapping))
+        (self.folder / "rod.geo").write_text((self.folder / "rod.geo").read_text() + "// changed\n")
+        self.assertEqual(counts(), (3, 6))  # a new mesh is tried again
 
 
 class Ends(Faults):
@@ -236,8 +363,9 @@ class Ends(Faults):
         )
         self.ends(self.sweep("--plot", "nonsense"), 2, '"nonsense" is not a column', "impulse_ns")
         self.ends(
-            self.sweep("--plot", "impulse_ns", "--against", "bodies.moving.velocity[0]", "contact.gap"), 0
+            self.sweep("--plot", "impulse_ns", "--against", "bodies.moving.velocity[0]", "contact.gap"), 3
         )
+        self.ends(self.sweep("--plot", "force"), 2, 'keep has no "force"')
         with open("/dev/full", "w") as full:
             self.ends(self.sweep(stdout=full), 1, "standard output")
             self.ends(
@@ -246,7 +374,7 @@ class Ends(Faults):
                 "standard output",
             )
         closed = self.script("sweep", self.folder / "study.toml", stderr=None, preexec_fn=lambda: os.close(2))
-        self.assertEqual(closed.returncode, 0)
+        self.assertEqual(closed.returncode, 3)
 
     def test_words_that_cannot_be_are_refused_in_one_line(self):
         broken = self.write("broken.toml", STUDY + '[grid]\n"a\\nb" = 5')

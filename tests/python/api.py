@@ -485,6 +485,48 @@ class Sweep(KernelsTest):
             ricochet.sweep(path, {"time.rate_hz": [50]})
         with self.assertRaisesRegex(ricochet.InputError, "unknown key"):
             ricochet.sweep(self.scene, {"time.rate": [50]})
+        with self.assertRaisesRegex(ricochet.InputError, "keep: does not go with a study file"):
+            ricochet.sweep(path, keep=["force"])
+        self.assertEqual(found.histories, [])
+        with self.assertRaisesRegex(ricochet.InputError, 'add keep = \\["energy"\\]'):
+            found.history(0, "energy.total")
+
+    def test_has_the_histories_and_warnings_of_single_impacts(self):
+        self.scene["output.receiver"] = [MIC]
+        study = {"contact.gap": [0.5, -1.0, 5.0], "time.duration": [4.0]}
+        found = ricochet.sweep(
+            self.scene, study, keep=["force", "receivers", "bodies", "energy"], jobs=1, ranks=1
+        )
+        single = ricochet.impact(self.scene.changed({"contact.gap": 0.5, "time.duration": 4.0}))
+        force = found.history(0, "force")
+        touching = force.values > 0
+        np.testing.assert_array_equal(force.time[touching], single.contact_time)
+        np.testing.assert_array_equal(force.values[touching], single.force[:, 0])  # one contact point
+        self.assertEqual(force.unit, "N")
+        mic = single.receivers["mic"].velocity
+        time, values, unit = found.history(-3, "receivers.mic")  # counted from the end
+        np.testing.assert_array_equal(time, single.receiver_time)
+        np.testing.assert_array_equal(values, mic)
+        self.assertEqual(unit, "m/s")
+        np.testing.assert_array_equal(found.history(0, "receivers.mic.x").values, mic[:, 0])
+        np.testing.assert_array_equal(found.history(0, "bodies.moving.z").time, single.time)
+        np.testing.assert_array_equal(found.history(0, "energy.strain").values, single.energy["strain"])
+        self.assertEqual(len(found.histories), 1 + 1 + 2 + 8)
+        self.assertEqual(found.warnings[0], single.warnings)
+        np.testing.assert_array_equal(found["touched"], [1, np.nan, 0])
+        self.assertEqual([len(found.history(row, "force").time) > 0 for row in (0, 2)], [True, False])
+        for row, name, part in [
+            (1, "force", "impact 1 has no histories"),
+            (0, "forces", 'no history "forces". Did you mean "force"?'),
+            (0, "receivers.mic.w", 'Did you mean "receivers.mic"?'),
+            (0, "energy.total.x", '"energy.total" has no components'),
+        ]:
+            with self.assertRaisesRegex(ricochet.InputError, part):
+                found.history(row, name)
+        with self.assertRaises(IndexError):
+            found.history(3, "force")
+        again = ricochet.sweep(self.scene, {"contact.gap": [5.0]}, keep=["force"], jobs=1, ranks=1)
+        self.assertEqual((len(again), len(found.history(0, "force").time)), (1, len(force.time)))
 
 
 class Package(unittest.TestCase):

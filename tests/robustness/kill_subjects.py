@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import zlib
 
 import h5py
 import numpy as np
@@ -21,6 +22,7 @@ SCENE = scenes.two_rods(
 STUDY = """
 scene = "kills.toml"
 title = "Many"
+keep = ["force"]
 [set]
 "modes.up_to_hz" = 5.0
 "time.rate_hz" = 1000
@@ -296,6 +298,13 @@ class Sweep(Subject):
         if name == "many.sweep.h5":
             with h5py.File(path) as file:
                 return len(file["status"]) == len(self.rows(self.whole)) and "error" in file
+        if name == "many.sweep.histories":
+            content = path.read_bytes()
+            lines = map(json.loads, self.journal(path.parent)[0].splitlines())
+            return all(
+                zlib.crc32(content[at["at"] : at["at"] + at["bytes"]]) == at["crc"]
+                for at in (line["kept"] for line in lines)
+            )
         return super().is_whole(name, path)
 
     def results(self, out):
@@ -304,6 +313,7 @@ class Sweep(Subject):
         for line in self.journal(out)[0].splitlines():
             row = json.loads(line)
             key = row.pop("key")
+            row["kept"] = row["kept"]["words"]  # a killed process may have left other histories before these
             for timing in TIMINGS:
                 row["summary"].pop(timing)
             found[key if key not in found else key + " twice"] = row
@@ -311,4 +321,15 @@ class Sweep(Subject):
 
     def complete(self, out):
         same = self.rows(out) == self.rows(self.whole) and self.results(out) == self.results(self.whole)
-        return super().complete(out) + ["the tables"] * (not same)
+        return (
+            super().complete(out)
+            + ["the tables"] * (not same)
+            + ["the histories"] * (self.histories(out) != self.histories(self.whole))
+        )
+
+    def histories(self, out):
+        with h5py.File(out / "many.sweep.h5") as file:
+            return {
+                row: [values[()].tobytes() for values in impact["contact"].values()]
+                for row, impact in file["histories"].items()
+            }

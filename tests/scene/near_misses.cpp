@@ -56,6 +56,39 @@ TEST(MisspeltKey, is_named_and_not_the_key_that_is_missing_because_of_it) {
   });
 }
 
+// Every list of tables, and words that resemble no key of the list.
+TEST(MisspeltKey, of_a_list_of_tables_is_named_with_the_key_that_it_may_mean) {
+  const auto list = [](const std::string& title, const std::string& line, const std::string& end) {
+    return NearMiss{"[time]", "[[" + title + "]]\n" + line + "\n[time]", end};
+  };
+  const std::vector<NearMiss> misses{
+      list("output.receiver", "postion = [0, 0, 0]",
+           "[0].postion = [0, 0, 0]: unknown key. Did you mean \"at\"?"),
+      list("output.receiver", "bdoy = \"ball\"", "unknown key. Did you mean \"body\"?"),
+      list("output.recevier", "name = \"a\"", "unknown key. Did you mean \"receiver\"?"),
+      list("contact.pair", "freind = 0.3",
+           "contact.pair[0].freind = 0.3: unknown key. Did you mean \"friction\"? The keys here are along, "
+           "between, "
+           "direction, friction, gap, reach, spacing, zone."),
+      list("contact.pair", "frction = 0.3", "unknown key. Did you mean \"friction\"?"),
+      list("contact.pairs", "gap = 1", "unknown key. Did you mean \"pair\"?"),
+      list("strikes", "malet = \"ball\"",
+           "strikes[0].malet = \"ball\": unknown key. Did you mean \"mallet\"?"),
+      list("strike", "mallet = \"ball\"", "strike = [{…}]: unknown key. Did you mean \"strikes\"?"),
+      list("loads.point", "vectr = [0, 0, 1]", "unknown key. Did you mean \"vector\"?"),
+      list("loads.points", "name = \"p\"", "unknown key. Did you mean \"point\"?"),
+      list("loads.traction", "grop = \"skin\"", "unknown key. Did you mean \"group\"?"),
+      list("loads.motion", "histry = \"a.csv\"", "unknown key. Did you mean \"history\"?"),
+      list("bodies.ball.refine", "raduis = 1",
+           "bodies.ball.refine[0].raduis = 1: unknown key. Did you mean \"radius\"?"),
+  };
+  expect_ends(misses);
+  std::size_t lists = 0;  // so that a new list of tables joins this test
+  for (const Section* section : all_sections())
+    lists += static_cast<std::size_t>(std::ranges::count(section->keys, Type::tables, &Key::type));
+  EXPECT_EQ(lists, 7);
+}
+
 TEST(MisspeltKey, may_state_a_unit_which_the_message_corrects) {
   expect_ends({
       {"duration = ", "duration_ms = ", "unknown key. Did you mean \"duration\", in s?"},

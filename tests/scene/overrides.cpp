@@ -113,7 +113,10 @@ TEST(Set, without_a_target_is_refused) {
   const std::pair<std::string, std::string> refusals[] = {
       {"contact.between[2]=3", "between has no entry [2]"},
       {"time.duration[0]=3", "duration has no entry [0]"},
-      {"contact.pair[0].gap=3", "the scene has no list pair"},
+      {"contact.pair[0].gap=3",
+       "the scene has no list contact.pair: add it to the scene, or give the whole list"},
+      {"bodies.bal.contact[0]=3", "the scene has no list bodies.bal.contact. Did you mean \"ball\"?"},
+      {"contact.betwen[0]=3", "the scene has no list contact.betwen. Did you mean \"between\"?"},
       {"time.duration.seconds=3", "duration is not a table"},
       {"contact.between.first=3", "between is not a table"},
       {"contact.between[0].name=3", "between is not a table"}};

@@ -5,7 +5,8 @@
     ricochet batch study.toml --ranks 64 --parts 20 --kernel-options "--partition=long --time=12:00:00" --dry-run
 
 The scripts of the jobs, their logs and the results are in out/ beside the study. A job that is requeued after it was killed
-resumes its work. The same command again submits the missing work.
+resumes its work. The same command again submits the missing work. The last job has the exit status of ricochet sweep
+--collect: 0 if all impacts are finished.
 """
 import argparse
 
@@ -31,6 +32,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_count(parser, "--cores", 1, "cores of each of these")
     for option, jobs in zip(TAKES_OPTIONS, ("the kernels", "impacts and collecting")):
         parser.add_argument(option, default="", metavar="TEXT", help=f"more options of sbatch for {jobs}")
+    parser.add_argument(
+        "--retry", action="store_true", help="run impacts again that were refused or have failed"
+    )
     parser.add_argument("--dry-run", action="store_true", help="write the scripts, submit nothing")
 
 
@@ -39,7 +43,7 @@ def run(options: argparse.Namespace) -> None:
     folder = (options.out or options.study.parent / "out").resolve()
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
-        jobs = slurm.Jobs(study, folder, options.ranks, options.parts, options.cores)
+        jobs = slurm.Jobs(study, folder, options.ranks, options.parts, options.cores, options.retry)
         scripts = jobs.write(options.kernel_options, options.impact_options)
         if options.dry_run:
             say("\n".join(str(script) for script in scripts))

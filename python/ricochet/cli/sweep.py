@@ -3,10 +3,12 @@
 
     ricochet sweep study.toml
     ricochet sweep study.toml --plot restitution --against 'bodies.upper.velocity[1]'
+    ricochet sweep study.toml --plot force
 
 study.toml:
 
     scene = "two-disks.toml"
+    keep = ["force"]                                    # histories: also "receivers", "bodies", "energy"
     [grid]                                              # every combination
     "bodies.upper.velocity[1]" = [-1.0, -2.0, -4.0]
     "contact.spacing" = { from = 5e-3, to = 2e-2, steps = 3 }
@@ -16,6 +18,9 @@ study.toml:
 
 All settings are checked before anything is computed. After an interruption, the same command resumes the work.
 Results: <title>.sweep.h5 and <title>.sweep.csv in out/ beside the study. ricochet batch runs a study on a cluster.
+
+Exit status: 0 if all impacts are finished, 3 if some were refused or, with --collect, have not run yet, and 1 if some
+failed: their rows state why. 2 if the study is refused. --kernels and --part end with 0 when they have done their work.
 """
 import argparse
 import os
@@ -24,12 +29,15 @@ from pathlib import Path
 
 from ricochet import programs, scene_keys
 from ricochet.cli.options import add_study, count, say, writing
-from ricochet.errors import InputError
+from ricochet.errors import InputError, RicochetError, SolverError
+from ricochet.studies.histories import not_kept
 from ricochet.studies.journal import outputs
 from ricochet.studies.records import Row
-from ricochet.studies.study import Study
+from ricochet.studies.study import WORDS, Study, meant
 from ricochet.studies.sweep import Sweep
 from ricochet.studies.table import Table
+
+FAILED, INCOMPLETE = 1, 3  # exit status if impacts failed, and if others were refused or have not run
 
 
 def part(text: str) -> tuple[int, int]:
@@ -59,12 +67,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     stage.add_argument(
         "--collect", action="store_true", help="write the results of finished impacts and stop"
     )
-    parser.add_argument("--plot", metavar="OUTPUT", help="draw this column")
+    parser.add_argument(
+        "--retry", action="store_true", help="run impacts again that were refused or have failed"
+    )
+    parser.add_argument(
+        "--plot", metavar="OUTPUT", help="draw this column, or this history of all impacts, such as force"
+    )
     parser.add_argument(
         "--against",
         nargs="+",
         metavar="INPUT",
-        help="over one or two columns (default: the first one that is varied)",
+        help="over one or two columns, or the colours of histories (default: the first one that is varied)",
     )
 
 
@@ -75,17 +88,36 @@ def check_options(options: argparse.Namespace) -> None:
         raise InputError("--plot takes the name of a column, and --against goes with --plot")
     if options.plot and (options.kernels or options.part):
         raise InputError("--plot goes with a whole sweep or --collect")
+    if options.retry and options.collect:
+        raise InputError("--retry runs impacts, and --collect runs none: leave one of them out")
 
 
 class Drawn:
-    """The columns of the requested picture. An unknown name is reported after the first impact."""
+    """The requested picture: a column over others, or a history. An unknown column is reported after the first
+    impact."""
 
     def __init__(self, study: Study, options: argparse.Namespace) -> None:
         self.inputs = study.keys
         self.names = [options.plot, *(options.against or study.keys[:1])] if options.plot else []
-        self.unknown = set(self.names) - set(self.inputs)
+        word = str(options.plot).partition(".")[0]
+        self.history = word in WORDS and options.plot not in study.keys
+        if self.history:
+            self._check_history(study, word)
+        self.unknown = set(self.names[self.history :]) - set(self.inputs)
         # If one of these keys is varied, the columns of the summaries differ.
         self.alike = not {"accuracy", "contact.scheme", "contact.kernel"} & set(study.keys)
+
+    def _check_history(self, study: Study, word: str) -> None:
+        name, *against = self.names
+        if word not in study.keep:
+            raise not_kept(study.path, name)
+        for key in against:
+            if key not in study.keys:
+                raise InputError(
+                    f'--against {key}: is not varied{meant(key, study.keys, "the study varies")}'
+                )
+        if len(against) > 1:
+            raise InputError(f"--plot {name} takes one key --against, for the colours of its lines")
 
     def check(self, row: Row) -> None:
         if self.unknown and self.alike and row["status"] == 0:
@@ -94,6 +126,19 @@ class Drawn:
                 known = ", ".join([*self.inputs, *found])
                 raise InputError(f'"{wrong[0]}" is not a column of this sweep, which has {known}')
             self.unknown = set()
+
+    def draw(self, sweep: Sweep, table: Table) -> Path:
+        """Draws the picture and returns its path."""
+        name, *against = self.names
+        picture = Path(f"{sweep.stem}.{name.replace('/', '_')}.png")
+        keys = programs.call([programs.BIN / "ricochet-contact", "--keys"], capture=True)
+        from ricochet.studies import chart, history_chart
+
+        if self.history:
+            history_chart.draw(table, sweep.results, name, against[0], picture, scene_keys.units(keys))
+        else:
+            chart.draw(table.with_values(self.names), name, against, picture, scene_keys.units(keys))
+        return picture
 
 
 def number(amount: int, what: str) -> str:
@@ -104,6 +149,8 @@ def report_kernels(sweep: Sweep) -> None:
     text = f"{number(len(sweep.kernels.names), 'kernel')}, all computed"
     if refused := sweep.refused:
         text += f"; {len(refused)} of {number(len(sweep.keys), 'impact')} are refused: {refused[min(refused)]['error']}"
+    if any("died" in row for row in refused.values()):
+        raise SolverError(f"{text}. Some kernels ended without a reason; the same command tries them again.")
     say(text)
 
 
@@ -119,36 +166,37 @@ def report_part(sweep: Sweep, ran: int) -> None:
 
 
 def report(sweep: Sweep, table: Table, drawn: Drawn, ran: int) -> None:
-    failed = sum(status > 0 for status in table.status)
-    waiting = sum(status < 0 for status in table.status)
-    text = number(len(table.status), "impact")
+    failed, waiting = table.count(1), table.count(-1)
+    without = table.count(2) + failed
+    text = total = number(len(table.status), "impact")
     text += f", {waiting} not run yet" if waiting else ""
     text += ", all done before" if ran == 0 and not sweep.collects else ""
-    text += f', {failed} refused or failed (column "error")' if failed else ""
-    say(f"{text}\n{sweep.stem}.sweep.h5\n{sweep.stem}.sweep.csv")
+    text += f', {without} refused or failed (column "error"; --retry runs them again)' if without else ""
+    say(text)
+    if untouched := sum(value == 0 for value in table.outputs.get("touched", ())):
+        say(f'{untouched} of {total} touched nothing (column "touched")')
+    say(f"{sweep.results}\n{sweep.stem}.sweep.csv")
     if drawn.names:
-        output, *against = drawn.names
-        picture = Path(f"{sweep.stem}.{output}.png")
-        keys = programs.call([programs.BIN / "ricochet-contact", "--keys"], capture=True)
-        from ricochet.studies.chart import draw
-
-        draw(table.with_values(drawn.names), output, against, picture, scene_keys.units(keys))
-        say(picture)
+        say(drawn.draw(sweep, table))
+    if without or waiting:
+        raise RicochetError(status=FAILED if failed else INCOMPLETE)
 
 
 def run(options: argparse.Namespace) -> None:
     check_options(options)
     study = Study(options.study)
+    drawn = Drawn(study, options)
     folder = options.out or options.study.parent / "out"
     with writing(folder):
-        sweep = Sweep(study, folder, options.jobs, options.ranks, options.part, options.collect)
+        sweep = Sweep(
+            study, folder, options.jobs, options.ranks, options.part, options.collect, options.retry
+        )
         sweep.prepare()
         if options.kernels:
             report_kernels(sweep)
             return
-        drawn = Drawn(study, options)
         if options.part:
-            report_part(sweep, sweep.run(drawn.check))
+            report_part(sweep, sweep.run())
             return
         ran = 0
         try:

@@ -44,6 +44,7 @@ WORDS = {
     "real_time_factor": "speed of steps (× real time)",
     "wall_s": "time of ricochet-contact (s)",
     "warnings": "warnings",
+    "touched": "touched",
     "iterations": "iterations",
     "force_n": "force (N)",
     "approach_m": "approach (m)",

@@ -11,7 +11,7 @@ from ricochet import programs
 from ricochet.programs import Answer, Word
 from ricochet.progress import Progress
 from ricochet.studies.study import Study
-from ricochet.studies.workers import in_parallel
+from ricochet.studies.workers import Reply, in_parallel
 
 # Keys that the check of meshes, groups, loads and receivers ignores. Settings that differ only in these are
 # checked once.
@@ -34,8 +34,9 @@ class Kernels:
         self.checked: dict[str, Answer | None] = {}  # error or None, by meshes
         self.tried: set[str] = set()  # files that this round has tried to compute
 
-    def ask(self, requests: Iterable[Answer]) -> Generator[tuple[int, bytes], None, None]:
-        """Sends requests to processes of ricochet-contact. Yields (index, answer as a line of JSON)."""
+    def ask(self, requests: Iterable[Answer]) -> Generator[Reply, None, None]:
+        """Sends requests to processes of ricochet-contact. Yields (index, answer as a line of JSON,
+        histories)."""
         words = programs.with_set(programs.settings(self.study.fixed), self.folder)
         command = [programs.BIN / "ricochet-contact", self.study.scene, "--batch", *words]
         return in_parallel(self.jobs, programs.bound(command), requests)
@@ -86,20 +87,29 @@ class Kernels:
         requests = (
             {"set": programs.settings(self.study.settings[k]), "kernels": True, "derive": new} for k in wanted
         )
-        for _, line in self.ask(requests):
+        for _, line, _ in self.ask(requests):
             self.tried.update(
                 kernel["file"] for kernel in json.loads(line).get("kernels", []) if kernel["there"]
             )
 
     def _refuse(self, index: int, answer: Answer, missing: Files) -> None:
-        """Refuses a setting, and all others that fail for the same reason. If the computation has failed,
-        these are the settings that need the same kernel: the first one missing. Otherwise they are the
-        settings with the same meshes."""
-        there = self._stamps()
-        blamed = next((file for file in missing[index] if file not in there), missing[index][0])
+        """Refuses a setting, and all others that would fail for the same reason: those that need the kernel
+        that is to blame, or exactly the same kernels, and those whose meshes are refused."""
+        blamed = self._blamed(missing[index], answer)
+        meshes = self._meshes(index) if answer["status"] == 2 else None
         for other, files in missing.items():
-            if blamed in files if answer["status"] == 1 else self._meshes(other) == self._meshes(index):
+            if blamed in files or files == missing[index] or meshes == self._meshes(other):
                 self.refused[other] = answer
+
+    def _blamed(self, files: list[str], answer: Answer) -> str | None:
+        """The file of the body that the error names. The computation of a kernel also fails at the first one
+        missing."""
+        body = re.search(r"bodies\.([\w-]+)", answer["error"])
+        named = [file for file in files if body and file.rpartition("-")[0] == body[1]]
+        if named or answer["status"] == 2:
+            return named[0] if named else None
+        there = self._stamps()
+        return next((file for file in files if file not in there), files[0])
 
     def _meshes(self, index: int) -> str:
         """The part of a setting on which the check of meshes depends. With `reach`, this is the whole
@@ -122,10 +132,8 @@ class Kernels:
             for meshes, answer in self._answers(asked):
                 self.checked[meshes] = answer
                 bar.advance("checking meshes")
-            if any(self.checked[meshes] for meshes in asked):
-                for index in missing:
-                    if answer := self.checked.get(self._meshes(index)):
-                        self.refused[index] = answer
+                if answer:
+                    self._refuse(asked[meshes], answer, missing)
 
     def _answers(self, asked: dict[str, int]) -> Iterator[tuple[str, Answer | None]]:
         """Yields meshes and the error of their setting, or None. `asked`: index of a setting by its

@@ -45,10 +45,13 @@ def directives(option: str, text: str) -> list[str]:
 class Jobs:
     """The scripts of the three jobs."""
 
-    def __init__(self, study: Study, folder: Path, ranks: int, parts: int, cores: int) -> None:
+    def __init__(
+        self, study: Study, folder: Path, ranks: int, parts: int, cores: int, retry: bool = False
+    ) -> None:
         if re.search(r"[\r\n]", str(folder)):
             raise InputError(f"{folder}: has a line break, which sbatch does not take: choose another --out")
         self.study, self.folder, self.ranks, self.parts, self.cores = study, folder, ranks, parts, cores
+        self.again = ["--retry"] * retry
         self.sweep = [programs.BIN / "ricochet", "sweep", study.path.resolve(), "--out", folder]
 
     def write(self, kernel_options: str, impact_options: str) -> list[Path]:
@@ -58,12 +61,12 @@ class Jobs:
         return [
             self._script(
                 "kernels",
-                ["--kernels", "--ranks", self.ranks, "--jobs", self.ranks],
+                ["--kernels", "--ranks", self.ranks, "--jobs", self.ranks, *self.again],
                 [f"--ntasks={self.ranks}", *kernels],
             ),
             self._script(
                 "impacts",
-                ["--part", f'"$SLURM_ARRAY_TASK_ID"/{self.parts}', "--jobs", self.cores],
+                ["--part", f'"$SLURM_ARRAY_TASK_ID"/{self.parts}', "--jobs", self.cores, *self.again],
                 ["--ntasks=1", f"--cpus-per-task={self.cores}", f"--array=1-{self.parts}", *impacts],
                 log="%A.%a",
             ),

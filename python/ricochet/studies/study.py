@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Study files: the values of scene keys in a sweep."""
 from collections.abc import Iterable, Iterator
+import difflib
 import itertools
 import math
 import os
@@ -13,6 +14,14 @@ import numpy as np
 from ricochet.errors import InputError
 from ricochet.programs import slug
 
+KNOWN = ("scene", "title", "keep", "set", "grid", "list", "random")
+#: words of `keep`, and the members of a file of histories that belong to each
+WORDS = {
+    "force": ("contact",),
+    "receivers": ("receivers",),
+    "bodies": ("time", "bodies"),
+    "energy": ("time", "energy"),
+}
 DRAWS = {"uniform", "log_uniform", "normal"}
 RANGE = {"from", "to", "steps"}
 MOST = 10**7  # maximum number of settings, which are kept in memory
@@ -35,10 +44,9 @@ class Study:
             raise InputError(f"{path}: has lists or tables nested too deep: {DEEPEST} are the most") from None
         except ValueError as error:
             raise InputError(f"{path}: is not TOML: {error}") from None
-        known = {"scene", "title", "set", "grid", "list", "random"}
         for key in table:
-            if key not in known:
-                raise InputError(f"{path}: unknown key \"{key}\": a study has {', '.join(sorted(known))}")
+            if key not in KNOWN:
+                raise InputError(f'{path}: unknown key "{key}"{meant(key, KNOWN, "a study has")}')
             if wrong := unfit(table[key]):
                 raise InputError(f"{path}: {key}: {wrong}")
         if not isinstance(table.get("scene"), str):
@@ -54,6 +62,7 @@ class Study:
         if not isinstance(self.title, str):
             raise InputError(f"{path}: title = {self.title}: give a text, in quotes")
         self.slug = slug(self.title)
+        self.keep = self._histories(table.get("keep", []))
         self.fixed = self._keys(table, "set")
         grid = {key: self._values("grid", key, value) for key, value in self._keys(table, "grid").items()}
         rows = self._rows(self._keys(table, "list"))
@@ -77,10 +86,23 @@ class Study:
                 f"{path}: varies nothing: give [grid], [list] or [random] some keys of the scene"
             )
 
+    def _histories(self, words: Any) -> list[str]:
+        """The histories to keep, each once."""
+        if not isinstance(words, list):
+            raise InputError(f'{self.path}: keep = {shown(words)}: give a list, as in keep = ["force"]')
+        for word in words:
+            if word not in list(WORDS):  # it may be a list, which has no hash
+                raise InputError(
+                    f'{self.path}: keep: there is no history "{shown(word)}"{meant(str(word), WORDS, "there are")}'
+                )
+        return list(dict.fromkeys(words))
+
     def _keys(self, table: dict[str, Any], name: str) -> dict[str, Any]:
         found = table.get(name, {})
         if not isinstance(found, dict):
             raise InputError(f"{self.path}: {name} must be a table of scene keys")
+        if "keep" in found:
+            raise InputError(f"{self.path}: {name}.keep: belongs to the top of the file, before all tables")
         if name == "random":
             return found
         return {key: value for outer, item in found.items() for key, value in flat(outer, item)}
@@ -112,7 +134,11 @@ class Study:
             return [{}]
         count, seed = table.pop("count", None), table.pop("seed", 1)
         if not isinstance(count, int) or not 1 <= count <= MOST or not isinstance(seed, int) or seed < 0:
-            raise InputError(f"{self.path}: random: give count = 1 … {MOST} and, if you like, a seed ≥ 0")
+            near = "".join(difflib.get_close_matches("count", table, 1)) if count is None else ""
+            raise InputError(
+                f"{self.path}: random: give count = 1 … {MOST} and, if you like, a seed ≥ 0"
+                + f'. Is "{near}" meant as count?' * bool(near)
+            )
         random, columns = np.random.default_rng(seed), {}
         for outer, item in table.items():
             for key, value in flat(outer, item, DRAWS):
@@ -139,6 +165,12 @@ class Study:
             f'{self.path}: random."{key}" = {shown(value)}: give {{uniform = [low, high]}}, {{log_uniform = [low, high]}} '
             "of one sign, {normal = [mean, deviation]} or {choice = [values]}"
         )
+
+
+def meant(word: str, known: Iterable[str], otherwise: str) -> str:
+    """Ends a complaint about a word that does not exist: the word that is most similar, or all of them."""
+    near = difflib.get_close_matches(word, known, 1)
+    return f'. Did you mean "{near[0]}"?' if near else f": {otherwise} {', '.join(sorted(known))}"
 
 
 def numbers(*values: Any) -> bool:

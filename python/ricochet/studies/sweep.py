@@ -13,6 +13,7 @@ from typing import Any
 from ricochet import programs
 from ricochet.errors import InputError, failure
 from ricochet.progress import Progress
+from ricochet.studies.histories import Source
 from ricochet.studies.journal import Journal, Part
 from ricochet.studies.kernels import Files, Kernels
 from ricochet.studies.records import Row
@@ -27,6 +28,7 @@ class Sweep:
 
     @param part      run only this part of the impacts, beside other parts, with existing kernels
     @param collects  run nothing and only collect finished impacts
+    @param retry     run impacts again that were refused or have failed
     """
 
     def __init__(
@@ -37,14 +39,17 @@ class Sweep:
         ranks: int,
         part: Part | None = None,
         collects: bool = False,
+        retry: bool = False,
     ) -> None:
         self.study, self.folder, self.part, self.collects = study, folder, part, collects
         self.stem = folder / study.slug
-        self.journal = Journal(self.stem, part, reads_only=collects)
+        self.results = Path(f"{self.stem}.sweep.h5")
+        self.journal = Journal(self.stem, part, collects, study.keep, retry)
         self.kernels = Kernels(study, folder, jobs or os.cpu_count() or 1, ranks)
         # Keys identify impacts by program, scene, setting, kernels and other files that they read.
         self.keys = [""] * len(study.settings)
         self.refused: dict[int, Row] = {}  # answers by index of the setting
+        self.wanted = {"keep": study.keep} if study.keep else {}  # in requests
 
     def prepare(self) -> None:
         """Checks all settings and computes the kernels that this stage needs. Raises InputError and
@@ -84,8 +89,10 @@ class Sweep:
         study = self.study
         scene, version = [content_of(study.text), study.fixed], programs.version()
         self.refused, missing, bar = {}, {}, Progress(len(study.settings))
-        requests = ({"set": programs.settings(setting), "kernels": True} for setting in study.settings)
-        for index, line in self.kernels.ask(requests):
+        requests = (
+            {"set": programs.settings(setting), "kernels": True, **self.wanted} for setting in study.settings
+        )
+        for index, line, _ in self.kernels.ask(requests):
             answer = json.loads(line)
             bar.advance("checking")
             if answer["status"] != 0:
@@ -97,7 +104,9 @@ class Sweep:
             text = json.dumps(identity, sort_keys=True, default=str)
             self.keys[index] = hashlib.sha256(text.encode()).hexdigest()[:24]
             lacking = [kernel["file"] for kernel in answer["kernels"] if not kernel["there"]]
-            if lacking and not self.journal.finished(self.keys[index]):
+            if lacking and self.journal.refused(self.keys[index]):
+                self.refused[index] = self.journal.rows[self.keys[index]]
+            elif lacking and not self.journal.finished(self.keys[index]):
                 missing[index] = lacking
         return missing
 
@@ -107,8 +116,9 @@ class Sweep:
         return [index for index in range(k - 1, len(self.keys), n) if index not in self.refused]
 
     def left(self) -> list[int]:
-        """The settings of `own` whose impacts are not finished."""
-        return [index for index in self.own() if not self.journal.finished(self.keys[index])]
+        """The settings of `own` whose impacts are to be run."""
+        journal, keys = self.journal, self.keys
+        return [k for k in self.own() if not journal.finished(keys[k]) and not journal.refused(keys[k])]
 
     def run(self, check: Callable[[Row], None] = lambda _: None) -> int:
         """Runs the remaining impacts and returns their number. `check` is called with each row and may raise
@@ -119,11 +129,12 @@ class Sweep:
         for key in self.keys:
             if key in rows:
                 check(rows[key])
-        requests = ({"set": programs.settings(self.study.settings[index])} for index in left)
+        settings = self.study.settings
+        requests = ({"set": programs.settings(settings[index]), **self.wanted} for index in left)
         with contextlib.closing(self.kernels.ask(requests)) as answers:
-            for index, line in answers:
+            for index, line, histories in answers:
                 key = self.keys[left[index]]
-                self.journal.add(key, line)
+                self.journal.add(key, line, histories)
                 check(rows[key])
                 bar.advance("impacts")
                 if time.monotonic() - synced > SYNC_S:
@@ -133,11 +144,15 @@ class Sweep:
         return len(left)
 
     def write(self) -> Table:
-        """Writes the table of all settings as <slug>.sweep.csv and <slug>.sweep.h5."""
+        """Writes the table of all settings as <slug>.sweep.csv, and with the histories as <slug>.sweep.h5."""
         rows = [self.refused.get(k) or self.journal.rows.get(key) for k, key in enumerate(self.keys)]
+        kept = self.journal.kept
+        sources = [
+            Source(k, *kept[key]) for k, key in enumerate(self.keys) if self.study.keep and key in kept
+        ]
         table = Table(self.study, rows)
         table.write_csv(Path(f"{self.stem}.sweep.csv"))
-        table.write_hdf5(Path(f"{self.stem}.sweep.h5"))
+        table.write_hdf5(self.results, sources)
         return table
 
 

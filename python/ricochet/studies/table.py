@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Tables of studies: inputs and outputs of all settings, as CSV and HDF5."""
 import copy
+import hashlib
 import io
 import json
 import math
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -14,7 +16,9 @@ from numpy.typing import NDArray
 
 from ricochet import files
 from ricochet.errors import InputError
-from ricochet.studies.journal import outputs
+from ricochet.studies import histories
+from ricochet.studies.histories import Source
+from ricochet.studies.journal import outputs, warnings_of
 from ricochet.studies.records import Row
 from ricochet.studies.study import Study, utf8
 
@@ -29,29 +33,61 @@ class Table:
         self.inputs = {key: [setting[key] for setting in study.settings] for key in study.keys}
         self.status = [-1 if row is None else row["status"] for row in rows]
         self.error = ["" if row is None else row.get("error", "") for row in rows]
+        self.warnings = list(map(warnings_of, rows))
+        self.keep = study.keep
         found = [outputs(row["summary"]) if row and row["status"] == 0 else {} for row in rows]
         names = list(dict.fromkeys(name for columns in found for name in columns))
         self.outputs = {name: [columns.get(name, math.nan) for columns in found] for name in names}
 
     def write_csv(self, path: Path) -> None:
         inputs = [list(map(text_or_number, column)) for column in self.inputs.values()]
-        titles = [*self.inputs, *self.outputs, "status", "error"]
-        files.write_csv(path, titles, zip(*inputs, *self.outputs.values(), self.status, self.error))
+        titles = [*self.inputs, *self.outputs, "warning_texts", "status", "error"]
+        texts = [" | ".join(warnings) for warnings in self.warnings]
+        columns = zip(*inputs, *self.outputs.values(), texts, self.status, self.error)
+        files.write_csv(path, titles, columns)
 
-    def write_hdf5(self, path: Path) -> None:
-        """Writes /inputs/KEY, /outputs/NAME, /status and /error, each with a value for each setting; texts
-        and lists as JSON."""
-        image = io.BytesIO()  # written to memory first, because HDF5 crashes if the disk is full
-        with h5py.File(image, "w") as file:
-            file.attrs["format"], file.attrs["version"] = "ricochet-sweep", 1
-            file.attrs["title"], file.attrs["scene"] = self.title, self.scene
-            for key, column in self.inputs.items():
-                file.create_dataset(f"inputs/{key.replace('/', '_')}", data=as_array(column))
-            for name, column in self.outputs.items():
-                file.create_dataset(f"outputs/{name}", data=np.array(column, dtype=float))
-            file["status"] = np.array(self.status, dtype=np.int8)
-            file.create_dataset("error", data=self.error, dtype=h5py.string_dtype())
-        files.write(path, image.getbuffer())
+    def write_hdf5(self, path: Path, sources: Sequence[Source]) -> None:
+        """Writes /inputs/KEY, /outputs/NAME, /status, /error and /warning_texts, each with a value for each
+        setting; texts and lists as JSON, and the warnings of a setting as lines. If the study keeps histories,
+        copies those of `sources` to /histories. Raises OSError."""
+        if not self.keep:
+            image = io.BytesIO()  # written to memory first, because HDF5 crashes if the disk is full
+            with h5py.File(image, "w") as file:
+                self._fill(file)
+            files.write(path, image.getbuffer())
+            return
+        content = self._fingerprint(sources)
+        if content == fingerprint_of(path):
+            return
+        with files.replacing(path) as place:
+            with h5py.File(place, "w", locking=False) as file:
+                self._fill(file)
+                file.flush()
+                histories.reserve(place, file.id.get_filesize() + histories.room_for(sources))
+                file.attrs["content"] = content
+                histories.copy(file, sources, self.keep, len(self.status))
+                file.flush()
+                size = file.id.get_filesize()
+            os.truncate(place, size)  # the space that was reserved and is not needed
+
+    def _fill(self, file: h5py.File) -> None:
+        file.attrs["format"], file.attrs["version"] = "ricochet-sweep", 1
+        file.attrs["title"], file.attrs["scene"] = self.title, self.scene
+        for key, column in self.inputs.items():
+            file.create_dataset(f"inputs/{key.replace('/', '_')}", data=as_array(column))
+        for name, column in self.outputs.items():
+            file.create_dataset(f"outputs/{name}", data=np.array(column, dtype=float))
+        file["status"] = np.array(self.status, dtype=np.int8)
+        file.create_dataset("error", data=self.error, dtype=h5py.string_dtype())
+        file.create_dataset(
+            "warning_texts", data=list(map("\n".join, self.warnings)), dtype=h5py.string_dtype()
+        )
+
+    def _fingerprint(self, sources: Sequence[Source]) -> str:
+        """Identifies the content of the HDF5 file, so that histories are not copied again for nothing."""
+        parts = [self.title, self.scene, self.keep, self.inputs, self.outputs, self.status, self.error]
+        places = [(source.row, *source.kept) for source in sources]
+        return hashlib.sha256(json.dumps([parts, self.warnings, places]).encode()).hexdigest()
 
     def with_values(self, names: Sequence[str]) -> "Table":
         """The rows in which each of the columns contains a finite number, a text or a list."""
@@ -65,14 +101,29 @@ class Table:
             {name: [column[k] for k in kept] for name, column in columns.items()}
             for columns in (self.inputs, self.outputs)
         )
-        less.status, less.error = ([column[k] for k in kept] for column in (self.status, self.error))
+        less.status, less.error, less.warnings = (
+            [column[k] for k in kept] for column in (self.status, self.error, self.warnings)
+        )
         return less
+
+    def count(self, status: int) -> int:
+        """Number of settings with a status."""
+        return self.status.count(status)
 
     def column(self, name: str) -> list[Any]:
         columns = self.inputs | self.outputs
         if name not in columns:
             raise InputError(f"\"{name}\" is not a column of this sweep, which has {', '.join(columns)}")
         return columns[name]
+
+
+def fingerprint_of(path: Path) -> str | None:
+    """The fingerprint of a file that `Table` has written; None if there is none."""
+    try:
+        with h5py.File(path, "r") as file:
+            return file.attrs.get("content")
+    except OSError:
+        return None
 
 
 def text_or_number(value: Any) -> str | float:

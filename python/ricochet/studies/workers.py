@@ -14,6 +14,9 @@ from ricochet import programs
 # While a process computes, its next request waits in the pipe, if the pipe certainly has room for it.
 AHEAD, PIPE_BYTES = 2, 32768
 READ_BYTES = 1 << 20
+HISTORIES = b'"histories":'  # in an answer that histories may follow
+
+Reply = tuple[int, bytes, bytes]
 
 
 class Worker:
@@ -22,10 +25,12 @@ class Worker:
     def __init__(self, command: Sequence[str], selector: selectors.DefaultSelector) -> None:
         self.command, self.selector = command, selector
         self.asked: deque[tuple[int, bytes]] = deque()  # sent, but not answered yet
-        self.rest, self.deaths = b"", 0
+        self.deaths = 0
         self.start()
 
     def start(self) -> None:
+        self.rest = bytearray()  # of an incomplete answer
+        self.line, self.size = b"", 0  # an answer whose histories, of this size, are not complete yet
         self.process = subprocess.Popen(
             self.command,
             stdin=subprocess.PIPE,
@@ -55,27 +60,37 @@ class Worker:
         except BrokenPipeError:
             pass  # `answers` handles the end of its output
 
-    def answers(self) -> Generator[tuple[int, bytes], None, None]:
-        """Yields pairs of an index and an answer, a line of JSON. If the program dies twice on a request, the
-        answer is {"died": true, …}. Such a request should be sent again later, because the program may have
-        been killed."""
+    def answers(self) -> Generator[Reply, None, None]:
+        """Yields an index, an answer, a line of JSON, and the histories that follow it, an HDF5 file or nothing.
+        If the program dies twice on a request, the answer is {"died": true, …}. Such a request should be sent
+        again later, because the program may have been killed."""
         found = os.read(self.replies.fileno(), READ_BYTES)
         if not found:
             yield from self.revive()
             return
-        *lines, self.rest = (self.rest + found).split(b"\n")
-        for line in lines:
-            self.deaths = 0
-            yield self.asked.popleft()[0], line
+        self.rest += found
+        while True:
+            if not self.line:
+                line, end, rest = self.rest.partition(b"\n")
+                if not end:
+                    return
+                self.line, self.rest = bytes(line), rest
+                self.size = json.loads(self.line).get("histories", 0) if HISTORIES in self.line else 0
+            if len(self.rest) < self.size:
+                return
+            answer = self.line, bytes(self.rest[: self.size])
+            del self.rest[: self.size]
+            self.line, self.deaths = b"", 0
+            yield self.asked.popleft()[0], *answer
 
-    def revive(self) -> Generator[tuple[int, bytes], None, None]:
+    def revive(self) -> Generator[Reply, None, None]:
         self.close()
         status = self.process.wait()
-        self.rest, self.deaths = b"", self.deaths + 1
+        self.deaths += 1
         if self.deaths == 2 and self.asked:
             self.deaths = 0
             answer = {"status": 1, "error": f"ricochet-contact ended with status {status}", "died": True}
-            yield self.asked.popleft()[0], json.dumps(answer).encode()
+            yield self.asked.popleft()[0], json.dumps(answer).encode(), b""
         self.start()
         for _, line in self.asked:
             self.send(line)
@@ -92,11 +107,9 @@ class Worker:
         self.close()
 
 
-def in_parallel(
-    jobs: int, command: Sequence[str], requests: Iterable[Any]
-) -> Generator[tuple[int, bytes], None, None]:
+def in_parallel(jobs: int, command: Sequence[str], requests: Iterable[Any]) -> Generator[Reply, None, None]:
     """Distributes requests, Python objects, to at most `jobs` processes. Yields (index, answer as a line of
-    JSON)."""
+    JSON, histories)."""
     waiting = ((index, json.dumps(request).encode() + b"\n") for index, request in enumerate(requests))
     with selectors.DefaultSelector() as selector:
         workers = []
