@@ -16,8 +16,6 @@ from pathlib import Path
 from ricochet import programs
 from ricochet.cli.options import add_count, add_run, words_for_programs
 from ricochet.errors import InputError
-from ricochet.modal_table import ModalTable, write_csv
-from ricochet.pictures import DRAWN_MODES, draw_modes
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -27,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--plot",
         action="store_true",
-        help=f"draw the first {DRAWN_MODES} elastic modes as <body>-modes.png; sets output.view = true",
+        help="draw the first elastic modes as <body>-modes.png; sets output.view = true",
     )
     parser.add_argument(
         "--verify",
@@ -76,11 +74,15 @@ def run(options: argparse.Namespace) -> None:
         verify(options)
         return
     found = kernels(options)
+    from ricochet.modal_table import ModalTable, write_csv  # slow to import: refusals come before
+
     tables = [ModalTable.read(kernel) for kernel in found]
     print("\n\n".join(table.text(options.first) for table in tables))
     if options.csv:
         write_csv(tables, options.csv)
         print(options.csv)
     if options.plot:
+        from ricochet.pictures import draw_modes
+
         for kernel in found:
             print(draw_modes(kernel, kernel.parent))
