@@ -62,7 +62,9 @@ def bound(command: Sequence[Word]) -> list[str]:
 def find(command: Sequence[Word]) -> None:
     """Raises InputError if the program or its launcher is missing."""
     named = os.environ.get("RICOCHET_BIN")
-    advice = f"RICOCHET_BIN={named} must be the folder of the programs" if named else "run scripts/build first"
+    advice = (
+        f"RICOCHET_BIN={named} must be the folder of the programs" if named else "run scripts/build first"
+    )
     if not BIN.is_dir():
         raise InputError(f"{BIN}: no such folder of programs: {advice}")
     for word in map(Path, map(str, command)):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Every mistake in mistakes_table.py gets one line with place, value and remedy, and no file is lost.
+"""Every mistake in mistakes.toml gets one line with place, value and remedy, and no file is lost.
 
     mistakes.py --manual    # writes docs/mistakes.md: mistakes and answers
 """
@@ -13,7 +13,7 @@ import sys
 import tempfile
 import unittest
 
-from mistakes_table import BYTES, FILES, SCENE, SECTIONS
+from mistakes_table import BYTES, FILES, SCENE, sections
 from programs import BIN, SOURCE
 
 PAGE = SOURCE / "docs" / "mistakes.md"
@@ -69,7 +69,7 @@ def made(mistake, folder, number):
         name = f"wrong{number}.toml"
         (folder / name).write_text(SCENE.replace(*mistake.change, 1))
         command = command.replace("wrong.toml", name)
-    done = run(command, folder, mistake.variables)
+    done = run(command, folder, mistake.env)
     lines = re.sub(r"wrong\d+\.toml", "wrong.toml", done.stderr).splitlines()
     done.stderr = "\n".join(line for line in lines if not PROGRESS.search(line))
     return done
@@ -82,11 +82,13 @@ class Mistakes(unittest.TestCase):
         cls.addClassCleanup(scope.cleanup)
         cls.folder = pathlib.Path(scope.name)
         write_files(cls.folder)
-        first = run("ricochet kernel -n 1 --quiet scene.toml && ricochet impact --quiet scene.toml", cls.folder)
+        first = run(
+            "ricochet kernel -n 1 --quiet scene.toml && ricochet impact --quiet scene.toml", cls.folder
+        )
         if first.returncode:
             raise AssertionError(first.stderr)
         before = {path: path.read_bytes() for path in cls.folder.rglob("*") if path.is_file()}
-        mistakes = [mistake for section in SECTIONS.values() for mistake in section]
+        mistakes = [mistake for section in sections().values() for mistake in section]
         with concurrent.futures.ThreadPoolExecutor(3) as pool:
             answers = pool.map(lambda k: made(mistakes[k], cls.folder, k), range(len(mistakes)))
             cls.answers = list(zip(mistakes, answers))
@@ -140,13 +142,13 @@ def asked(mistake):
     if mistake.change:
         old, new = (text.replace("\n", " ↵ ") for text in mistake.change)
         return f"`{shown(new)}`" if new else f"no `{shown(old)}`"
-    variables = "".join(f"{name}={value} " for name, value in mistake.variables.items() if value)
+    variables = "".join(f"{name}={value} " for name, value in mistake.env.items() if value)
     return f"`{shown(variables + mistake.command)}`"
 
 
 def page(answers):
     text, number = [HEAD], 0
-    for title, mistakes in SECTIONS.items():
+    for title, mistakes in sections().items():
         text.append(f"\n## {title}\n\n| mistake | example | answer |\n|---|---|---|\n")
         for mistake, done in answers[number : number + len(mistakes)]:
             text.append(f"| {mistake.what} | {asked(mistake)} | `{shown(done.stderr)}` |\n")

@@ -97,7 +97,11 @@ def add_count(parser: Group, option: str, default: int, what: str) -> None:
 def add_scene(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scene", type=Path, metavar="SCENE.toml")
     parser.add_argument(
-        "--set", action="append", default=[], metavar="KEY=VALUE", help="override a scene key, in quotes if the value has brackets or blanks; repeatable"
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="override a scene key, in quotes if the value has brackets or blanks; repeatable",
     )
 
 
