@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Recognises a file that is given in the place of another, by its name alone, and names the one to give."""
+"""Recognises a file that is given in the place of another, by its name, and names the one to give. `os.path` raises no
+PermissionError."""
+import os
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -13,7 +15,10 @@ RESULT, KERNEL, SUMMARY = ".result.h5", ".kernel.h5", ".summary.json"
 
 def such_as(folder: Path, endings: tuple[str, ...]) -> str:
     """The first file with one of these endings in a folder, as advice."""
-    found = sorted(path for path in folder.iterdir() if path.name.endswith(endings))
+    try:
+        found = sorted(path for path in folder.iterdir() if path.name.endswith(endings))
+    except OSError:  # it may not be read
+        found = []
     return f", such as {found[0]}" if found else f", a file that ends in {' or '.join(endings)}"
 
 
@@ -41,13 +46,13 @@ def mesh_of(scene: Path) -> str:
 def result(text: str) -> Path:
     """The path of a result. Raises InputError if the name is that of another file."""
     path = Path(text)
-    if path.is_dir():
+    if os.path.isdir(path):
         raise InputError(f"{path}: is a folder: name a result in it{such_as(path, (RESULT,))}")
     if path.suffix == ".toml" and "grid" in tables_of(path):
         raise InputError(f"{path}: is a study: name the result of one of its runs, *{RESULT}")
     if path.suffix == ".toml":
         own = result_of(path)
-        first = "" if own.exists() else f"run ricochet run {path} first, then "
+        first = "" if os.path.exists(own) else f"run ricochet run {path} first, then "
         raise InputError(f"{path}: is a scene: {first}name its result, {own}")
     if path.name.endswith(SUMMARY):
         own = path.with_name(path.name.removesuffix(SUMMARY) + RESULT)
@@ -64,7 +69,7 @@ def result(text: str) -> Path:
 def drawing(text: str) -> Path:
     """The path of a drawing or mesh. Raises InputError if the name is that of another file."""
     path = Path(text)
-    if path.is_dir():
+    if os.path.isdir(path):
         raise InputError(f"{path}: is a folder: name a drawing in it{such_as(path, DRAWINGS)}")
     if path.suffix == ".toml":
         raise InputError(f"{path}: is a scene: name a drawing or mesh{mesh_of(path)}")

@@ -57,10 +57,13 @@ class Interpreters(ProgramTest):
         done = self.call("/usr/bin/python3", "-S", "-m", "ricochet", "--version", PYTHONPATH=PACKAGE)
         self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
         self.assertRegex(
-            done.stderr, r"^ricochet: /usr/bin/python3 is Python 3\.\d+ without numpy, .*: use /usr/bin/python3"
+            done.stderr,
+            r"^ricochet: /usr/bin/python3 is Python 3\.\d+ without numpy, .*: use /usr/bin/python3",
         )
         done = self.call("/usr/bin/python3", "-S", "-c", "import ricochet", PYTHONPATH=PACKAGE)
-        self.assertRegex(done.stderr.splitlines()[-1], "^ImportError: .* without numpy, h5py, matplotlib: use ")
+        self.assertRegex(
+            done.stderr.splitlines()[-1], "^ImportError: .* without numpy, h5py, matplotlib: use "
+        )
 
     def test_a_module_of_another_version_is_named(self):
         (self.folder / "_core.cpython-399-x86_64-linux-gnu.so").write_text("")
