@@ -26,15 +26,16 @@ ENVIRONMENT = {
 } | {"PATH": f"{BIN}:/usr/bin:/bin", "LC_ALL": "C.UTF-8"}
 HEAD = """# Mistakes and answers
 
-Each mistake gets one line: where it is, what was found, and what to do. The status is then 2. A warning leaves the status at 0,
-and the result is complete. This page is generated: `tests/programs/mistakes.py` makes each of these mistakes and checks the
-answer. [Messages](messages.md) explains messages that need more than a line.
+Each mistake gets one line: where it is, what was found, and what to do. The status is then 2. A warning leaves the status at
+0, and the result is complete. This page is generated: `tests/programs/mistakes.py` makes each of these mistakes and checks
+the answer. [Messages](messages.md) explains messages that need more than a line.
 
-Two answers are not ours. In zsh, brackets without quotes give `no matches found`: quote values with brackets, as in
-`--set 'bodies.ball.velocity=[0,0,-1]'`. If you start `mpirun` yourself, Open MPI refuses to work as root, or with more ranks than
-cores, with a paragraph of its own; `ricochet kernel -n 4` starts it with the options that it needs.
+Some answers are not ours. In zsh, brackets without quotes give `no matches found`: quote values with brackets, as in
+`--set 'bodies.ball.velocity=[0,0,-1]'`. If you start `mpirun` yourself, Open MPI refuses to work as root, or with more ranks
+than cores, with a paragraph of its own; `ricochet kernel -n 4` starts it with the options that it needs. Errors of a launcher
+that `RICOCHET_LAUNCHER` names are printed as they are.
 
-In the tables, `wrong.toml` is a scene of two rods in which the text named there is changed.
+In the tables, `wrong.toml` is a scene of two rods with the text of the example in the place of the right one.
 """
 
 
