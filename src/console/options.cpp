@@ -49,8 +49,10 @@ Parsed parse(const Program& program, int argc, const char* const* argv, bool spe
       "Print the reference of all keys of a scene and stop");
   app.add_option("SCENE", scene, "Scene file (TOML)")->required();
   // Each option takes its one value verbatim, because vectors contain commas and brackets.
-  app.add_option("--set", options.overrides,
-                 "Override a scene key: KEY=VALUE, dotted, [i] for list entries; repeatable")
+  app.add_option(
+         "--set", options.overrides,
+         "Override a scene key: KEY=VALUE, dotted, [i] for list entries, in quotes if it has brackets "
+         "or blanks; repeatable")
       ->type_name("KEY=VALUE")
       ->take_all()
       ->expected(1)
