@@ -5,6 +5,9 @@ set(manuals ${PROJECT_BINARY_DIR}/manuals)
 file(MAKE_DIRECTORY ${manuals})
 file(GLOB_RECURSE package_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/python/ricochet/*.py)
 set(command ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/ricochet)
+if(RICOCHET_PYTHON)
+  list(APPEND package_sources ricochet_python)  # verbs import the extension module
+endif()
 
 # Adds the page NAME for the command line `program [VERB]`.
 function(add_manual name purpose program)

@@ -13,6 +13,11 @@ install(FILES README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/ri
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/ricochet COMPONENT programs)
 set(completions ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
 install(FILES cmake/completion.bash DESTINATION ${completions} COMPONENT programs RENAME ricochet)
+install(FILES cmake/completion.zsh DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT programs RENAME _ricochet)
+foreach(program ricochet ricochet-contact ricochet-kernel ricochet-recast)  # fish looks for a file of the command's name
+  install(FILES cmake/completion.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT programs
+    RENAME ${program}.fish)
+endforeach()
 foreach(program contact kernel recast)
   set(link ${PROJECT_BINARY_DIR}/completions/ricochet-${program})
   file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/completions)

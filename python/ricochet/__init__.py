@@ -13,6 +13,7 @@ docs/python.md describes the interface. Names are loaded on first use, because t
 
 import importlib
 import pkgutil
+import sys
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -56,6 +57,13 @@ _PLACES = {
 _PLACE = {name: place for place, names in _PLACES.items() for name in names}
 
 __path__ = pkgutil.extend_path(__path__, __name__)  # in a checkout, the module is in the build folder
+
+_complaint = importlib.import_module("ricochet.interpreter").complaint(__path__)
+if _complaint:
+    if sys.argv[:1] == ["-m"]:  # python -m ricochet: a traceback would hide the line
+        print(f"ricochet: {_complaint}", file=sys.stderr)
+        raise SystemExit(2)
+    raise ImportError(_complaint)
 
 
 def __getattr__(name: str) -> Any:

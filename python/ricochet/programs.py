@@ -43,15 +43,16 @@ def mpirun(ranks: int) -> list[Word]:
 
     $RICOCHET_LAUNCHER, such as "srun --mpi=pmix -n {ranks}", replaces mpirun.
     """
-    if launcher := os.environ.get("RICOCHET_LAUNCHER"):
-        try:
-            return list(shlex.split(launcher.replace("{ranks}", str(ranks))))
-        except ValueError as error:
-            raise InputError(
-                f"RICOCHET_LAUNCHER={launcher}: {error}. Give the words of a command and close all quotes."
-            ) from None
-    command: list[Word] = ["mpirun", "-q", "--oversubscribe", "-n", str(ranks)]
-    return command + ["--allow-run-as-root"] * (os.geteuid() == 0)
+    launcher = os.environ.get("RICOCHET_LAUNCHER") or "mpirun -q --oversubscribe -n {ranks}"
+    try:
+        command: list[Word] = list(shlex.split(launcher.replace("{ranks}", str(ranks))))
+    except ValueError as error:
+        raise InputError(
+            f"RICOCHET_LAUNCHER={launcher}: {error}. Give the words of a command and close all quotes."
+        ) from None
+    if command[:1] == ["mpirun"] and os.geteuid() == 0:
+        command.insert(1, "--allow-run-as-root")
+    return command
 
 
 def bound(command: Sequence[Word]) -> list[str]:
@@ -61,14 +62,17 @@ def bound(command: Sequence[Word]) -> list[str]:
 
 def find(command: Sequence[Word]) -> None:
     """Raises InputError if the program or its launcher is missing."""
+    named = os.environ.get("RICOCHET_BIN")
+    advice = (
+        f"RICOCHET_BIN={named} must be the folder of the programs" if named else "run scripts/build first"
+    )
     if not BIN.is_dir():
-        raise InputError(f"{BIN}: no programs there. Run scripts/build first.")
+        raise InputError(f"{BIN}: no such folder of programs: {advice}")
     for word in map(Path, map(str, command)):
         if word.parent == BIN and word.name.startswith("ricochet-") and not word.is_file():
-            raise InputError(
-                f"{word}: no such program. Run scripts/build first, "
-                "or set RICOCHET_BIN to the folder of the programs."
-            )
+            raise InputError(f"{word}: no such program: {advice}")
+    if not shutil.which("setpriv"):
+        raise InputError("setpriv: no such program: add the folder of util-linux, /usr/bin, to PATH")
     if not shutil.which(str(command[0])):
         raise InputError(
             f"{command[0]}: no such program: install Open MPI (scripts/setup), "

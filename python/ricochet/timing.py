@@ -23,7 +23,7 @@ class Done:
     peak_mib: float  # memory of the process that used most
 
     def rank_mib(self) -> int | None:
-        """Memory of the rank that used most, from the table of ricochet-kernel [MiB]."""
+        """Memory of the rank that used most, from the line with the total [MiB]."""
         found = re.search(r"^total .* (\d+) MiB", self.text, re.MULTILINE)
         return int(found[1]) if found else None
 

@@ -72,9 +72,7 @@ void Console::end(const std::string& note) {
 void Console::draw(bool last) {
   if (quiet_) return;
   if (last) {
-    const Phase& phase = phases_.back();
-    fmt::print(stderr, "{}{:<28} {:>10}{}{}\n", terminal_ ? "\r\033[K" : "", phase.name,
-               duration_of(phase.seconds), phase.note.empty() ? "" : "  ", phase.note);
+    fmt::print(stderr, "{}{}\n", terminal_ ? "\r\033[K" : "", line(phases_.back()));
     return;
   }
   const double time = now();
@@ -102,18 +100,19 @@ void Console::warn(const std::string& line) {
   if (!watch_) fmt::print(stderr, "warning: {}\n", line);
 }
 
-std::string Console::table(const std::vector<Phase>& phases) {
-  std::size_t width = 5;
-  for (const Phase& phase : phases) width = std::max(width, phase.name.size());
-  std::string text = fmt::format("{:<{}}  {:>12}  {:>12}\n", "phase", width, "time", "peak memory");
-  double total = 0, peak = 0;
-  for (const Phase& phase : phases) {
-    text += fmt::format("{:<{}}  {:>12}  {:>8.0f} MiB{}{}\n", phase.name, width, duration_of(phase.seconds),
-                        phase.peak_mib, phase.note.empty() ? "" : "  ", phase.note);
-    total += phase.seconds;
-    peak = std::max(peak, phase.peak_mib);
+std::string Console::line(const Phase& phase) {
+  return fmt::format("{:<28} {:>10} {:>8.0f} MiB{}{}", phase.name, duration_of(phase.seconds), phase.peak_mib,
+                     phase.note.empty() ? "" : "  ", phase.note);
+}
+
+void Console::total() {
+  if (phases_.empty() || quiet_) return;
+  Phase all{"total", 0, 0, ""};
+  for (const Phase& phase : phases_) {
+    all.seconds += phase.seconds;
+    all.peak_mib = std::max(all.peak_mib, phase.peak_mib);
   }
-  return text + fmt::format("{:<{}}  {:>12}  {:>8.0f} MiB", "total", width, duration_of(total), peak);
+  fmt::print(stderr, "{}\n", line(all));
 }
 
 }  // namespace ricochet::console

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Output on the terminal: progress bars, the table of phases and one-line messages. Independent of MPI: ranks
+// Output on the terminal: progress bars, times of phases and one-line messages. Independent of MPI: ranks
 // other than the first construct a quiet Console.
 #pragma once
 
@@ -15,7 +15,7 @@ namespace ricochet::console {
 /// Peak resident memory of this process [MiB].
 double peak_memory_mib();
 
-/// Shows the progress of long phases on stderr and a table of their times on stdout.
+/// Shows the progress of long phases on stderr, with their times and memory.
 ///
 /// On a terminal, a phase is one line that is redrawn in place at most ten times a second. Otherwise, as in a
 /// log file, it is one line at the end of the phase. A quiet console prints only warnings, but still
@@ -50,8 +50,10 @@ class Console {
   };
   const std::vector<Phase>& phases() const { return phases_; }
 
-  /// The phases as a table with a line for each and a total, ready to print.
-  static std::string table(const std::vector<Phase>& phases);
+  /// Name, time, peak memory and note of a phase as one line, aligned with those of other phases.
+  static std::string line(const Phase& phase);
+  /// Prints a last line on stderr: the time of all phases and their peak memory.
+  void total();
 
  private:
   void draw(bool last);

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <sstream>
 
@@ -11,7 +10,8 @@
 
 namespace ricochet::console {
 
-std::optional<int> status_of_parsing(CLI::App& app, int argc, const char* const* argv, bool speak) {
+std::optional<int> status_of_parsing(CLI::App& app, int argc, const char* const* argv, bool speak,
+                                     const Elsewhere& elsewhere) {
   try {
     app.parse(argc, argv);
     return std::nullopt;
@@ -22,9 +22,9 @@ std::optional<int> status_of_parsing(CLI::App& app, int argc, const char* const*
       if (speak) fmt::print("{}", text.str());
       return 0;
     }
-    std::string message = error.what();
-    std::replace(message.begin(), message.end(), '\n', ' ');
-    if (speak) fmt::print(stderr, "{}: {} (see {} --help)\n", app.get_name(), message, app.get_name());
+    if (speak)
+      fmt::print(stderr, "{}: {} (see {} --help)\n", app.get_name(),
+                 complaint(app, error, {argv + 1, argv + argc}, elsewhere), app.get_name());
     return 2;
   }
 }
@@ -49,8 +49,10 @@ Parsed parse(const Program& program, int argc, const char* const* argv, bool spe
       "Print the reference of all keys of a scene and stop");
   app.add_option("SCENE", scene, "Scene file (TOML)")->required();
   // Each option takes its one value verbatim, because vectors contain commas and brackets.
-  app.add_option("--set", options.overrides,
-                 "Override a scene key: KEY=VALUE, dotted, [i] for list entries; repeatable")
+  app.add_option(
+         "--set", options.overrides,
+         "Override a scene key: KEY=VALUE, dotted, [i] for list entries, in quotes if it has brackets "
+         "or blanks; repeatable")
       ->type_name("KEY=VALUE")
       ->take_all()
       ->expected(1)
@@ -87,8 +89,16 @@ Parsed parse(const Program& program, int argc, const char* const* argv, bool spe
            "Count the modes of the stored kernels again with K and M, and stop: status 1 if a count differs")
         ->excludes(check);
   }
+  Elsewhere elsewhere{{"-n", "ricochet kernel, modes and run"},
+                      {"--ranks", "ricochet kernel, modes and run"}};
+  const std::string other = program.impacts ? "ricochet kernel" : "ricochet impact";
+  for (const char* option : {"--check", "--verify"})
+    if (program.impacts) elsewhere[option] = other;
+  for (const char* option : {"--vtk", "--batch", "--fclib", "--fclib-every"})
+    if (!program.impacts) elsewhere[option] = other;
   app.footer("Examples:\n" + program.examples);
-  if (const auto status = status_of_parsing(app, argc, argv, speak)) return {std::nullopt, *status};
+  if (const auto status = status_of_parsing(app, argc, argv, speak, elsewhere))
+    return {std::nullopt, *status};
   if (!accuracy.empty()) options.overrides.push_back("accuracy=" + accuracy);
   options.scene = scene;
   options.fclib = fclib;

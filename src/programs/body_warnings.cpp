@@ -13,6 +13,7 @@ namespace {
 
 // A body of 20 m, or one of 2 m from a CAD file, which usually is in millimetres; a body of 10 um.
 constexpr double longest = 20, longest_in_cad = 2, shortest = 1e-5;
+constexpr double inch = 0.0254;  // m
 // A grain of 10 um of quartz weighs 1e-12 kg; 1e6 kg is a cube of steel of 5 m.
 constexpr double lightest = 1e-12, heaviest = 1e6;
 // √(E/ρ) is 1 m/s in the softest gels and 18 km/s in diamond. No solid of the density of stone or metal is as
@@ -35,6 +36,12 @@ void add_implausible(const scene::Body& body, const kernels::Kernel& kernel, std
   if (length > (unscaled ? longest_in_cad : longest) || (length > 0 && length < shortest))
     out.push_back(fmt::format("{} is {:.4g} m long: check bodies.{}.scale{}", body.name, length, body.name,
                               length > 1 ? " (0.001 for a mesh in millimetres)" : ""));
+  // A factor from inches, though gmsh converts the unit of a STEP file to millimetres.
+  if (body.mesh.extension() == ".step" && std::abs(body.scale / inch - 1) < 0.01)
+    out.push_back(
+        fmt::format("{0} is {1:.4g} m long with bodies.{0}.scale = {2:g}: a STEP file is read in "
+                    "millimetres, whatever its unit: set scale = 0.001",
+                    body.name, length, body.scale));
   if (kernel.mass > heaviest || kernel.mass < lightest)
     out.push_back(fmt::format("{} has a mass of {:.4g} kg: check its density, in kg/m³, and its scale",
                               body.name, kernel.mass));

@@ -59,11 +59,11 @@ int run_contact(const console::Options& options, std::ostream& out) {
       },
       summary);
   console.end(files.result().filename().string());
+  console.total();
 
   const auto* const figures = std::get_if<contact::Summary>(&summary);
   if (!options.quiet) {
-    out << console::Console::table(console.phases()) << '\n'
-        << (figures ? report(*figures) : report(std::get<contact::EquilibriumSummary>(summary), scene))
+    out << (figures ? report(*figures) : report(std::get<contact::EquilibriumSummary>(summary), scene))
         << fmt::format("\n{}\n{}\n", files.result().string(), files.summary().string());
     if (files.motion()) out << files.motion()->string() << '\n';
   }

@@ -317,7 +317,7 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
   else
     programs::close_by_accuracy(scene, options.out, comm, console, compute);
   // The peak memory of each phase is the maximum over the ranks.
-  if (!console.phases().empty()) console.say(console::Console::table(console.phases()));
+  console.total();
   return 0;
 }
 

@@ -87,6 +87,9 @@ std::string recast(const RecastOptions& options, kernels::Kernel& kernel) {
 }  // namespace
 
 int run_recast(const RecastOptions& options, std::ostream& out) {
+  const std::string given = options.kernel.string();
+  if (given.ends_with(".toml") || given.ends_with(".result.h5") || fs::is_directory(options.kernel))
+    throw InputError(given + ": is not a kernel: name a file that ends in .kernel.h5");
   kernels::Kernel kernel = kernels::read(options.kernel);
   const std::size_t modes = kernel.modes.size(), points = kernel.surface.size();
   const char* of_basis = kernel.modes.contact_adapted() ? "vectors" : "modes";

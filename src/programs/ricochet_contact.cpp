@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
           "<title>.summary.json.",
       .examples =
           "  ricochet-kernel two-disks.toml && ricochet-contact two-disks.toml\n"
-          "  ricochet-contact --set title=fast --set bodies.upper.velocity=[0,-6,0] two-disks.toml\n"
+          "  ricochet-contact --set title=fast --set 'bodies.upper.velocity=[0,-6,0]' two-disks.toml\n"
           "  ricochet-contact --set contact.scheme=impulse --set time.rate_hz=96000 two-disks.toml\n"
           "  ricochet-contact --vtk two-disks.toml\n"
           "  ricochet-contact --dry-run two-disks.toml",

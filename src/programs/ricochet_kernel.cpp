@@ -28,7 +28,7 @@ int main(int argc, char** argv) {
        .purpose = "Computes the contact kernel of each body of a scene, in parallel under mpirun.",
        .examples = "  mpirun -n 2 ricochet-kernel two-disks.toml\n"
                    "  mpirun -n 4 ricochet-kernel two-disks.toml --set modes.up_to_hz=3000 --out kernels\n"
-                   "  ricochet-kernel two-rods.toml --dry-run\n"
+                   "  ricochet-kernel two-rods.toml --set 'modes={ count = 100 }' --dry-run\n"
                    "PETSc and MUMPS (-mat_mumps_icntl_N) take their own options from PETSC_OPTIONS.",
        .keys = scene::key_reference()},
       argc, argv, first);

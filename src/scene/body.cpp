@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/similar.hpp"
 #include "src/scene/near_miss.hpp"
 #include "src/scene/table.hpp"
 
@@ -61,8 +62,7 @@ Damping read_damping(Table& body) {
   }
   table->refuse_unread();
   if (given > 1)
-    body.complain("damping",
-                  "give one law only: ratio, loss_factor, rayleigh, viscosity, t60 or by_mode");
+    body.complain("damping", "give one law only: ratio, loss_factor, rayleigh, viscosity, t60 or by_mode");
   return damping;
 }
 
@@ -144,7 +144,7 @@ Body read_body(const std::string& name, Table& table, const std::vector<std::str
   if (!mesh) {
     std::vector<std::string> others = names;
     std::erase(others, name);
-    const std::string similar = most_similar(name, others);
+    const std::string similar = base::most_similar(name, others);
     table.complain("mesh", "is missing: name a .geo, .step, .brep or .msh file, or a body file (.h5)" +
                                (similar.empty() ? "" : "; or did you mean bodies." + similar + "?"));
   }

@@ -6,39 +6,15 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <set>
 #include <string_view>
 #include <utility>
 
+#include "base/similar.hpp"
+
 namespace ricochet::scene {
 
 namespace {
-
-/// Levenshtein distance.
-std::size_t distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t corner = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t above = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, corner + (a[i - 1] == b[j - 1] ? 0 : 1)});
-      corner = above;
-    }
-  }
-  return row[b.size()];
-}
-
-/// In lower case, without hyphens, underscores and spaces.
-std::string plain(const std::string& word) {
-  std::string text;
-  for (const char c : word)
-    if (c != '-' && c != '_' && c != ' ')
-      text += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
 
 /// The word without its trailing units, "velocity" for "velocity_m_per_s".
 std::string without_unit(std::string word) {
@@ -47,7 +23,7 @@ std::string without_unit(std::string word) {
       "cm",  "um",  "km",  "kg",   "g",   "pa",  "kpa", "mpa", "gpa", "n",       "kn", "degrees",
       "deg", "rad", "in",  "kgm3", "ms2", "mps", "per", "m2",  "m3",  "si"};
   for (std::size_t bar; (bar = word.rfind('_')) != std::string::npos && bar > 0; word.resize(bar))
-    if (!units.contains(plain(word.substr(bar)))) break;
+    if (!units.contains(base::plain(word.substr(bar)))) break;
   return word;
 }
 
@@ -114,11 +90,11 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 50> synonyms
 /// The key that `word` stands for, or null: the same letters, another number or unit, or a synonym.
 const Key* same_meaning(const Section& section, const std::string& word) {
   for (const Key& key : section.keys)
-    if (singular(plain(key.name)) == singular(plain(word)) ||
-        plain(without_unit(key.name)) == plain(without_unit(word)))
+    if (singular(base::plain(key.name)) == singular(base::plain(word)) ||
+        base::plain(without_unit(key.name)) == base::plain(without_unit(word)))
       return &key;
   for (const auto& [synonym, name] : synonyms)
-    if (synonym == plain(word) || synonym == plain(without_unit(word)))
+    if (synonym == base::plain(word) || synonym == base::plain(without_unit(word)))
       if (const Key* key = section.find(name)) return key;
   return nullptr;
 }
@@ -166,24 +142,6 @@ std::string sections_with(const std::string& name, bool is_table) {
 
 }  // namespace
 
-std::string most_similar(const std::string& word, const std::vector<std::string>& known) {
-  const std::string own = plain(word);
-  std::string nearest;
-  std::size_t best = std::max<std::size_t>(2, own.size() / 3) + 1;
-  for (const std::string& name : known) {
-    const std::string other = plain(name);
-    const bool part = (own.size() > 2 && other.starts_with(own)) ||
-                      (other.size() > 4 && own.find(other) != std::string::npos);
-    // Half of the letters at least must agree: "gap" is not similar to "mesh".
-    const std::size_t edits = own == other ? 0 : part ? 1 : distance(own, other);
-    if (edits < best && 2 * edits <= std::max(own.size(), other.size())) {
-      best = edits;
-      nearest = name;
-    }
-  }
-  return nearest;
-}
-
 std::string unknown_key(const Section& section, const std::string& key, bool is_table) {
   const auto meant = [&](const Key& similar) {
     const bool names_unit = without_unit(key) != key && !similar.unit.empty() && similar.unit != "1";
@@ -196,7 +154,7 @@ std::string unknown_key(const Section& section, const std::string& key, bool is_
   std::vector<std::string> names;
   for (const Key& known : section.keys) names.push_back(known.name);
   std::ranges::sort(names);
-  const std::string similar = most_similar(without_unit(key), names);
+  const std::string similar = base::most_similar(without_unit(key), names);
   if (!similar.empty()) return meant(*section.find(similar));
   if (const Key* key_meant = similar_meaning(section, without_unit(key))) return meant(*key_meant);
   const std::string possible = same_beginning(key, names);
@@ -206,7 +164,7 @@ std::string unknown_key(const Section& section, const std::string& key, bool is_
 }
 
 std::string existing_names(const std::string& name, const std::vector<std::string>& existing) {
-  if (const std::string similar = most_similar(name, existing); !similar.empty())
+  if (const std::string similar = base::most_similar(name, existing); !similar.empty())
     return ". Did you mean \"" + similar + "\"?";
   if (existing.empty()) return "";
   return fmt::format(": {} \"{}\"", existing.size() == 1 ? "there is only" : "there are",

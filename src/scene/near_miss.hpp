@@ -9,10 +9,6 @@
 
 namespace ricochet::scene {
 
-/// The word of `known` that is most similar to `word`: equal but for case, hyphens and underscores; a part of
-/// it or its beginning; or within two edits, or a third of its length. Empty if none is similar.
-std::string most_similar(const std::string& word, const std::vector<std::string>& known);
-
 /// The complaint about a key that `section` does not have, with what to write: the similar key of this
 /// section and, if the unknown key states a unit, its unit; otherwise the section that has such a key;
 /// otherwise all keys of this section, with the one that begins alike.

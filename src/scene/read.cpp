@@ -4,8 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 
 #include "src/scene/body.hpp"
@@ -13,6 +11,7 @@
 #include "src/scene/loads.hpp"
 #include "src/scene/modes.hpp"
 #include "src/scene/overrides.hpp"
+#include "src/scene/scene_file.hpp"
 #include "src/scene/strikes.hpp"
 #include "src/scene/table.hpp"
 
@@ -186,30 +185,10 @@ void refuse_what_does_not_go(Table& root, const Scene& scene) {
     root.complain("output.receiver", fmt::format("{} allows none: leave it out", with));
 }
 
-std::string text_of(const std::filesystem::path& file) {
-  constexpr std::uintmax_t most = 4 << 20;
-  std::error_code failure;
-  if (!std::filesystem::is_regular_file(file, failure))
-    throw InputError(fmt::format("{}: no such file", file.string()));
-  if (std::filesystem::file_size(file, failure) > most)
-    throw InputError(
-        fmt::format("{}: is larger than 4 MiB, so it is not a scene: name another file", file.string()));
-  std::ifstream stream(file, std::ios::binary);
-  std::string text(std::istreambuf_iterator<char>(stream), {});
-  if (!stream) throw InputError(fmt::format("{}: cannot be read", file.string()));
-  return text;
-}
-
-/// Parses the text of a scene and applies the overrides. `name` is the name of its file.
-toml::table tables_of(const std::string& text, const std::string& name,
-                      const std::vector<Override>& overrides) {
-  toml::table parsed;
-  try {
-    parsed = parse_toml(text, name);
-  } catch (const toml::parse_error& error) {
-    throw InputError(one_line(fmt::format("{}:{}:{}: {}", name, error.source().begin.line,
-                                          error.source().begin.column, error.description())));
-  }
+/// The tables of a scene with overrides. `name` is the name of its file.
+toml::table overridden_tables(const std::string& text, const std::string& name,
+                              const std::vector<Override>& overrides) {
+  toml::table parsed = tables_of(text, name);
   for (const Override& override : overrides) apply_override(parsed, override);
   return parsed;
 }
@@ -223,14 +202,14 @@ Scene read(const std::filesystem::path& file, const std::vector<Override>& overr
 std::string overridden(const std::string& text, const std::filesystem::path& file,
                        const std::vector<Override>& overrides) {
   std::ostringstream out;
-  out << toml::toml_formatter(tables_of(text, file.filename().string(), overrides));
+  out << toml::toml_formatter(overridden_tables(text, file.filename().string(), overrides));
   return out.str();
 }
 
 Scene parse(const std::string& text, const std::filesystem::path& file,
             const std::vector<Override>& overrides, Purpose purpose) {
   const std::string name = file.filename().string();
-  const toml::table parsed = tables_of(text, name, overrides);
+  const toml::table parsed = overridden_tables(text, name, overrides);
   Scene scene;
   scene.file = file;
   Table root(parsed, scene_keys, name, "");

@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 #include <openssl/evp.h>
 
+#include <algorithm>
 #include <fstream>
 #include <regex>
 #include <set>
@@ -12,6 +13,7 @@
 
 #include "ricochet/error.hpp"
 #include "src/scene/loads.hpp"
+#include "src/scene/near_miss.hpp"
 #include "src/scene/parts.hpp"
 #include "src/scene/write.hpp"
 
@@ -22,6 +24,22 @@ namespace {
 /// Must be increased whenever the meaning of a kernel changes, so that old kernels are computed again.
 constexpr int kernel_generation = 5;
 
+/// What to do about a file that is missing: the similar one in its folder, or the meshes there.
+std::string advice_on(const std::filesystem::path& missing) {
+  std::error_code failure;
+  if (std::filesystem::is_directory(missing, failure)) return "is a folder: name a file in it";
+  std::vector<std::string> there;
+  const std::filesystem::path folder = missing.parent_path().empty() ? "." : missing.parent_path();
+  for (std::filesystem::directory_iterator entry(folder, failure), end; !failure && entry != end;
+       entry.increment(failure))
+    for (const char* ending : {".geo", ".msh", ".step", ".stp", ".brep"})
+      if (entry->path().extension() == ending && entry->is_regular_file(failure))
+        there.push_back(entry->path().filename().string());
+  std::ranges::sort(there);
+  if (there.empty() || there.size() > 5) return "no such file: a path starts at the folder of the scene";
+  return "no such file" + existing_names(missing.filename().string(), there);
+}
+
 std::string bytes_of(const std::filesystem::path& path, const std::string& key) {
   // Reading a device or a pipe might not end.
   std::error_code ignored;
@@ -29,7 +47,7 @@ std::string bytes_of(const std::filesystem::path& path, const std::string& key) 
   std::ifstream file;
   if (is_file) file.open(path, std::ios::binary);
   if (!file.is_open())
-    throw InputError(fmt::format("{} = {}: no such file", key, toml_string(path.string())));
+    throw InputError(fmt::format("{} = {}: {}", key, toml_string(path.string()), advice_on(path)));
   std::ostringstream text;
   text << file.rdbuf();
   return text.str();

@@ -17,15 +17,14 @@ double number_of(const toml::node& node) {
   return node.is_integer() ? static_cast<double>(node.as_integer()->get()) : node.as_floating_point()->get();
 }
 
-/// The line, cut to at most 60 bytes without splitting a character.
+}  // namespace
+
 std::string shortened(const std::string& line) {
   if (line.size() <= 60) return line;
   std::size_t end = 57;
   while (end > 0 && (static_cast<unsigned char>(line[end]) & 0xC0) == 0x80) --end;
   return line.substr(0, end) + "…";
 }
-
-}  // namespace
 
 std::string one_line(std::string text) {
   for (char& c : text)

@@ -25,6 +25,9 @@ toml::table parse_toml(const std::string& text, const std::string& origin);
 /// Replaces control characters by spaces, so that every error is one line, whatever the keys contain.
 std::string one_line(std::string text);
 
+/// The line, cut to at most 60 bytes without splitting a character.
+std::string shortened(const std::string& line);
+
 /// Numbers must be 0 or have a magnitude between 1/largest_number and largest_number, so that their squares
 /// and products do not overflow.
 constexpr double largest_number = 1e30;

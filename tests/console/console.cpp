@@ -73,8 +73,8 @@ TEST(Log, holds_one_line_for_each_phase_when_it_ends) {
   });
   EXPECT_EQ(text.out, "");
   // The output goes to files, so it contains no escape codes and no "\r".
-  EXPECT_THAT(text.err,
-              MatchesRegex("modes {23} +0\\.[0-9][0-9] s  62 found\ntrace {23} +0\\.[0-9][0-9] s *\n"));
+  EXPECT_THAT(text.err, MatchesRegex("modes {23} +0\\.[0-9][0-9] s +[0-9]+ MiB  62 found\n"
+                                     "trace {23} +0\\.[0-9][0-9] s +[0-9]+ MiB\n"));
 }
 
 TEST(Log, of_a_phase_that_has_not_ended_holds_nothing) {
@@ -235,26 +235,39 @@ TEST(Terminal, shows_nothing_if_quiet) {
   EXPECT_EQ(text, "");
 }
 
-TEST(PhaseTable, is_aligned_and_ends_with_total_time_and_highest_memory) {
-  EXPECT_EQ(Console::table({{"upper: mesh", 0.5, 100.4, "2 elements"}, {"modes", 250, 812.6, ""}}),
-            "phase                time   peak memory\n"
-            "upper: mesh        0.50 s       100 MiB  2 elements\n"
-            "modes          4 min 10 s       813 MiB\n"
-            "total          4 min 10 s       813 MiB");
+TEST(LineOfPhase, is_aligned_with_those_of_other_phases) {
+  EXPECT_EQ(Console::line({"upper: mesh", 0.5, 100.4, "2 elements"}),
+            "upper: mesh                      0.50 s      100 MiB  2 elements");
+  EXPECT_EQ(Console::line({"modes", 250, 812.6, ""}), "modes                        4 min 10 s      813 MiB");
 }
 
-TEST(PhaseTable, without_phases_has_a_total_of_zero) {
-  EXPECT_EQ(Console::table({}),
-            "phase          time   peak memory\n"
-            "total        0.00 s         0 MiB");
+TEST(Total, is_one_line_with_the_time_of_all_phases_and_the_highest_memory) {
+  const Printed text = printed([] {
+    double memory = 300;
+    Console console(false, [&] { return memory -= 100; });  // 200 MiB, then 100 MiB
+    for (const char* name : {"mesh", "modes"}) {
+      console.begin(name);
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      console.end();
+    }
+    console.total();
+  });
+  EXPECT_EQ(text.out, "");
+  EXPECT_THAT(text.err, MatchesRegex("mesh .*\nmodes .*\ntotal {23} +[0-9]+\\.[0-9][0-9] s +200 MiB\n"));
+  EXPECT_THAT(text.err, Not(HasSubstr("total                            0.00 s")));  // 0.02 s and more
 }
 
-TEST(PhaseTable, gives_times_in_seconds_minutes_and_hours) {
+TEST(Total, is_not_printed_without_phases) {
+  const Printed text = printed([] { Console().total(); });
+  EXPECT_EQ(text.out + text.err, "");
+}
+
+TEST(LineOfPhase, gives_times_in_seconds_minutes_and_hours) {
   const std::pair<double, const char*> times[] = {
       {0.004, " 0.00 s "},     {99.9, " 99.90 s "}, {100, " 1 min 40 s "}, {119.9, " 1 min 59 s "},
       {3605, " 60 min 05 s "}, {6000, " 1.7 h "},   {36000, " 10.0 h "}};
   for (const auto& [seconds, text] : times)
-    EXPECT_THAT(Console::table({{"modes", seconds, 1, ""}}), HasSubstr(text)) << seconds;
+    EXPECT_THAT(Console::line({"modes", seconds, 1, ""}), HasSubstr(text)) << seconds;
 }
 
 }  // namespace console_test

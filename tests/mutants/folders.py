@@ -68,7 +68,7 @@ FOLDERS = {
     "scene": Folder(
         "src/scene/*.cpp",
         ("test_scene", "test_programs", "fuzz/scene")
-        + _programs("table", "driven", "errors", "rods", "parts", "imports", "algebra", "sweep")
+        + _programs("mistakes", "table", "driven", "errors", "rods", "parts", "imports", "algebra", "sweep")
         + ("python/api",),
     ),
     "elasticity": Folder(
@@ -100,7 +100,8 @@ FOLDERS = {
         + _programs(
             "command", "sweep", "sweep_faults", "import_command", "imports", "table", "exports", "report"
         )
-        + _programs("files", "motion", "friction", "robust", "batch", "restart", "tradeoff"),
+        + _programs("files", "motion", "friction", "robust", "batch", "restart", "tradeoff", "mistakes")
+        + ("python/interpreters",),
         {
             "python/ricochet/instruments": ("programs/lv2", "web/instrument"),
             "python/ricochet/interchange/": (
@@ -123,7 +124,7 @@ FOLDERS = {
             "python/ricochet/tradeoffs/": ("python/commands", *_programs("tradeoff")),
             "python/ricochet/cli/": (
                 "python/commands",
-                *_programs("command", "sweep", "import_command", "tradeoff"),
+                *_programs("mistakes", "command", "sweep", "import_command", "tradeoff"),
             ),
         },
     ),

@@ -55,6 +55,21 @@ TEST(Warnings, name_a_body_in_millimetres_that_is_read_in_metres) {
   EXPECT_THAT(bracket.warnings(), ElementsAre(HasSubstr("bracket is 6e-06 m long")));
 }
 
+// gmsh reads a STEP file in millimetres, so the factor of inches makes a body 25.4 times too large.
+TEST(Warnings, name_a_step_file_that_is_scaled_from_inches) {
+  Bracket bracket;
+  for (const double scale : {0.0254, 0.02541}) {
+    bracket.body.scale = scale;
+    EXPECT_THAT(bracket.warnings(), ElementsAre(HasSubstr("is read in millimetres, whatever its unit: set "
+                                                          "scale = 0.001")));
+  }
+  bracket.body.scale = 0.026;
+  EXPECT_THAT(bracket.warnings(), IsEmpty());
+  bracket.body.scale = 0.0254;
+  bracket.body.mesh = "bracket.msh";
+  EXPECT_THAT(bracket.warnings(), IsEmpty());
+}
+
 // Candidates within a zone may leave no whole element, like the ends of a rod.
 TEST(Warnings, do_not_take_a_solid_with_few_candidates_for_a_rod) {
   Bracket bracket;

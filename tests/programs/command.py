@@ -57,9 +57,15 @@ class Words(ProgramTest):
 
     def test_a_wrong_argument_is_refused_in_one_line_that_names_it_and_the_verb(self):
         for words, complaint in (
-            (["modes", "a.toml", "--frist"], "ricochet modes: unexpected argument --frist; "),
-            (["modes", "a.toml", "b.toml"], "ricochet modes: unexpected argument b.toml; "),
-            (["run", "a.toml", "--ranks", "x"], "ricochet run: argument -n/--ranks: give a number"),
+            (
+                ["modes", "a.toml", "--frist"],
+                "ricochet modes: --frist: there is no such option: did you mean --first?; ",
+            ),
+            (
+                ["modes", "a.toml", "b.toml"],
+                "ricochet modes: b.toml: is one word too many: give one SCENE.toml; ",
+            ),
+            (["run", "a.toml", "--ranks", "x"], "ricochet run: argument -n/--ranks: x: give a number"),
             (["plot"], "ricochet plot: the following arguments are required: "),
         ):
             done = ricochet(*words)

@@ -151,6 +151,76 @@ class Installed(ProgramTest):
         )
         return set(self.succeed_in(self.call("bash", "-c", script)).split())
 
+    def test_the_shell_completes_values_and_they_are_accepted(self):
+        for path in (MESHES / "two-rods").glob("*.*"):
+            shutil.copy(path, self.folder)
+        schemes = {"compliant", "impulse", "static"}
+        # bash takes "=" for a word of its own, except in quotes; other shells do not.
+        for words, expected in (
+            ("contact.scheme =", schemes),
+            ("contact.scheme = ''", schemes),
+            ("contact.scheme = im", {"impulse"}),
+            ("contact.scheme=im", {"contact.scheme=impulse"}),
+            ('"\'contact.scheme=im"', {"contact.scheme=impulse"}),
+            ("modes.residual_flexibility = t", {"true"}),
+            ("time.duration = ''", set()),
+        ):
+            self.assertEqual(
+                self.completed("ricochet impact", f"two-rods.toml --set {words}"), expected, words
+            )
+        for key in ("accuracy", "modes.basis", "modes.solver", "contact.admittance", "output.view"):
+            offered = self.completed("ricochet impact", f"two-rods.toml --set {key}=")
+            self.assertTrue(offered)
+            for setting in offered:
+                done = self.call("ricochet-contact", "two-rods.toml", "--dry-run", "--set", setting)
+                self.assertNotIn("must be", done.stderr)
+
+    def test_a_checkout_completes_as_well(self):
+        self.write("a.toml", "")
+        script = "COMP_WORDS=(ricochet plot ''); COMP_CWORD=2; _ricochet ricochet; echo ${COMPREPLY[@]}"
+        done = self.call("bash", "-c", f". {SOURCE}/cmake/completion.bash; cd {self.folder}/..; {script}")
+        self.assertIn(self.folder.name, self.succeed_in(done))
+
+    @unittest.skipUnless(shutil.which("fish"), "fish is not installed")
+    def test_fish_completes_as_bash_does(self):
+        self.write("a.toml", "")
+        for file in (
+            self.prefix / "share/fish/vendor_completions.d/ricochet-contact.fish",
+            SOURCE / "cmake/completion.fish",
+        ):
+            for words, expected in (
+                ("ricochet im", {"impact", "import"}),
+                ("ricochet impact a.toml --set contact.scheme=i", {"contact.scheme=impulse"}),
+                ("ricochet-contact --dr", {"--dry-run"}),
+            ):
+                done = self.call(
+                    "fish",
+                    "--no-config",
+                    "-c",
+                    f"source {file}; complete -C '{words}'",
+                    HOME=str(self.folder),
+                )
+                self.assertEqual(set(self.succeed_in(done).split()), expected)
+
+    @unittest.skipUnless(shutil.which("zsh"), "zsh is not installed")
+    def test_zsh_completes_as_bash_does(self):
+        self.write("a.toml", "")
+        for load in (
+            f"source {SOURCE}/cmake/completion.zsh",
+            f"fpath=({self.prefix}/share/zsh/vendor-completions $fpath); autoload -Uz _ricochet",
+        ):
+            for words, expected in (
+                ("ricochet im", {"impact", "import"}),
+                ("ricochet impact a.toml --set contact.scheme=i", {"contact.scheme=impulse"}),
+                ("ricochet impact a.toml --set contact.sch", {"contact.scheme="}),
+            ):
+                script = (
+                    "compdef() { }; compadd() { while [[ $1 != -- ]]; do shift; done; print -l -- ${@:2} }; "
+                    f"{load}; words=({words}); CURRENT=$#words; _ricochet"
+                )
+                done = self.call("zsh", "-f", "-c", script)
+                self.assertEqual(set(self.succeed_in(done).split()), expected)
+
     def test_the_shell_completes_all_options_and_the_files_that_programs_read(self):
         for name in ("a.toml", "b.result.h5", "c.csv", "d.step", "e.inp"):
             self.write(name, "")

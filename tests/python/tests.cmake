@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
 add_program_test(python commands)
+add_program_test(python interpreters)
 add_program_test(python geometry)
 add_program_test(python histories)
 set_tests_properties(python/commands python/geometry python/histories PROPERTIES PROCESSORS 1)

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "base/similar.hpp"
 #include "tests/scene/scenes.hpp"
 
 namespace near_misses_test {
@@ -217,11 +218,11 @@ TEST(Example, of_every_key_is_accepted) {
 // The suggestion is one of the words, or none; a word that exists is its own nearest word.
 TEST(MostSimilar, is_none_for_a_word_that_shares_few_letters) {
   const std::vector<std::string> words{"mesh", "gap", "velocity"};
-  for (const std::string& word : words) EXPECT_EQ(most_similar(word, words), word);
+  for (const std::string& word : words) EXPECT_EQ(ricochet::base::most_similar(word, words), word);
   for (const char* word : {"qqq", "x", "", "elephant", "höhe"})
-    EXPECT_EQ(most_similar(word, words), "") << word;
-  EXPECT_EQ(most_similar("VELOCITY", words), "velocity");
-  EXPECT_EQ(most_similar("velo", words), "velocity");
+    EXPECT_EQ(ricochet::base::most_similar(word, words), "") << word;
+  EXPECT_EQ(ricochet::base::most_similar("VELOCITY", words), "velocity");
+  EXPECT_EQ(ricochet::base::most_similar("velo", words), "velocity");
 }
 
 }  // namespace near_misses_test

@@ -494,11 +494,63 @@ TEST(Refused, is_a_name_that_is_invalid_or_taken) {
 
 TEST(Refused, is_a_file_that_is_missing_or_not_toml) {
   const Folder folder;
-  const std::string missing = (folder.path() / "none.toml").string();
-  EXPECT_EQ(complaint_of([&] { read(missing); }), missing + ": no such file");
-  EXPECT_EQ(complaint_of([&] { read(folder.path()); }), folder.path().string() + ": no such file");
-  // Line 2, column 5 is the second "=". The rest is the message of the parser.
-  EXPECT_EQ(complaint_about("title = \"a\"\na = = 3\n").substr(0, 15), "scene.toml:2:5:");
+  const auto complaint_of_file = [&](const char* name, const std::string& text) {
+    const std::filesystem::path file = folder.write(name, text);
+    return complaint_of([&] { read(file); }).substr(file.string().size());
+  };
+  const std::string missing = (folder.path() / "none").string();
+  EXPECT_EQ(complaint_of([&] { read(missing); }), missing + ": no such file: name a scene, SCENE.toml");
+  EXPECT_EQ(complaint_of([&] { read(folder.path()); }),
+            folder.path().string() + ": is a folder: name a scene, SCENE.toml");
+  const std::string there = folder.write("none.toml", smallest);
+  EXPECT_EQ(complaint_of([&] { read(missing); }), missing + ": no such file: did you mean " + there + "?");
+  EXPECT_EQ(complaint_of([&] { read(folder.path()); }),
+            folder.path().string() + ": is a folder: name a scene, such as " + there);
+  EXPECT_THAT(complaint_of_file("a.result.h5", ""), HasSubstr(": is a result: name the scene"));
+  EXPECT_THAT(complaint_of_file("a.kernel.h5", ""), HasSubstr(": is a kernel: name the scene"));
+  EXPECT_THAT(complaint_of_file("a.geo", ""), HasSubstr(": is a mesh or drawing: name a scene"));
+  EXPECT_EQ(complaint_of_file("hdf5.toml", "\x89HDF\r\n"), ": is an HDF5 file: name a scene, SCENE.toml");
+  EXPECT_EQ(complaint_of_file("utf16.toml", "\xff\xfet"), ": is UTF-16 text: save it as UTF-8 in the editor");
+}
+
+TEST(Refused, is_a_study_in_the_place_of_a_scene) {
+  EXPECT_EQ(complaint_about("scene = \"a.toml\"\n[grid]\n\"time.duration\" = [1, 2]\n"),
+            "scene.toml: is a study: run it with ricochet sweep scene.toml, or name its scene, a.toml");
+}
+
+// What people write who know other languages. The place is line and column of the character that TOML
+// excludes.
+TEST(Refused, is_text_that_is_not_toml_with_what_to_write) {
+  const std::vector<std::pair<std::string, std::string>> lines = {
+      {"a = = 3", "1:5: a = = 3: this is not TOML: could not determine value type"},
+      {"a = 1 // one", "1:7: a = 1 // one: a comment starts with #"},
+      {"a: 1", "1:2: a: 1: write = between key and value"},
+      {"a = \"c:\\users\"", "1:10: a = \"c:\\users\": write / in place of \\ in a path"},
+      {"a = True", "1:5: a = True: write true or false, in lower case"},
+      {"a = 0,5", "1:6: a = 0,5: write a decimal point in place of the comma"},
+      {"a = 1;", "1:6: a = 1;: remove the semicolon"},
+      {"a = 1,", "1:6: a = 1,: remove the comma at the end of the line"},
+      {"a = [1, 2],", "1:11: a = [1, 2],: remove the comma at the end of the line"},
+      {"a = (1, 2)", "1:5: a = (1, 2): write a vector in brackets, [x, y, z]"},
+      {"a = .5", "1:5: a = .5: write a digit before the decimal point, 0.5"},
+      {"a = 210 GPa", "1:9: a = 210 GPa: give the number alone: docs/keys.md states the unit of each key"},
+      {"a = [1 2]", "1:8: a = [1 2]: separate the entries of a list by commas"},
+      {"a =", "1:4: a =: a value is missing after ="},
+      {"a = \"b", "1:7: a = \"b: close the text with a quote"},
+      {"[a", "1:3: [a: close the name of the table with ]"},
+      {"[a b]", "1:4: [a b]: write dots between the parts of the name, as in [bodies.NAME]"},
+      {"a = b", "1:5: a = b: write text in quotes, \"…\""},
+      {"a = “b”", "1:5: a = “b”: use straight quotes, \"…\""},
+      {"a = [1, 2\nb = 1", "2:1: b = 1: the list before it is not closed: add ]"},
+      {"a = { b = 1\n}", "1:12: a = { b = 1: close a table in braces with } on the line where it starts"},
+      {"a = 1\na = 2", "2:5: a = 2: the table has this key already: remove one of the two"},
+      {"[a]\n[a]",
+       "2:1: [a]: the file has this table already: choose another name, or put all its keys in one place"},
+      {"a = 1\nb = \"\xe9\"", "2:5: this is not UTF-8: save the file as UTF-8 in the editor"}};
+  for (const auto& [text, line] : lines) EXPECT_EQ(complaint_about(text), "scene.toml:" + line);
+  // A line of a damaged file may be very long.
+  EXPECT_THAT(complaint_about("a = " + std::string(1 << 20, '(')),
+              HasSubstr("…: write a vector in brackets"));
 }
 
 // Quoted keys and strings may contain anything.

@@ -132,15 +132,20 @@ TEST(KernelRequests, name_a_missing_file) {
   const Scene scene = read(folder.write("scene.toml", smallest));
   const std::string mesh = (folder.path() / "ball.msh").string();
   const auto ask = [&] { kernel_request(scene, scene.bodies[0]); };
-  EXPECT_EQ(complaint_of(ask), "scene.toml: bodies.ball.mesh = \"" + mesh + "\": no such file");
+  EXPECT_EQ(complaint_of(ask), "scene.toml: bodies.ball.mesh = \"" + mesh +
+                                   "\": no such file: a path starts at the folder of the scene");
+  folder.write("balls.msh", "");
+  EXPECT_EQ(complaint_of(ask),
+            "scene.toml: bodies.ball.mesh = \"" + mesh + "\": no such file. Did you mean \"balls.msh\"?");
   std::filesystem::create_directory(mesh);
-  EXPECT_EQ(complaint_of(ask), "scene.toml: bodies.ball.mesh = \"" + mesh + "\": no such file");
+  EXPECT_EQ(complaint_of(ask),
+            "scene.toml: bodies.ball.mesh = \"" + mesh + "\": is a folder: name a file in it");
 
   folder.write("ball.geo", "Include \"gone.geo\";\n");
   const Scene geo = read(folder.path() / "scene.toml", {"bodies.ball.mesh=ball.geo"});
   EXPECT_EQ(complaint_of([&] { kernel_request(geo, geo.bodies[0]); }),
             "scene.toml: bodies.ball.mesh includes = \"" + (folder.path() / "gone.geo").string() +
-                "\": no such file");
+                "\": no such file: there are \"ball.geo\", \"balls.msh\"");
 }
 
 TEST(KernelRequests, hold_no_placement_and_no_velocity) {

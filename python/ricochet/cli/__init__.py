@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The command `ricochet`: one module for each verb, with `add_arguments(parser)` and `run(options)`."""
-import difflib
 import importlib
 import io
 import os
@@ -8,6 +7,7 @@ import signal
 import sys
 from types import FrameType, ModuleType
 
+from ricochet.cli import unexpected
 from ricochet.cli.options import Parser, Unprinted
 from ricochet.errors import RicochetError, one_line
 
@@ -57,29 +57,33 @@ def root_parser() -> Parser:
     return parser
 
 
+def parser_of(verb: str) -> Parser:
+    module = module_of(verb)
+    parser = Parser(prog=f"ricochet {verb}", description=module.__doc__)
+    module.add_arguments(parser)
+    return parser
+
+
 def dispatch(words: list[str]) -> int:
     verb = words[0] if words and not words[0].startswith("-") else None
     if verb is None:
         root_parser().parse_args(words or ["--help"])
     if verb not in VERBS:
-        near = difflib.get_close_matches(str(verb), VERBS, 1, 0.4)
-        hint = f'did you mean "{near[0]}"?' if near else f"the verbs are {', '.join(VERBS)}"
-        print(f'ricochet: there is no verb "{one_line(verb)}": {hint}', file=sys.stderr)
+        print(f"ricochet: {one_line(unexpected.verb_complaint(words, VERBS))}", file=sys.stderr)
         return 2
     heard = [
         n for n in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP) if signal.getsignal(n) != signal.SIG_IGN
     ]
     for number in heard:  # default handling during imports, in which numpy turns an interrupt into an error
         signal.signal(number, signal.SIG_DFL)
-    module = module_of(verb)
-    parser = Parser(prog=f"ricochet {verb}", description=module.__doc__)
-    module.add_arguments(parser)
+    module, parser = module_of(verb), parser_of(verb)
     for number in heard:
         signal.signal(number, interrupt)
     try:
         options, rest = parser.parse_known_args(getattr(module, "joined", list)(words[1:]))
         if rest and not hasattr(module, "PASSES_ON"):
-            parser.error(f"unexpected argument {rest[0]}")
+            others = (parser_of(other) for other in VERBS if other != verb)
+            parser.error(unexpected.complaint(parser, words[1:], rest, others))
         options.words = rest
         module.run(options)
         return 0

@@ -19,9 +19,6 @@ from typing import Any
 from ricochet import programs
 from ricochet.cli.options import add_count, add_run, words_for_programs
 from ricochet.errors import InputError
-from ricochet.modal_table import ModalTable, write_csv
-from ricochet.pages.modes import write_modes_page
-from ricochet.pictures import DRAWN_MODES, draw_modes
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -31,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--plot",
         action="store_true",
-        help=f"draw the first {DRAWN_MODES} elastic modes as <body>-modes.png; sets output.view = true",
+        help="draw the first elastic modes as <body>-modes.png; sets output.view = true",
     )
     parser.add_argument(
         "--page",
@@ -87,18 +84,24 @@ def run(options: argparse.Namespace) -> None:
         verify(options)
         return
     found, scene = kernels(options)
+    from ricochet.modal_table import ModalTable, write_csv  # slow to import: refusals come before
+
     tables = [ModalTable.read(kernel) for kernel in found]
     print("\n\n".join(table.text(options.first) for table in tables))
     if options.csv:
         write_csv(tables, options.csv)
         print(options.csv)
     if options.plot:
+        from ricochet.pictures import draw_modes
+
         for table, kernel in zip(tables, found):
             if path := draw_modes(kernel, kernel.parent):
                 print(path)
             else:
                 print(f"ricochet modes: no picture of {table.body}: it has no elastic modes", file=sys.stderr)
     if options.page:
+        from ricochet.pages.modes import write_modes_page
+
         title = scene.get("title") or options.scene.stem
         path = found[0].parent / f"{programs.slug(title)}.modes.html"
         print(write_modes_page(title, found, scene, path))

@@ -2,11 +2,13 @@
 """Parts that verbs share: the parser, types of arguments, output."""
 import argparse
 import contextlib
+import os
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from ricochet import programs
+from ricochet import file_kinds, programs
 from ricochet.errors import InputError, RicochetError, one_line
 
 MOST_RANKS = 4096
@@ -40,6 +42,11 @@ class Parser(argparse.ArgumentParser):
     def format_help(self) -> str:
         return super().format_help() + self.more_help()
 
+    def input(self) -> str:
+        """The name of the file that the verb reads, as in its help."""
+        named = [str(action.metavar or action.dest) for action in self._actions if not action.option_strings]
+        return named[0] if named else "SCENE.toml"
+
     def error(self, message: str) -> NoReturn:
         self.exit(2, f"{self.prog}: {one_line(message)}; {self.prog} --help describes the options\n")
 
@@ -55,20 +62,24 @@ def options_of(program: str) -> str:
 
 def ranks(text: str) -> int:
     if not text.isdecimal() or not 1 <= int(text[:9]) <= MOST_RANKS:
-        raise argparse.ArgumentTypeError(f"give a number from 1 to {MOST_RANKS}")
+        raise argparse.ArgumentTypeError(f"{text}: give a number from 1 to {MOST_RANKS}")
+    cores = len(os.sched_getaffinity(0))
+    if int(text) > cores and not os.environ.get("RICOCHET_LAUNCHER"):
+        what = f"{cores} cores" if cores > 1 else "one core"
+        print(f"warning: {text} ranks share {what}: -n {cores} is faster", file=sys.stderr)
     return int(text)
 
 
 def count(text: str) -> int:
     if not text.isdecimal() or not 1 <= int(text[:9]):
-        raise argparse.ArgumentTypeError("give a number from 1 on")
+        raise argparse.ArgumentTypeError(f"{text}: give a number from 1 on")
     return int(text[:9])
 
 
 def positive(text: str) -> float:
     value = float(text)
     if not 0 < value < float("inf"):
-        raise argparse.ArgumentTypeError("must be positive")
+        raise argparse.ArgumentTypeError(f"{text}: must be positive")
     return value
 
 
@@ -86,7 +97,11 @@ def add_count(parser: Group, option: str, default: int, what: str) -> None:
 def add_scene(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scene", type=Path, metavar="SCENE.toml")
     parser.add_argument(
-        "--set", action="append", default=[], metavar="KEY=VALUE", help="override a scene key; repeatable"
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="override a scene key, in quotes if the value has brackets or blanks; repeatable",
     )
 
 
@@ -118,7 +133,7 @@ def words_for_programs(options: argparse.Namespace) -> list[programs.Word]:
 
 
 def add_result(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("result", type=Path, metavar="RESULT.h5")
+    parser.add_argument("result", type=file_kinds.result, metavar="RESULT.h5")
     parser.add_argument(
         "--kernels", type=Path, metavar="DIR", help="folder of the kernels (default: beside the result)"
     )

@@ -10,7 +10,6 @@ import argparse
 import sys
 from pathlib import Path
 
-from ricochet import pictures
 from ricochet.cli.options import add_out, add_result
 
 
@@ -20,6 +19,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def draw(result: Path, folder: Path | None = None, kernels: Path | None = None) -> None:
+    from ricochet import pictures  # takes a second, and refusals of a wrong file come before
+
     def note(text: str) -> None:
         print(f"ricochet plot: {text}", file=sys.stderr)
 

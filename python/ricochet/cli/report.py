@@ -8,7 +8,6 @@ Writes <slug>.report.html beside the result and prints its path.
 """
 import argparse
 
-from ricochet import pages
 from ricochet.cli.options import add_out, add_result
 
 
@@ -18,4 +17,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
+    from ricochet import pages  # takes a second, and refusals of a wrong file come before
+
     print(pages.write_page(options.result, options.out, options.kernels))

@@ -10,9 +10,7 @@ import argparse
 import tomllib
 from pathlib import Path
 
-import h5py
-
-from ricochet import pages, pictures, programs
+from ricochet import programs
 from ricochet.cli import plot
 from ricochet.cli.options import add_run, words_for_programs
 
@@ -28,6 +26,8 @@ def newer(target: Path, *sources: Path) -> bool:
 
 def current(result: Path, scene: str) -> bool:
     """Whether the result file is complete and belongs to this resolved scene, these kernels and this program."""
+    import h5py
+
     if not result.exists() or not Path(str(result).removesuffix(".result.h5") + ".summary.json").exists():
         return False
     try:
@@ -45,6 +45,8 @@ def run(options: argparse.Namespace) -> None:
     scene = programs.resolved(options.scene, words)
     table = tomllib.loads(scene)
     slug = programs.slug(table["title"])
+    from ricochet import pages, pictures  # takes a second, and refusals of the scene come before
+
     programs.kernel(options.scene, words, options.ranks)
     result = out / f"{slug}.result.h5"
     if current(result, scene):

@@ -10,16 +10,18 @@ import argparse
 import os
 from pathlib import Path
 
-from ricochet import files, surfaces
+from ricochet import file_kinds, files
 from ricochet.cli.options import add_out
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("drawing", type=Path, metavar="DRAWING")
+    parser.add_argument("drawing", type=file_kinds.drawing, metavar="DRAWING")
     add_out(parser, "folder of the picture", "beside the drawing")
 
 
 def run(options: argparse.Namespace) -> None:
+    from ricochet import surfaces  # takes a second, and refusals of a wrong file come before
+
     drawing: Path = options.drawing
     found, groups = surfaces.read(drawing)
     print(surfaces.table(found, groups))

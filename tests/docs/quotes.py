@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Every --set in a help text or on a page survives bash and zsh: values with characters of the shell are in quotes."""
+
+import re
+import shutil
+import subprocess
+import unittest
+
+from programs import BIN, SOURCE
+
+# A setting in quotes, or up to a blank or the end of inline code.
+SETTING = re.compile(r"""--set[ =]('[^']*'|"[^"]*"|[^\s`)]+)""")
+SPECIAL = re.compile(r"[][{}*?<>|&;()$!~#]")
+VERBS = "run modes kernel impact tradeoff".split()
+GENERATED = {SOURCE / "docs/mistakes.md"}  # shows what happens without quotes
+
+
+def unquoted(text):
+    """The settings that a shell would change, or refuse to pass on. Usage lines have "[--set KEY=VALUE]"."""
+    settings = [setting for setting in SETTING.findall(text) if setting != "KEY=VALUE]"]
+    return [setting for setting in settings if setting[0] not in "'\"" and SPECIAL.search(setting)]
+
+
+def texts():
+    """Help texts and pages, by name."""
+    for words in (*(["ricochet", verb] for verb in VERBS), ["ricochet-contact"], ["ricochet-kernel"]):
+        command = [BIN / words[0], *words[1:], "--help"]
+        yield " ".join(words), subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    for path in [*SOURCE.glob("*.md"), *SOURCE.glob("docs/**/*.md"), *SOURCE.glob("meshes/**/*.md")]:
+        if path not in GENERATED:
+            yield path.relative_to(SOURCE), path.read_text()
+
+
+class Quotes(unittest.TestCase):
+    def test_no_example_needs_quotes_that_it_lacks(self):
+        found = {name: SETTING.findall(text) for name, text in texts()}
+        self.assertGreater(sum(map(len, found.values())), 40)  # the examples are found at all
+        self.assertIn("'bodies.upper.velocity=[0,-6,0]'", found["ricochet-contact"])
+        for name, text in texts():
+            self.assertEqual(unquoted(text), [], name)
+
+    def test_an_example_without_quotes_is_found(self):
+        self.assertEqual(unquoted("x --set a.b=[0,1] y"), ["a.b=[0,1]"])
+        self.assertEqual(unquoted("`--set 'a={ b = 1 }'` `--set a.b=1`"), [])
+
+    @unittest.skipUnless(shutil.which("zsh"), "zsh is not installed")
+    def test_zsh_passes_each_example_on(self):
+        settings = sorted({setting for _, text in texts() for setting in SETTING.findall(text)})
+        script = "\n".join(f"print -r -- {setting} || exit 1" for setting in settings if "KEY" not in setting)
+        done = subprocess.run(["zsh", "-f", "-c", script], capture_output=True, text=True, check=False)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        refused = subprocess.run(["zsh", "-f", "-c", "print a.b=[0,1]"], capture_output=True, check=False)
+        self.assertEqual(refused.returncode, 1)
+
+
+if __name__ == "__main__":
+    unittest.main()

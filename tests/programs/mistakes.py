@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Every mistake in mistakes.toml gets one line with place, value and remedy, and no file is lost.
+
+    mistakes.py --manual    # writes docs/mistakes.md: mistakes and answers
+"""
+
+import concurrent.futures
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+from mistakes_table import BYTES, FILES, SCENE, sections
+from programs import BIN, SOURCE
+
+PAGE = SOURCE / "docs" / "mistakes.md"
+LONGEST = 250  # characters
+# Words of languages and libraries that a user need not know.
+INTERNAL = re.compile(r"Traceback|Errno|std::|terminate|exception|\.cpp|\.py\b|0x[0-9a-f]{6}|MPI_|errno")
+PROGRESS = re.compile(r" \d[\d.]* s +\d+ MiB")  # the end of a phase
+ENVIRONMENT = {
+    name: value for name, value in os.environ.items() if not name.startswith(("RICOCHET", "OMPI", "PYTHON"))
+} | {"PATH": f"{BIN}:/usr/bin:/bin", "LC_ALL": "C.UTF-8"}
+HEAD = """# Mistakes and answers
+
+Each mistake gets one line: where it is, what was found, and what to do. The status is then 2. A warning leaves the status at
+0, and the result is complete. This page is generated: `tests/programs/mistakes.py` makes each of these mistakes and checks
+the answer. [Messages](messages.md) explains messages that need more than a line.
+
+Some answers are not ours. In zsh, brackets without quotes give `no matches found`: quote values with brackets, as in
+`--set 'bodies.ball.velocity=[0,0,-1]'`. If you start `mpirun` yourself, Open MPI refuses to work as root, or with more ranks
+than cores, with a paragraph of its own; `ricochet kernel -n 4` starts it with the options that it needs. Errors of a launcher
+that `RICOCHET_LAUNCHER` names are printed as they are.
+
+In the tables, `wrong.toml` is a scene of two rods with the text of the example in the place of the right one.
+"""
+
+
+def write_files(folder):
+    for name, text in FILES.items():
+        path = folder / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text)
+    for name, content in BYTES.items():
+        (folder / name).write_bytes(content)
+
+
+def run(command, folder, variables=()):
+    return subprocess.run(
+        ["sh", "-c", command],
+        cwd=folder,
+        env=ENVIRONMENT | dict(variables),
+        capture_output=True,
+        text=True,
+        errors="replace",
+        timeout=120,
+        check=False,
+    )
+
+
+def made(mistake, folder, number):
+    """Makes the mistake and returns what the command printed."""
+    command = mistake.command
+    if mistake.change:
+        if mistake.change[0] not in SCENE:
+            raise ValueError(f"{mistake.change[0]} is not in the scene")
+        name = f"wrong{number}.toml"
+        (folder / name).write_text(SCENE.replace(*mistake.change, 1))
+        command = command.replace("wrong.toml", name)
+    done = run(command, folder, mistake.env)
+    lines = re.sub(r"wrong\d+\.toml", "wrong.toml", done.stderr).splitlines()
+    done.stderr = "\n".join(line for line in lines if not PROGRESS.search(line))
+    return done
+
+
+class Mistakes(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        scope = tempfile.TemporaryDirectory(prefix="ricochet-mistakes-")
+        cls.addClassCleanup(scope.cleanup)
+        cls.folder = pathlib.Path(scope.name)
+        write_files(cls.folder)
+        first = run(
+            "ricochet kernel -n 1 --quiet scene.toml && ricochet impact --quiet scene.toml", cls.folder
+        )
+        if first.returncode:
+            raise AssertionError(first.stderr)
+        before = {path: path.read_bytes() for path in cls.folder.rglob("*") if path.is_file()}
+        mistakes = [mistake for section in sections().values() for mistake in section]
+        with concurrent.futures.ThreadPoolExecutor(3) as pool:
+            answers = pool.map(lambda k: made(mistakes[k], cls.folder, k), range(len(mistakes)))
+            cls.answers = list(zip(mistakes, answers))
+        cls.lost = [path.name for path, content in before.items() if path.read_bytes() != content]
+        cls.left = [path.name for path in cls.folder.rglob("*.partial")]
+
+    def test_each_is_answered_in_one_line_with_place_value_and_remedy(self):
+        for mistake, done in self.answers:
+            with self.subTest(mistake.what, command=mistake.command, change=mistake.change):
+                self.assertEqual(done.returncode, mistake.status, done.stderr)
+                lines = done.stderr.splitlines()
+                self.assertEqual(len(lines), 1, done.stderr)
+                self.assertRegex(lines[0], mistake.answer)
+                self.assertLessEqual(len(lines[0]), LONGEST, lines[0])
+                self.assertNotRegex(lines[0], INTERNAL)
+
+    def test_nothing_is_lost_and_nothing_is_left(self):
+        self.assertEqual((self.lost, self.left), ([], []))
+
+    def test_there_are_many(self):
+        self.assertGreaterEqual(len(self.answers), 55)
+
+    def test_the_page_shows_the_present_answers(self):
+        self.assertEqual(page(self.answers), PAGE.read_text(), "write it again: mistakes.py --manual")
+
+    def test_what_other_editors_and_systems_write_is_no_mistake(self):
+        spaced = self.folder / "mit Körper & co"
+        spaced.mkdir()
+        expected = run("ricochet impact --quiet scene.toml", self.folder)
+        texts = {
+            "bom.toml": "\ufeff" + SCENE,
+            "windows.toml": SCENE.replace("\n", "\r\n"),
+            "tabs.toml": SCENE.replace(" = ", "\t=\t"),
+        }
+        for name, text in texts.items():
+            with self.subTest(name):
+                (spaced / name).write_bytes(text.encode().replace(b'"rod.geo"', b'"../rod.geo"'))
+                done = run(f"ricochet impact --quiet --out out '{spaced}/{name}'", self.folder)
+                self.assertEqual((done.returncode, done.stderr), (0, expected.stderr))
+
+
+def shown(text):
+    """A cell of the page. Hashes and numbers of cores differ between machines."""
+    text = re.sub(r"-[0-9a-f]{12}\.kernel", "-0123456789ab.kernel", text.strip())
+    text = re.sub(r"share .*: -n \d+ is", "share 2 cores: -n 2 is", text)
+    return text.replace("|", "\\|").replace("`", "'")
+
+
+def asked(mistake):
+    """What the page shows as the mistake."""
+    if mistake.change:
+        old, new = (text.replace("\n", " ↵ ") for text in mistake.change)
+        return f"`{shown(new)}`" if new else f"no `{shown(old)}`"
+    variables = "".join(f"{name}={value} " for name, value in mistake.env.items() if value)
+    return f"`{shown(variables + mistake.command)}`"
+
+
+def page(answers):
+    text, number = [HEAD], 0
+    for title, mistakes in sections().items():
+        text.append(f"\n## {title}\n\n| mistake | example | answer |\n|---|---|---|\n")
+        for mistake, done in answers[number : number + len(mistakes)]:
+            text.append(f"| {mistake.what} | {asked(mistake)} | `{shown(done.stderr)}` |\n")
+        number += len(mistakes)
+    return "".join(text)
+
+
+if __name__ == "__main__":
+    if sys.argv[1:] == ["--manual"]:
+        Mistakes.setUpClass()
+        PAGE.write_text(page(Mistakes.answers))
+        Mistakes.doClassCleanups()
+    else:
+        unittest.main()
