@@ -106,13 +106,13 @@ const Key* similar_meaning(const Section& section, const std::string& word) {
   std::vector<std::string> known;
   for (const auto& [synonym, name] : synonyms)
     if (synonym.size() >= least_letters && section.find(name) != nullptr) known.emplace_back(synonym);
-  const std::string similar = most_similar(word, known);
+  const std::string similar = base::most_similar(word, known);
   return similar.empty() ? nullptr : same_meaning(section, similar);
 }
 
 /// The only name that begins with the same two letters as the word; empty if there is none.
 std::string same_beginning(const std::string& word, const std::vector<std::string>& names) {
-  const std::string beginning = plain(word).substr(0, 2);
+  const std::string beginning = base::plain(word).substr(0, 2);
   const auto alike = [&](const std::string& name) {
     return beginning.size() == 2 && name.starts_with(beginning);
   };

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "src/scene/near_miss.hpp"
+#include "base/similar.hpp"
 #include "src/scene/table.hpp"
 
 namespace ricochet::scene {
@@ -83,7 +83,7 @@ std::string trimmed(const std::string& text) {
 std::string similar_key(const std::string& key, const toml::table& table) {
   std::vector<std::string> names;
   for (auto&& [name, node] : table) names.emplace_back(name.str());
-  return most_similar(key, names);
+  return base::most_similar(key, names);
 }
 
 }  // namespace
