@@ -99,6 +99,16 @@ class Drop(PageTest):
                 }
             self.assertLessEqual(self.browser.evaluate("document.documentElement.scrollWidth"), wide)
 
+    def test_colours_show_the_speed_of_the_fall_at_the_start(self):
+        self.opened_at(1280, 800)
+        speeds = self.browser.evaluate(
+            """(() => { const motion = shown.motion, body = motion.bodies[0];
+          motion.colour = "speed";
+          motion.measure(body, ...motion.find(motion.time[0]));
+          return [Math.min(...body.value), Math.max(...body.value)]; })()"""
+        )
+        np.testing.assert_allclose(speeds, 0.5, rtol=2e-3)  # gravity adds 4e-4 in the first snapshot
+
     def test_the_floor_is_seen_from_above_with_gravity_down_and_is_glass_from_beneath(self):
         self.opened_at(1280, 800)
         self.browser.evaluate("shown.motion.bodies[0].visible = shown.motion.arrows = false, shown.show()")

@@ -4,8 +4,10 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import matplotlib
+import numpy as np
 from matplotlib.figure import Figure
 
+from ricochet.arrays import Array
 from ricochet.errors import InputError
 from ricochet.files import save_picture, writing
 from ricochet.pictures.contact import contact_picture, table_picture
@@ -46,8 +48,20 @@ def figures(result: History, kernels: Path, note: Callable[[str], None]) -> Iter
     elif result.episodes and (figure := snapshots_picture(result, *found)):
         yield "snapshots", figure
     else:
-        note("no picture of snapshots: no snapshot falls into a contact")
+        note(f"no picture of snapshots: {why_unseen(result, found[1])}")
     yield "energy", energy_picture(result)
+
+
+def why_unseen(result: History, time: Array) -> str:
+    """Why no snapshot at the times (s) shows the contact, and what to set."""
+    if not result.episodes:
+        return "nothing touched"
+    lasts = max(end - start for start, end in result.spans())
+    apart = float(np.min(np.diff(time), initial=np.inf))
+    return (
+        f"they are {apart:.2g} s apart, and contact lasts {lasts:.2g} s. Set a smaller output.snapshot_every, or a "
+        "higher time.rate_hz"
+    )
 
 
 def draw(

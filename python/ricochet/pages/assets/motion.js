@@ -38,9 +38,9 @@ class Motion {
   find(time) {
     let low = 0, high = this.time.length - 1;
     while (high - low > 1) { const middle = (low + high) >> 1; if (this.time[middle] <= time) low = middle; else high = middle; }
-    if (this.time.length === 1 || time <= this.time[0]) return [0, 0, 1];
+    if (this.time.length === 1) return [0, 0, 1];
     const dt = this.time[low + 1] - this.time[low];
-    return [low, Math.min(1, (time - this.time[low]) / dt), dt];
+    return [low, Math.max(0, Math.min(1, (time - this.time[low]) / dt)), dt];
   }
 
   sampled(count) {
