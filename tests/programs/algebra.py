@@ -138,7 +138,7 @@ class Algebra(ProgramTest):
         self.assertIn(f"derived from {old.name}", run.out)
         self.assertNotIn("assembly", run.out + run.err)
         computed, run = self.path(self.fresh, *after)
-        self.assertIn("assembly", run.out)
+        self.assertIn("assembly", run.err)
         self.assert_same(derived, computed)
 
     def test_another_material_and_size_with_all_modes(self):
@@ -242,7 +242,7 @@ class Algebra(ProgramTest):
             with self.subTest(sets=sets):
                 _, run = self.path(self.out, *sets)
                 self.assertNotIn("derived", run.out)
-                self.assertIn("assembly", run.out)
+                self.assertIn("assembly", run.err)
 
     def recast(self, *words):
         return Run([BIN / "ricochet-recast", *words])
@@ -314,7 +314,7 @@ class Algebra(ProgramTest):
             ([old, "--young-factor", 1e300], ["--young-factor"]),
             ([old, "--young-factor", "nan"], ["--young-factor", "above 0"]),
             ([old, "--points", ""], ["--points"]),
-            ([self.scene], [str(self.scene), "not an HDF5 file"]),
+            ([self.scene], [str(self.scene), "is not a kernel"]),
             ([self.folder / "none.h5"], ["none.h5"]),
         ):
             with self.subTest(words=words):

@@ -157,7 +157,7 @@ class Reach(ProgramTest):
             self.assertIn("Run ricochet-kernel", run.err)
             self.assertEqual(self.kernels(self.out), before)
         run = self.succeed(kernel(self.scene, self.out, "contact.reach=0.06", quiet=False))
-        self.assertIn("assembly", run.out)
+        self.assertIn("assembly", run.err)
         self.assertGreater(len(self.kernels(self.out)), len(before))
         # The folder now contains several kernels to choose from.
         for sets in ([], ["contact.reach=0.06"]):
