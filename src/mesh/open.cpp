@@ -241,14 +241,16 @@ class LocalSizes {
   LocalSizes(const scene::Body& body, double factor) : set_(!body.refine.empty()) {
     if (!set_) return;
     gmsh::model::mesh::setSizeCallback(
-        [balls = body.refine, scale = body.scale, factor](int, int, double x, double y, double z) {
+        // Later versions of gmsh (4.12) also pass the size without this function, and take what it returns.
+        [balls = body.refine, scale = body.scale, factor](int, int, double x, double y, double z,
+                                                          auto... otherwise) {
           double size = std::numeric_limits<double>::max();
           for (const scene::FineBall& ball : balls) {
             const double away =
                 std::hypot(scale * x - ball.at[0], scale * y - ball.at[1], scale * z - ball.at[2]);
             size = std::min(size, ball.size + growth * std::max(0.0, away - ball.radius));
           }
-          return size / (scale * factor);
+          return std::min({size / (scale * factor), otherwise...});
         });
   }
   LocalSizes(const LocalSizes&) = delete;

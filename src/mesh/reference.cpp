@@ -54,14 +54,10 @@ ReferenceElement product_prism(int gmsh_type, int order) {
                               {0, 0, -1, 1, 0, -1, 0, 1, -1, 0, 0, 1, 1, 0, 1, 0, 1, 1});
   gmsh::model::mesh::addElementsByType(volume, type_of(Family::prism, 1), {1}, {1, 2, 3, 4, 5, 6});
   gmsh::model::mesh::setOrder(order);
-  std::vector<std::size_t> tags, nodes;
-  gmsh::model::mesh::getElementsByType(gmsh_type, tags, nodes);
-  ReferenceElement element{gmsh_type, Family::prism, 3, order, static_cast<int>(nodes.size()), 6, {}};
-  for (std::size_t node : nodes) {
-    std::vector<double> at, parametric;
-    gmsh::model::mesh::getNode(node, at, parametric);
-    element.node.insert(element.node.end(), at.begin(), at.end());
-  }
+  std::vector<std::size_t> nodes;
+  std::vector<double> at, parametric;
+  gmsh::model::mesh::getNodesByElementType(gmsh_type, nodes, at, parametric, -1, false);
+  const ReferenceElement element{gmsh_type, Family::prism, 3, order, static_cast<int>(nodes.size()), 6, at};
   gmsh::model::remove();
   gmsh::model::setCurrent(model);
   return element;

@@ -8,14 +8,17 @@
 namespace ricochet::programs {
 namespace {
 
+/// As entries of a list, aggregates with a default member break GCC 13.
+scene::MeshSettings mesh_of(int order, double size_factor) { return {order, size_factor}; }
+
 std::vector<scene::MeshSettings> levels_of(const scene::Body& body) {
   if (!body.meshable()) return {};
-  if (!body.order_open)
-    return {{body.order > 1 ? body.order - 1 : 2, body.size_factor}, {body.order, body.size_factor}};
   const double own = body.size_factor;
-  if (!body.size_open) return {{2, own}, {3, own}, {4, own}, {5, own}};
+  if (!body.order_open) return {mesh_of(body.order > 1 ? body.order - 1 : 2, own), mesh_of(body.order, own)};
+  if (!body.size_open) return {mesh_of(2, own), mesh_of(3, own), mesh_of(4, own), mesh_of(5, own)};
   const double root = std::sqrt(2.0);
-  return {{2, 2}, {3, 2}, {4, 2}, {4, root}, {4, 1}, {4, 1 / root}, {4, 0.5}};
+  return {mesh_of(2, 2), mesh_of(3, 2),        mesh_of(4, 2),  mesh_of(4, root),
+          mesh_of(4, 1), mesh_of(4, 1 / root), mesh_of(4, 0.5)};
 }
 
 /// The same elements, without those near contact.
