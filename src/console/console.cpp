@@ -13,6 +13,8 @@ namespace ricochet::console {
 
 namespace {
 
+constexpr int name_width = 42;  // "part: slices, round 1 of 4 (2 at a time)"
+
 double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -79,13 +81,13 @@ void Console::draw(bool last) {
   if (!terminal_ || time - drawn_ < 0.1) return;
   drawn_ = time;
   if (total_ <= 0) {
-    fmt::print(stderr, "\r\033[K{:<28} …", name_);
+    fmt::print(stderr, "\r\033[K{:<{}} …", name_, name_width);
   } else {
     constexpr int width = 24;
     const double part = std::clamp(static_cast<double>(done_) / static_cast<double>(total_), 0.0, 1.0);
     const int filled = static_cast<int>(part * width);
     const std::string left = part > 0 ? duration_of((time - started_) * (1 - part) / part) + " left" : "";
-    fmt::print(stderr, "\r\033[K{:<28} [{}{}] {:3.0f} %  {}", name_,
+    fmt::print(stderr, "\r\033[K{:<{}} [{}{}] {:3.0f} %  {}", name_, name_width,
                std::string(static_cast<std::size_t>(filled), '#'),
                std::string(static_cast<std::size_t>(width - filled), '.'), 100 * part, left);
   }
@@ -101,8 +103,8 @@ void Console::warn(const std::string& line) {
 }
 
 std::string Console::line(const Phase& phase) {
-  return fmt::format("{:<28} {:>10} {:>8.0f} MiB{}{}", phase.name, duration_of(phase.seconds), phase.peak_mib,
-                     phase.note.empty() ? "" : "  ", phase.note);
+  return fmt::format("{:<{}} {:>10} {:>8.0f} MiB{}{}", phase.name, name_width, duration_of(phase.seconds),
+                     phase.peak_mib, phase.note.empty() ? "" : "  ", phase.note);
 }
 
 void Console::total() {

@@ -73,8 +73,8 @@ TEST(Log, holds_one_line_for_each_phase_when_it_ends) {
   });
   EXPECT_EQ(text.out, "");
   // The output goes to files, so it contains no escape codes and no "\r".
-  EXPECT_THAT(text.err, MatchesRegex("modes {23} +0\\.[0-9][0-9] s +[0-9]+ MiB  62 found\n"
-                                     "trace {23} +0\\.[0-9][0-9] s +[0-9]+ MiB\n"));
+  EXPECT_THAT(text.err, MatchesRegex("modes {37} +0\\.[0-9][0-9] s +[0-9]+ MiB  62 found\n"
+                                     "trace {37} +0\\.[0-9][0-9] s +[0-9]+ MiB\n"));
 }
 
 TEST(Log, of_a_phase_that_has_not_ended_holds_nothing) {
@@ -237,8 +237,8 @@ TEST(Terminal, shows_nothing_if_quiet) {
 
 TEST(LineOfPhase, is_aligned_with_those_of_other_phases) {
   EXPECT_EQ(Console::line({"upper: mesh", 0.5, 100.4, "2 elements"}),
-            "upper: mesh                      0.50 s      100 MiB  2 elements");
-  EXPECT_EQ(Console::line({"modes", 250, 812.6, ""}), "modes                        4 min 10 s      813 MiB");
+            "upper: mesh                                    0.50 s      100 MiB  2 elements");
+  EXPECT_EQ(Console::line({"modes", 250, 812.6, ""}), "modes                                      4 min 10 s      813 MiB");
 }
 
 TEST(Total, is_one_line_with_the_time_of_all_phases_and_the_highest_memory) {
