@@ -13,7 +13,8 @@
 //   error
 //                ε₂ of those up to half of the band (kernels/band.hpp)
 //   spacing      e(d₂, d₄) with points twice and four times as far apart
-//   mesh         e(d₁, d₂) with the next coarser mesh, and the one before it; e(d) of the elements near contact
+//   mesh         e(d₁, d₂) with the next coarser mesh, and the one before it; e(d) of the elements near
+//   contact
 //                besides, if both meshes have the same ones
 //   eigensolver  |r − r with frequencies changed by A times their errors| / A,  A · largest error = 1e-3
 //   precision    |r − r in single precision|; in double precision 2⁻²⁹ of it, the ratio of the round-offs

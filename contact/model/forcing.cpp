@@ -148,8 +148,8 @@ void refuse_sag(const Model& model) {
   Eigen::Index i = 0;
   const double depth = u.size() > 0 ? (u - model.gap).maxCoeff(&i) : 0;
   if (u.size() == 0) return;
-  // 1e-9: of the displacement: above the round-off of the sum over modes. A body that lies on another one and can
-  // move rigidly hardly deforms; its modal forces are then round-off of √m g.
+  // 1e-9: of the displacement: above the round-off of the sum over modes. A body that lies on another one and
+  // can move rigidly hardly deforms; its modal forces are then round-off of √m g.
   double weight = 0;
   for (Eigen::Index n = 0; n < model.omega.size(); ++n)
     if (model.omega(n) > 0) weight += std::abs(model.B(i, n)) / (model.omega(n) * model.omega(n));

@@ -20,7 +20,8 @@ std::vector<double> filter_for(std::int64_t every, std::int64_t half) {
   for (std::int64_t j = 0; j <= half; ++j) {
     const double x = std::numbers::pi * static_cast<double>(j) / static_cast<double>(every),
                  place = half > 0 ? static_cast<double>(j) / static_cast<double>(half) : 0;
-    h.push_back(std::cyl_bessel_i(0, kaiser_beta * std::sqrt(1 - place * place)) * (j == 0 ? 1 : std::sin(x) / x));
+    h.push_back(std::cyl_bessel_i(0, kaiser_beta * std::sqrt(1 - place * place)) *
+                (j == 0 ? 1 : std::sin(x) / x));
     sum += (j == 0 ? 1 : 2) * h.back();
   }
   for (double& weight : h) weight /= sum;
@@ -44,7 +45,8 @@ void Decimator::push(std::span<const double> row, const Take& take) {
   if (end_ == 0) {
     first_ = -half_;
     for (std::int64_t i = first_; i < 0; ++i)
-      for (std::size_t c = 0; c < row.size(); ++c) held_.push_back(row[c] + static_cast<double>(i) * slope_[c]);
+      for (std::size_t c = 0; c < row.size(); ++c)
+        held_.push_back(row[c] + static_cast<double>(i) * slope_[c]);
   }
   held_.insert(held_.end(), row.begin(), row.end());
   ++end_;

@@ -216,10 +216,9 @@ Start start_of(const parallel::Teams& teams, const mesh::Mesh& mesh,
     return {lower.prolong(iteration.vectors(kept)), kept > 0 ? lambda[kept - 1] : end};
   }
   Factorisation factor(body.stiffness, body.mass);
-  const ModeSet found = compute_modes(
-      teams, lower.mesh(), body, factor,
-      {.up_to = below.up_to, .count = below.count, .relative_residual = 1e-2},
-      progress);
+  const ModeSet found =
+      compute_modes(teams, lower.mesh(), body, factor,
+                    {.up_to = below.up_to, .count = below.count, .relative_residual = 1e-2}, progress);
   const auto rigid = std::count_if(found.index.begin(), found.index.end(), [&](Index n) {
     return found.angular_frequency[static_cast<std::size_t>(n)] == 0;
   });

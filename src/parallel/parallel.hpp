@@ -26,8 +26,8 @@ class Session {
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
-  /// Whether all ranks call this within a few seconds. A rank that has failed calls it to find out whether the
-  /// others may still wait for it in a collective call.
+  /// Whether all ranks call this within a few seconds. A rank that has failed calls it to find out whether
+  /// the others may still wait for it in a collective call.
   bool is_called_on_all_ranks() const;
 
  private:

@@ -184,7 +184,8 @@ kernels::Kernel derived(kernels::Kernel kernel, const KernelRequest& had, const 
   if (!is_rod(kernel, had.body)) factors->area.reset();
   if (wanted.view && !kernel.view) fail(kernel, "has no visualisation surface: compute it with one");
   if (wanted.body.damping.law == Damping::Law::by_mode && kernel.modes.certificate.left_out > 0)
-    fail(kernel, "some of its modes were left out, so that damping by mode does not apply: compute the kernel");
+    fail(kernel,
+         "some of its modes were left out, so that damping by mode does not apply: compute the kernel");
   kernel = kernels::rescaled(std::move(kernel), *factors, wanted.body.damping);
   const bool turned = had.direction != wanted.direction;
   if (turned) kernel = kernels::restricted_to_direction(std::move(kernel), *wanted.direction);

@@ -238,7 +238,8 @@ TEST(Terminal, shows_nothing_if_quiet) {
 TEST(LineOfPhase, is_aligned_with_those_of_other_phases) {
   EXPECT_EQ(Console::line({"upper: mesh", 0.5, 100.4, "2 elements"}),
             "upper: mesh                                    0.50 s      100 MiB  2 elements");
-  EXPECT_EQ(Console::line({"modes", 250, 812.6, ""}), "modes                                      4 min 10 s      813 MiB");
+  EXPECT_EQ(Console::line({"modes", 250, 812.6, ""}),
+            "modes                                      4 min 10 s      813 MiB");
 }
 
 TEST(Total, is_one_line_with_the_time_of_all_phases_and_the_highest_memory) {

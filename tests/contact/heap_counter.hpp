@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Counts all calls that allocate heap memory and, separately, those that release some, in programs that heap_counter.cpp is
-// part of. It replaces malloc itself, because in glibc both Eigen and operator new call malloc.
+// Counts all calls that allocate heap memory and, separately, those that release some, in programs that
+// heap_counter.cpp is part of. It replaces malloc itself, because in glibc both Eigen and operator new call
+// malloc.
 #pragma once
 
 #include <atomic>

@@ -24,8 +24,8 @@ inline Model sliding(int m, int N, const Friction& law) {
   return model;
 }
 
-/// One point that is pressed by exactly `force` [N] at all times: its normal row moves by R alone. The first tangential
-/// row belongs to the modes.
+/// One point that is pressed by exactly `force` [N] at all times: its normal row moves by R alone. The first
+/// tangential row belongs to the modes.
 /// @param flexibility  R of each row [m/N]
 inline Model pressed(int N, const Friction& law, double force, double flexibility) {
   Model model = sliding(1, N, law);
@@ -34,8 +34,8 @@ inline Model pressed(int N, const Friction& law, double force, double flexibilit
   return model;
 }
 
-/// A random body with up to three rigid modes, one for each row of a point, and elastic ones that couple all rows. It
-/// flies towards a floor below all points.
+/// A random body with up to three rigid modes, one for each row of a point, and elastic ones that couple all
+/// rows. It flies towards a floor below all points.
 struct RandomBody {
   int points = 1, modes = 6;
   double friction = 0.3;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // A kernel file, edited as described in tests/fuzz/hdf5_edits.hpp. An accepted kernel must satisfy the
 // guarantees of ricochet/kernel.hpp, and must be unchanged after it is written and read again.
+#include "ricochet/kernel.hpp"
 #include "kernels/read.hpp"
 #include "kernels/write.hpp"
-#include "ricochet/kernel.hpp"
 
 #include <cmath>
 

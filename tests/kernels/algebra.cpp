@@ -164,8 +164,8 @@ TEST(LossFactorsByMode, count_from_the_lowest_elastic_mode_and_end_with_the_last
   const auto times = decay_times({.law = Damping::Law::by_mode, .by_mode = {0.01, 0.04, 0.02}});
   const double factors[] = {0.01, 0.04, 0.02, 0.02};
   for (std::size_t n = 0; n < 4; ++n)
-    EXPECT_NEAR(std::log(1000) / times[n] / std::numbers::pi, factors[n] * lowest * static_cast<double>(n + 1),
-                1e-12);
+    EXPECT_NEAR(std::log(1000) / times[n] / std::numbers::pi,
+                factors[n] * lowest * static_cast<double>(n + 1), 1e-12);
 }
 
 // N(t) = Σ φ φ sin(ωt)/ω has the unit s/kg, hence N'(t) = N(t ω'/ω) ω/(ω' m).

@@ -45,7 +45,9 @@ class Study:
         except ValueError as error:
             raise InputError(f"{path}: is not TOML: {error}") from None
         if "bodies" in table:
-            raise InputError(f"{path}: is a scene: ricochet run {path} runs it, and a study names it as scene")
+            raise InputError(
+                f"{path}: is a scene: ricochet run {path} runs it, and a study names it as scene"
+            )
         for key in table:
             if key not in KNOWN:
                 raise InputError(f'{path}: unknown key "{key}"{meant(key, KNOWN, "a study has")}')
