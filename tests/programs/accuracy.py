@@ -8,7 +8,7 @@ import unittest
 
 import h5py
 
-from programs import MESHES, ProgramTest, contact, kernel
+from programs import BIN, MESHES, ProgramTest, Run, contact, kernel
 
 ROD = MESHES / "two-rods" / "rod.geo"
 SCENE = """
@@ -68,6 +68,14 @@ class Accuracy(ProgramTest):
                 self.assertGreaterEqual(self.resolved["time"]["contact_rate_hz"], 10)
                 self.assertIn(self.resolved["time"]["precision"], ("double", "single"))
                 self.assertNotIn("accuracy =", self.warned)
+
+    def test_lists_the_modes_of_the_kernels_that_the_impact_uses(self):
+        used = self.collide(accuracy=3e-3)["modes"]
+        for out in (self.folder / "new", self.folder / "out"):  # computed in rounds, then found
+            words = ["modes", self.folder / "rods.toml", "-n", "1", "--first", "1", "--out", out]
+            listed = self.succeed(Run([BIN / "ricochet", *words])).out
+            found = dict(re.findall(r"^(\w+): (\d+) modes", listed, re.MULTILINE))
+            self.assertEqual({body: int(count) for body, count in found.items()}, used)
 
     def test_the_shares_add_up_to_the_total(self):
         causes = {"mesh", "modes", "basis", "step", "eigensolver", "precision", "spacing", "zone"}

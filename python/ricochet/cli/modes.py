@@ -72,10 +72,10 @@ def kernels(options: argparse.Namespace) -> tuple[list[Path], dict[str, Any]]:
     found: dict[str, Path] = {}
     for line in report.splitlines():
         body, _, rest = line.partition(": ")
-        if body in bodies and rest.endswith(".kernel.h5"):
-            found.setdefault(
-                body, out / rest.rpartition("/")[2]
-            )  # with --accuracy, more lines follow, for another element order
+        path = out / rest.rpartition("/")[2]
+        # With an accuracy, lines of several rounds: the last kernel that was kept is the one of the settings.
+        if body in bodies and path.name.endswith(".kernel.h5") and path.is_file():
+            found[body] = path
     return list(found.values()), scene
 
 
