@@ -233,6 +233,21 @@ class Tradeoffs(unittest.TestCase):
         smallest = f"does not reach 0.06; the smallest error is 1.0e-01 ({made[5].name()})"
         self.assertEqual(lines[2:], [f"difference: {smallest}", "compliant is 3 times cheaper than jump"])
 
+    def test_are_drawn_by_cost_and_error_without_those_that_have_none(self):
+        speeds = (2.4, 2.1, 2.02, 2.0, math.inf)  # errors of 0.2, 0.05, 0.01, 0 and none
+        made = [self.point(self.row(speed, 1e-3 * 2**k)) for k, speed in enumerate(speeds)]
+        with mock.patch.object(report.files, "save_picture") as saved:
+            report.draw(made, 1e-4, 0.06, 3, "Ball", pathlib.Path("there.png"))
+        kernels, impacts = saved.call_args.args[0].axes
+        for ax, costs in ((kernels, [3, 3, 3]), (impacts, [1e-3, 2e-3, 4e-3])):
+            drawn = {line.get_label(): line.get_xydata() for line in ax.lines}
+            np.testing.assert_allclose(
+                drawn["compliant, modes and R"], [*zip(costs, (0.2, 0.05, 0.01))], rtol=1e-9
+            )
+            np.testing.assert_allclose(drawn["cheapest for 0.06"], [(costs[1], 0.05)], rtol=1e-9)
+        bottom, top = kernels.get_ylim()
+        np.testing.assert_allclose((bottom, top), (0.7e-4, 1.4 * 0.2), rtol=1e-9)
+
     def test_are_printed_with_their_files(self):
         options = argparse.Namespace(impacts=3, error=0.06)
         made = [self.point(self.row(2.1, 4)), self.point({"refused": "no"})]
