@@ -356,6 +356,13 @@ class Ends(Faults):
         self.assertEqual(process.returncode, 128 + signal.SIGTERM)
         self.assertEqual([row["status"] for row in self.rows()], ["0", "-1"])
 
+    def test_a_picture_that_cannot_be_drawn_ends_the_sweep_after_its_first_impact(self):
+        # The first impact shows which columns there are; the others are not run for a picture that cannot be drawn.
+        self.study('[grid]\n"bodies.moving.velocity[0]" = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7]')
+        self.ends(self.sweep("--plot", "nonsense", "--jobs", "1"), 2, '"nonsense" is not a column')
+        states = [row["status"] for row in self.rows()]
+        self.assertEqual((states[0], states[-1]), ("0", "-1"))
+
     def test_output_that_goes_nowhere_is_said_and_columns_that_are_not_there_are_refused(self):
         self.study(
             '[grid]\n"contact.gap" = [0.0]\n"bodies.moving.velocity[0]" = [inf, 1.0]\n[[set.output.receiver]]\n'
