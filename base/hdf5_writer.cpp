@@ -83,10 +83,10 @@ void Rows::flush() {
   const int rank = static_cast<int>(size.size());
   bool done = H5Dset_extent(dataset_.get(), size.data()) >= 0;
   const Id file_space(H5Dget_space(dataset_.get()));
-  const Id unnamed_space(H5Screate_simple(rank, count.data(), nullptr));
+  const Id memory_space(H5Screate_simple(rank, count.data(), nullptr));
   done = done && H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(),
                                      nullptr) >= 0;
-  done = done && H5Dwrite(dataset_.get(), H5T_NATIVE_DOUBLE, unnamed_space.get(), file_space.get(),
+  done = done && H5Dwrite(dataset_.get(), H5T_NATIVE_DOUBLE, memory_space.get(), file_space.get(),
                           H5P_DEFAULT, block_.data()) >= 0;
   if (!done) fail_to_write(file_, name_);
   written_ += std::exchange(held_, 0);
@@ -116,7 +116,13 @@ Writer::Writer(Unnamed) {
   const Id access = unlocked_access();
   // In older formats, the index of a compressed dataset takes 2.6 kB, often more than its values.
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110);
-  create(name, access);
+  try {
+    create(name, access);
+  } catch (...) {  // no destructor runs
+    unlink(name.c_str());
+    close(unnamed_);
+    throw;
+  }
   unlink(name.c_str());
 }
 

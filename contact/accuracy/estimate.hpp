@@ -6,16 +6,13 @@
 //
 //   step         d + e(d, |r(Δ) − r(2Δ)|) with d = |r(Δ) − r(Δ/2)|; 2 d for the impulse scheme, which is of
 //                first order and may be unstable at 2Δ
-//   modes        e(d₂, d₄) with d₂ = |r − r of the modes up to half of the band|, and d₄ the change by
-//   halving
-//                the band once more
-//   basis        d₂ ε/ε₂ for Ritz vectors that were made with a flexibility error ε, with the flexibility
-//   error
-//                ε₂ of those up to half of the band (kernels/band.hpp)
+//   modes        e(d₂, d₄) with d₂ = |r − r of the modes up to half of the band|, and d₄ the change if the
+//                band is halved once more
+//   basis        d₂ ε/ε₂ for Ritz vectors that were made with a flexibility error ε; ε₂ is the error of those
+//                up to half of the band (kernels/band.hpp)
 //   spacing      e(d₂, d₄) with points twice and four times as far apart
-//   mesh         e(d₁, d₂) with the next coarser mesh, and the one before it; e(d) of the elements near
-//   contact
-//                besides, if both meshes have the same ones
+//   mesh         e(d₁, d₂) with the next coarser mesh, and the one before it. If both have the same elements
+//                near contact, e(d) of these besides
 //   eigensolver  |r − r with frequencies changed by A times their errors| / A,  A · largest error = 1e-3
 //   precision    |r − r in single precision|; in double precision 2⁻²⁹ of it, the ratio of the round-offs
 //   zone         1 if a point whose initial gap is near the reach was pressed, as points beyond may touch too

@@ -14,8 +14,8 @@ namespace {
 
 using Eigen::MatrixXd;
 
-constexpr double stalled_factor =
-    10;  // times most_imbalance: check_held measures it at other forces, body by body
+// times most_imbalance: check_held measures it at other forces, body by body
+constexpr double stalled_factor = 10;
 constexpr double inexact = 1e-9;  // violation of Coulomb's law, relative, that an answer may have
 constexpr double unfelt = 1e-12;  // a rigid mode moves no point if it moves all by less than this share
 constexpr double first_spring = 10, softest_spring = 1e7;  // times S₀'s norm; the first keeps most digits

@@ -48,7 +48,8 @@ def result(text: str) -> Path:
     path = Path(text)
     if os.path.isdir(path):
         raise InputError(f"{path}: is a folder: name a result in it{such_as(path, (RESULT,))}")
-    if path.suffix == ".toml" and "grid" in tables_of(path):
+    tables = tables_of(path) if path.suffix == ".toml" else {}
+    if "scene" in tables and "bodies" not in tables:
         raise InputError(f"{path}: is a study: name the result of one of its runs, *{RESULT}")
     if path.suffix == ".toml":
         own = result_of(path)

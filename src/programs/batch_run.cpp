@@ -62,8 +62,7 @@ std::optional<contact::HistoryOptions> kept(const Json& request, const scene::Sc
   if (out.receivers && scene.output.receivers.empty())
     throw InputError(
         fmt::format("{}: output.receiver: is missing: keep = [\"receivers\"] needs a [[output.receiver]]; "
-                    "add one, or keep "
-                    "other histories",
+                    "add one, or keep other histories",
                     scene.file.filename().string()));
   return out;
 }

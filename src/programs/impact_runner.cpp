@@ -109,16 +109,19 @@ double slowest_wave(const scene::Scene& scene) {
   return std::isfinite(slowest) ? slowest : 0;
 }
 
-/// Throws InputError if the matrices of the steps do not fit into memory.
+/// Throws InputError if the matrices of the steps do not fit into memory beside the kernels.
 void check_steps(const Impact& impact) {
   const contact::Model& model = *impact.model;
   const bool rubs = !model.friction.empty();
-  // Counted in builds of the steppers: those of look-ahead blocks keep a matrix for each step of a block.
-  const double matrices = impact.options.scheme != Scheme::compliant ? 8 : rubs ? 36 : 20;
+  // Counted in runs: look-ahead blocks keep a matrix for each step of a block.
+  const double matrices = impact.options.scheme != Scheme::compliant ? 8 : rubs ? 36 : 22;
   const auto rows = static_cast<double>(model.rows());
-  check_memory(
-      impact.scene, fmt::format("{} contact points{}", model.gap.size(), rubs ? " with friction" : ""),
-      matrices * 8 * rows * rows, "fewer candidates: contact.spacing, contact.reach or contact.zone");
+  double numbers = matrices * rows * rows;
+  for (const contact::Model::BodyBlock& body : model.bodies)
+    numbers += static_cast<double>(body.kernel->surface.residual_flexibility.size());
+  check_memory(impact.scene,
+               fmt::format("{} contact points{}", model.gap.size(), rubs ? " with friction" : ""),
+               8 * numbers, "fewer candidates: contact.spacing, contact.reach or contact.zone");
 }
 
 contact::Summary steps(const Impact& impact, console::Console& console, ImpactObserver& observer) {

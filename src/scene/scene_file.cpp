@@ -39,9 +39,8 @@ std::string other_kind(const std::string& name) {
   for (const char* ending :
        {".geo", ".msh", ".step", ".stp", ".brep", ".iges", ".igs", ".stl", ".inp", ".med", ".vtk", ".unv"})
     if (name.ends_with(ending))
-      return "is a mesh or drawing: name a scene, with this file as bodies.NAME.mesh; a scene starts as a "
-             "copy "
-             "of a folder in meshes/";
+      return "is a mesh or drawing: name a scene, with this file as bodies.NAME.mesh; "
+             "a scene starts as a copy of a folder in meshes/";
   return "";
 }
 

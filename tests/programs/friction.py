@@ -184,7 +184,7 @@ class Friction(ProgramTest):
                 self.assertIn(words, self.refused(program, *sets))
 
     def test_is_refused_where_its_matrices_exceed_the_memory(self):
-        """361 points: 36 matrices of 1083 rows are 338 MB; without friction, 20 of 361 rows are 21 MB."""
+        """361 points: 36 matrices of 1083 rows are 338 MB; without friction, 22 of 361 rows are 23 MB."""
         self.write("box.msh", Box(cells=(18, 18, 1)).gmsh())
         self.scene.write_text(SCENE.replace("count = 30", "count = 6\nresidual_flexibility = false"))
         self.succeed(kernel(self.scene, self.out))

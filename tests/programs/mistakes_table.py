@@ -48,6 +48,7 @@ FILES = {
     "sheet.geo": SHEET,
     "scene.toml": SCENE,
     "block.toml": BLOCK,
+    "speeds.toml": 'scene = "scene.toml"\n[list]\n"bodies.a.velocity[0]" = [1.0, 2.0]\n',
     "study.toml": 'scene = "scene.toml"\n[grid]\n"contact.gap" = [0.0, 0.1]\n',
     "empty.toml": "",
     "empty.msh": "",

@@ -10,7 +10,7 @@ resumes its work. The same command again submits the missing work. The last job 
 """
 import argparse
 
-from ricochet.cli.options import add_count, add_study, say, writing
+from ricochet.cli.options import add_count, add_study, ranks, say, writing
 from ricochet.studies import slurm
 from ricochet.studies.study import Study
 
@@ -27,7 +27,7 @@ def joined(words: list[str]) -> list[str]:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    add_study(parser)
+    add_study(parser, ranks)  # which run elsewhere
     add_count(parser, "--parts", 10, "jobs in the array of impacts")
     add_count(parser, "--cores", 1, "cores of each of these")
     for option, jobs in zip(TAKES_OPTIONS, ("the kernels", "impacts and collecting")):

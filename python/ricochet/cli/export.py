@@ -20,7 +20,7 @@ import argparse
 import signal
 from pathlib import Path
 
-from ricochet.cli.options import positive, ranks
+from ricochet.cli.options import add_ranks, add_set, positive
 from ricochet.errors import InputError
 from ricochet.instruments import write_instrument
 from ricochet.interchange import faust
@@ -61,15 +61,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     page.add_argument(
         "--spacing", type=positive, metavar="M", help="between places (default: half the size of the mallet)"
     )
-    page.add_argument(
-        "--set", action="append", default=[], metavar="KEY=VALUE", help="override a scene key; repeatable"
-    )
+    add_set(page)
     page.add_argument(
         "--kernels", type=Path, metavar="DIR", help="folder of kernels (default: out/, or beside the result)"
     )
-    page.add_argument(
-        "-n", "--ranks", type=ranks, default=2, metavar="N", help="MPI ranks of ricochet-kernel (default: 2)"
-    )
+    add_ranks(page)
 
 
 def run(options: argparse.Namespace) -> None:

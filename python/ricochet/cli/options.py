@@ -63,11 +63,19 @@ def options_of(program: str) -> str:
 def ranks(text: str) -> int:
     if not text.isdecimal() or not 1 <= int(text[:9]) <= MOST_RANKS:
         raise argparse.ArgumentTypeError(f"{text}: give a number from 1 to {MOST_RANKS}")
-    cores = len(os.sched_getaffinity(0))
-    if int(text) > cores and not os.environ.get("RICOCHET_LAUNCHER"):
-        what = f"{cores} cores" if cores > 1 else "one core"
-        print(f"warning: {text} ranks share {what}: -n {cores} is faster", file=sys.stderr)
     return int(text)
+
+
+def ranks_here(text: str) -> int:
+    """Ranks that start at once. Warns if they share the cores of this machine, unless a launcher or a batch
+    system places them on others."""
+    number, cores = ranks(text), len(os.sched_getaffinity(0))
+    if number > cores and not {"RICOCHET_LAUNCHER", "SLURM_JOB_ID", "PBS_JOBID", "LSB_JOBID"} & set(
+        os.environ
+    ):
+        what = f"{cores} cores" if cores > 1 else "one core"
+        print(f"warning: {number} ranks share {what}: -n {cores} is faster", file=sys.stderr)
+    return number
 
 
 def count(text: str) -> int:
@@ -96,6 +104,10 @@ def add_count(parser: Group, option: str, default: int, what: str) -> None:
 
 def add_scene(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scene", type=Path, metavar="SCENE.toml")
+    add_set(parser)
+
+
+def add_set(parser: Group) -> None:
     parser.add_argument(
         "--set",
         action="append",
@@ -105,16 +117,16 @@ def add_scene(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_ranks(parser: argparse.ArgumentParser) -> None:
+def add_ranks(parser: Group, kind: Callable[[str], int] = ranks_here) -> None:
     parser.add_argument(
-        "-n", "--ranks", type=ranks, default=2, metavar="N", help="MPI ranks of ricochet-kernel (default: 2)"
+        "-n", "--ranks", type=kind, default=2, metavar="N", help="MPI ranks of ricochet-kernel (default: 2)"
     )
 
 
-def add_study(parser: argparse.ArgumentParser) -> None:
+def add_study(parser: argparse.ArgumentParser, kind: Callable[[str], int] = ranks_here) -> None:
     parser.add_argument("study", type=Path, metavar="STUDY.toml")
     add_out(parser, "folder of kernels and results", "out/ beside the study")
-    add_ranks(parser)
+    add_ranks(parser, kind)
 
 
 def add_run(parser: argparse.ArgumentParser, content: str) -> None:

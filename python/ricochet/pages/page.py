@@ -26,7 +26,7 @@ def numbers(value: Any) -> Any:
 
 def page_of(run: dict[str, Any], template: str, scripts: Sequence[str]) -> str:
     """The text of the page. Its content security policy allows only these scripts of this folder, by their
-    hash, and what they start: WebAssembly and the audio thread."""
+    hash, and what the engine of sounds starts: WebAssembly and the audio thread."""
     script = "\n" + "\n".join((FOLDER / name).read_text() for name in scripts)
     data = json.dumps(run, ensure_ascii=False, allow_nan=False, separators=(",", ":"), default=numbers)
     parts = {
@@ -36,8 +36,9 @@ def page_of(run: dict[str, Any], template: str, scripts: Sequence[str]) -> str:
         "worklet": (FOLDER / "worklet.js").read_text(),
         "script": script,
         "hash": base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
+        "engine": " 'wasm-unsafe-eval' data:" if "engine.js" in scripts else "",
     }
-    page, rest = "", (FOLDER / template).read_text()
+    page, rest = "", (FOLDER / "head.html").read_text() + (FOLDER / template).read_text()
     while "{{" in rest:
         before, _, rest = rest.partition("{{")
         name, _, rest = rest.partition("}}")

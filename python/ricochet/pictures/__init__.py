@@ -57,11 +57,12 @@ def why_unseen(result: History, time: Array) -> str:
     if not result.episodes:
         return "nothing touched"
     lasts = max(end - start for start, end in result.spans())
-    apart = float(np.min(np.diff(time), initial=np.inf))
-    return (
-        f"they are {apart:.2g} s apart, and contact lasts {lasts:.2g} s. Set a smaller output.snapshot_every, or a "
-        "higher time.rate_hz"
+    there = (
+        f"they are {np.diff(time).min():.2g} s apart"
+        if len(time) > 1
+        else "there is only the one at the start"
     )
+    return f"{there}, and contact lasts {lasts:.2g} s. Set a smaller output.snapshot_every, or a higher time.rate_hz"
 
 
 def draw(

@@ -14,6 +14,7 @@ from matplotlib.lines import Line2D
 from ricochet.arrays import Array
 from ricochet.errors import InputError
 from ricochet.files import save_picture
+from ricochet.pictures.style import prefixed
 from ricochet.studies import histories
 from ricochet.studies.chart import LINES, axis, label, looks_logarithmic, text
 from ricochet.studies.histories import History
@@ -55,7 +56,7 @@ def colour_lines(
     ax: Axes, lines: Sequence[History], values: Array, names: Sequence[str] | None, title: str
 ) -> None:
     """Draws the lines in the colours of their values. A legend explains few of them, a colour bar more."""
-    scale, unit = time_scale(max((float(line.time[-1]) for line in lines if len(line.time)), default=1.0))
+    scale, unit = prefixed(max((float(line.time[-1]) for line in lines if len(line.time)), default=1.0), "s")
     different = np.unique(values)
     few = len(different) <= LINES
     norm: Normalize = LogNorm() if looks_logarithmic(values) else Normalize()
@@ -76,7 +77,3 @@ def colour_lines(
         bar = ax.figure.colorbar(colours, ax=ax, label=title)
         if names:
             bar.set_ticks(list(different), labels=shown)
-
-
-def time_scale(seconds: float) -> tuple[float, str]:
-    return (1.0, "s") if seconds >= 1 else (1e3, "ms") if seconds >= 1e-3 else (1e6, "µs")
