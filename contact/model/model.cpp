@@ -257,13 +257,14 @@ Model build_model(const Placement& placement, const Vector3d& gravity,
     modes += model.bodies.back().modes;
   }
 
-  for (Vector* v : {&model.gap, &model.area}) v->setZero(points);
+  for (Vector* v : {&model.gap, &model.bulge, &model.area}) v->setZero(points);
   for (Vector* v : {&model.static_displacement, &model.static_a}) v->setZero(rows);
   for (Matrix* x : {&model.point_a, &model.point_b, &model.normal}) x->setZero(points, 3);
   int i = 0;
   for (const ContactPair& pair : pairs)
     for (const Pairing::Point& point : pair.pairing.points) {
       model.gap(i) = point.gap;
+      model.bulge(i) = point.bulge;
       model.area(i) = point.area;
       model.point_a.row(i) = point.a;
       model.point_b.row(i) = point.b;

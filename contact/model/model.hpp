@@ -46,6 +46,7 @@ struct Model {
   Matrix R;  ///< (n,n) [m/N]; zero if the kernels contain none
   bool has_residual = false;
   Vector gap;                       ///< (m) g [m]
+  Vector bulge;                     ///< (m) b, by which the patches of a pair bulge beyond their means [m]
   Vector static_displacement;       ///< (n) constant part of s, due to gravity [m]
   Matrix R_a;                       ///< (n,n) share of body a of each row in R [m/N]
   Vector static_a;                  ///< (n) share of body a in static_displacement [m]

@@ -88,7 +88,7 @@ Pairing find_pairs(const PlacedBody& a, const SurfaceProjection& onto,
       continue;
     }
     const double gap = n.dot(y->point - x) + between_means(from, i, b, *y, n);
-    Pairing::Point point{static_cast<int>(i), x, y->point, n, gap, from.area[i], {}};
+    Pairing::Point point{static_cast<int>(i), x, y->point, n, gap, from.area[i], 0, {}};
     for (int j = 0; j < b.corners; ++j)
       if (y->weight[j] > 0) point.weights.emplace_back(y->corner[j], y->weight[j]);
     out.points.push_back(std::move(point));
@@ -112,6 +112,7 @@ Pairing find_pairs(const PlacedBody& a, const HalfSpace& b) {
                           n,
                           height - n.dot(from.offset[i]),
                           from.area[i],
+                          0,
                           {}});
   }
   return out;

@@ -54,6 +54,7 @@ struct Pairing {
     Eigen::Vector3d a, b, normal;  ///< x_i, y_i [m], n_i out of a
     double gap = 0;                ///< g_i between the means of the patches, about n_i·(y_i − x_i) [m]
     double area = 0;               ///< [m²], of the patch of a
+    double bulge = 0;              ///< b_i ≥ 0, by which both patches bulge beyond their means [m]
     std::vector<std::pair<int, double>>
         weights;  ///< W: candidates of b around y_i; weights ≥ 0, sum 1; empty for a half-space
   };
