@@ -91,11 +91,11 @@ Dialled dial(const Subject& subject, Model model, DialRequest request) {
   };
   StepOptions& options = request.options;
   if (request.choose_rate) {
-    out.settings.rate = chosen_rate(*estimator, request, subject.duration, subject.requested);
-    options = with_step(options, 1 / out.settings.rate->value);
+    out.rate = chosen_rate(*estimator, request, subject.duration, subject.requested);
+    options = with_step(options, 1 / out.rate->value);
   }
   const auto all = estimator->quantities(options);
-  if (request.choose_precision) out.settings.precision = Precision::float64;
+  if (request.choose_precision) out.precision = Precision::float64;
   if (!all || !all->touched()) return with_model();
 
   std::optional<Errors> by_coarsening;
@@ -109,7 +109,7 @@ Dialled dial(const Subject& subject, Model model, DialRequest request) {
     estimator = std::exchange(coarser, nullptr);
   }
   if (request.choose_precision)
-    options.precision = *(out.settings.precision = chosen_precision(*estimator, request, subject.requested));
+    options.precision = *(out.precision = chosen_precision(*estimator, request, subject.requested));
   out.estimate = estimator->estimate(options);
   out.mesh_change = estimator->mesh_change();
   out.quantities = estimator->quantities(options);

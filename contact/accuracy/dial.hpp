@@ -15,15 +15,10 @@ struct DialRequest {
   Hertz rate{0};  ///< with choose_rate: where to start, from the settings of a similar run; 0: unknown
 };
 
-/// The values chosen for settings that the scene leaves open.
-struct Settings {
-  std::optional<Hertz> rate{};
-  std::optional<Precision> precision{};
-};
-
 struct Dialled {
-  Model model;  ///< with coarsened points if that hardly changes results
-  Settings settings{};
+  Model model;                              ///< with coarsened points if that hardly changes results
+  std::optional<Hertz> rate{};              ///< if it was open
+  std::optional<Precision> precision{};     ///< if it was open
   std::optional<ErrorEstimate> estimate{};  ///< no value if nothing touches
   std::optional<Errors> mesh_change{};      ///< change from the next coarser mesh; no value if unknown
   std::optional<Quantities> quantities{};   ///< with the settings; no value if nothing touches

@@ -4,11 +4,11 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include "src/programs/accuracy.hpp"
-#include "src/programs/stored_kernels.hpp"
+#include "src/accuracy/scene_dial.hpp"
 #include "src/scene/read.hpp"
 #include "src/scene/scene.hpp"
 #include "src/scene/write.hpp"
+#include "src/store/stored_kernels.hpp"
 
 namespace ricochet::python {
 
@@ -20,14 +20,14 @@ namespace {
 /// For each body: its name, the path of its file, and whether the file exists and contains enough candidates.
 std::vector<std::tuple<std::string, fs::path, bool>> kernel_files(const scene::Scene& scene,
                                                                   const fs::path& folder) {
-  programs::KernelStore store;
+  store::KernelStore store;
   std::vector<std::tuple<std::string, fs::path, bool>> out;
-  if (scene.modes.open() && programs::missing_settings(scene, folder, store)) {
+  if (scene.modes.open() && accuracy::missing_settings(scene, folder, store)) {
     for (const scene::Body& body : scene.bodies) out.emplace_back(body.name, "", false);
     return out;
   }
-  const std::vector<programs::StoredKernel> stored =
-      programs::find_kernels(programs::closed(scene, folder, store).scene, folder, store);
+  const std::vector<store::StoredKernel> stored =
+      store::find_kernels(accuracy::closed(scene, folder, store).scene, folder, store);
   for (std::size_t k = 0; k < stored.size(); ++k)
     out.emplace_back(scene.bodies[k].name, stored[k].path, stored[k].enough);
   return out;

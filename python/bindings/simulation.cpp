@@ -53,7 +53,7 @@ Scene scene_of(const scene::Scene& scene, const std::vector<Kernel>& kernels,
     out.bodies.push_back(
         {body.name, kernels.at(k), body.rotate_deg, body.translate, body.velocity, body.angular_velocity});
     if (kernels[k]->surface.corners() == 1 && scene.contact.rubs(body.name))
-      throw InputError(programs::friction_on_rod(body.name));
+      throw InputError(store::friction_on_rod(body.name));
   }
   for (const scene::Obstacle& obstacle : scene.obstacles)
     out.obstacles.push_back({obstacle.name, obstacle.point, obstacle.normal, obstacle.velocity, {}});
@@ -81,8 +81,8 @@ class Stepper {
  public:
   Stepper(scene::Scene scene, const std::vector<Kernel>& kernels, const std::vector<Pickup>& pickups)
       : scene_((check_steppable(scene), std::move(scene))),
-        simulation_(
-            programs::in_scene(scene_, [&] { return Simulation(scene_of(scene_, kernels, pickups)); })) {}
+        simulation_(store::in_scene(scene_, [&] { return Simulation(scene_of(scene_, kernels, pickups)); })) {
+  }
 
   Simulation& simulation() { return simulation_; }
 
@@ -169,7 +169,7 @@ py::dict contact_system(const scene::Scene& scene, const std::vector<Kernel>& ke
                         const std::vector<Pickup>& pickups) {
   check_steppable(scene);
   const Scene asked = scene_of(scene, kernels, pickups);
-  const contact::Model model = programs::in_scene(scene, [&] { return model_of(asked); });
+  const contact::Model model = store::in_scene(scene, [&] { return model_of(asked); });
   py::dict out;
   out["B"] = array(model.B);
   out["R"] = array(model.R);

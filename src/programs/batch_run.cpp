@@ -20,7 +20,7 @@
 #include "kernels/read.hpp"
 #include "kernels/write.hpp"
 #include "ricochet/error.hpp"
-#include "src/programs/accuracy.hpp"
+#include "src/accuracy/scene_dial.hpp"
 #include "src/programs/impact_runner.hpp"
 #include "src/scene/derive.hpp"
 #include "src/scene/near_miss.hpp"
@@ -148,11 +148,11 @@ class Batch {
  private:
   /// Writes the missing kernels of the scene that can be derived from `file`.
   void derive(scene::Scene scene, const fs::path& file) {
-    if (missing_settings(scene, options_.out, store_)) return;
-    scene = closed(std::move(scene), options_.out, store_).scene;
-    const std::vector<StoredKernel> stored = find_kernels(scene, options_.out, store_);
+    if (accuracy::missing_settings(scene, options_.out, store_)) return;
+    scene = accuracy::closed(std::move(scene), options_.out, store_).scene;
+    const std::vector<store::StoredKernel> stored = store::find_kernels(scene, options_.out, store_);
     for (std::size_t k = 0; k < stored.size(); ++k) {
-      if (stored[k].enough || is_limited(scene, scene.bodies[k])) continue;
+      if (stored[k].enough || store::is_limited(scene, scene.bodies[k])) continue;
       auto request = scene::kernel_request(scene, scene.bodies[k], &store_.meshes);
       const auto header = kernels::read_header(file);
       request.normal_residual = header && header->normal_residual && scene::may_be_normal(request);
@@ -163,14 +163,14 @@ class Batch {
   }
 
   Json needed(scene::Scene scene) {
-    forcing_of(scene);  // throws if a history cannot be read
+    store::forcing_of(scene);  // throws if a history cannot be read
     Json out = Json::array();
-    if (const auto settings = missing_settings(scene, options_.out, store_)) {
+    if (const auto settings = accuracy::missing_settings(scene, options_.out, store_)) {
       out.push_back({{"file", settings->filename().string()}, {"there", false}});
       return out;
     }
-    scene = closed(std::move(scene), options_.out, store_).scene;
-    for (const StoredKernel& kernel : find_kernels(scene, options_.out, store_)) {
+    scene = accuracy::closed(std::move(scene), options_.out, store_).scene;
+    for (const store::StoredKernel& kernel : store::find_kernels(scene, options_.out, store_)) {
       const fs::path& path = kernel.enough ? kernel.path : kernel.whole;
       if (!kernel.enough && kernels::has_newer_format(path)) kernels::read(path);  // throws
       out.push_back({{"file", path.filename().string()}, {"there", kernel.enough}});
@@ -206,7 +206,7 @@ class Batch {
   }
 
   const console::Options& options_;
-  KernelStore store_;
+  store::KernelStore store_;
 };
 
 /// The answer as one line. Bytes of a path that are not UTF-8 become U+FFFD.

@@ -44,7 +44,7 @@ int run_contact(const console::Options& options, std::ostream& out) {
   if (motion) check_motion(scene);
 
   console::Console console(options.quiet, console::peak_memory_mib, options.watch);
-  KernelStore store;
+  store::KernelStore store;
   ImpactFiles files({folder, motion, options.fclib, options.fclib_every});
   auto [impact, summary] = run_impact({scene, folder, motion}, store, console, files);
   if (files.problems())

@@ -77,7 +77,7 @@ Discretised assembled(const scene::KernelRequest& request, Source& source, int c
                   : fmt::format("{} elements, {} nodes", made.mesh.total_elements, made.mesh.total_nodes));
 
   if (request.friction && made.mesh.dim == 1)
-    throw InputError(fmt::format("{}: {}", file, programs::friction_on_rod(body.name)));
+    throw InputError(fmt::format("{}: {}", file, store::friction_on_rod(body.name)));
   if (request.modes.approximate > 0 && made.mesh.order < 2)
     throw InputError(
         fmt::format("{}: modes.approximate = {}: elements of order 1 have no lower order to start from: "

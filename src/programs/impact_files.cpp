@@ -51,7 +51,7 @@ void ImpactFiles::started(const Impact& impact, const contact::Stepper& stepper)
   base::check_place(result(), contact::least_bytes(model, options, impact.samples()));
   recorder_.emplace(model, impact.options, options);
   if (options_.motion) motion_.emplace(stepper, model, motion_options(impact.scene, impact.samples(), stem_));
-  in_scene(impact.scene, [&] {
+  store::in_scene(impact.scene, [&] {
     sounds_.emplace(model.receivers, impact.samples(), impact.scene.time.rate.value,
                     impact.scene.output.sound);
   });

@@ -14,7 +14,7 @@
 #include "contact/output/summary_observer.hpp"
 #include "contact/stepping/run_steps.hpp"
 #include "ricochet/error.hpp"
-#include "src/programs/accuracy.hpp"
+#include "src/accuracy/scene_dial.hpp"
 #include "src/programs/impact_warnings.hpp"
 #include "src/programs/memory.hpp"
 #include "src/programs/motion.hpp"
@@ -29,21 +29,22 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-Prepared prepare(Impact& impact, const ImpactRequest& request, KernelStore& store,
-                 console::Console& console) {
+accuracy::Prepared prepare(Impact& impact, const ImpactRequest& request, store::KernelStore& store,
+                           console::Console& console) {
   const scene::Scene& scene = impact.scene;
   console.begin("kernels");
-  impact.kernels = read_kernels(scene, request.folder, store, request.skins);
+  impact.kernels = store::read_kernels(scene, request.folder, store, request.skins);
   if (request.skins) check_skins(impact.kernels);
   console.end(fmt::format("{} bodies", impact.kernels.kernel.size()));
 
   console.begin("pairing");
-  Prepared out;
-  out.forcing = in_scene(scene, [&] { return forcing_of(scene); });
+  accuracy::Prepared out;
+  out.forcing = store::in_scene(scene, [&] { return store::forcing_of(scene); });
   out.placement = store.placements.place(scene, impact.kernels.pointers());
-  impact.model = in_scene(scene, [&] { return model_of(scene, out.placement, out.forcing); });
-  in_scene(scene, [&] { refuse_early_contact(scene, *impact.model); });
-  if (scene.contact.scheme != Scheme::at_rest) in_scene(scene, [&] { contact::refuse_sag(*impact.model); });
+  impact.model = store::in_scene(scene, [&] { return store::model_of(scene, out.placement, out.forcing); });
+  store::in_scene(scene, [&] { store::refuse_early_contact(scene, *impact.model); });
+  if (scene.contact.scheme != Scheme::at_rest)
+    store::in_scene(scene, [&] { contact::refuse_sag(*impact.model); });
   console.end(
       fmt::format("{} contact points, {} modes", impact.model->gap.size(), impact.model->omega.size()));
   return out;
@@ -57,8 +58,8 @@ struct ErrorReport {
 /// Chooses the settings of steps that a scene with an accuracy leaves open.
 /// @param open  the scene as read
 /// @param settings  chosen by ricochet-kernel; no value if unknown
-ErrorReport choose(Impact& impact, const Prepared& prepared, const scene::Scene& open,
-                   const std::optional<scene::Settings>& settings, const std::filesystem::path& folder,
+ErrorReport choose(Impact& impact, const accuracy::Prepared& prepared, const scene::Scene& open,
+                   const std::optional<accuracy::Settings>& settings, const std::filesystem::path& folder,
                    console::Console& console) {
   ErrorReport out{{}, impact.kernels.warnings};
   if (!impact.scene.accuracy) return out;
@@ -67,11 +68,12 @@ ErrorReport choose(Impact& impact, const Prepared& prepared, const scene::Scene&
   const auto poll = [&] {
     if ((++steps & 63) == 0) console.advance(steps);
   };
-  const auto coarser = settings ? read_coarser(open, *settings, folder) : std::nullopt;
-  contact::Dialled dialled = dial_of(impact.scene, impact.kernels, prepared, std::move(*impact.model),
-                                     coarser, settings ? settings->rate : Hertz{0}, poll);
+  const auto coarser = settings ? accuracy::read_coarser(open, *settings, folder) : std::nullopt;
+  contact::Dialled dialled =
+      accuracy::dial_of(impact.scene, impact.kernels, prepared, std::move(*impact.model), coarser,
+                        settings ? settings->rate : Hertz{0}, poll);
   impact.model = std::move(dialled.model);
-  impact.scene = resolved(std::move(impact.scene), dialled.settings);
+  impact.scene = accuracy::resolved(std::move(impact.scene), dialled);
   out.estimate = dialled.estimate;
   if (out.estimate)
     std::ranges::copy(contact::warnings(*out.estimate, *impact.scene.accuracy),
@@ -88,7 +90,7 @@ contact::EquilibriumSummary rest(const Impact& impact, console::Console& console
   using Solver = contact::EquilibriumOptions::Solver;
   const Solver solver = impact.scene.contact.solver == scene::Solver::uzawa ? Solver::uzawa : Solver::exact;
   console.begin("equilibrium");
-  const contact::Equilibrium equilibrium = in_scene(impact.scene, [&] {
+  const contact::Equilibrium equilibrium = store::in_scene(impact.scene, [&] {
     return contact::find_equilibrium(
         *impact.model,
         {.solver = solver,
@@ -130,9 +132,9 @@ contact::Summary steps(const Impact& impact, console::Console& console, ImpactOb
   const Clock::time_point started = Clock::now();
   if (!impact.table) check_steps(impact);
   const std::unique_ptr<contact::Stepper> stepper =
-      impact.table
-          ? table_stepper(impact)
-          : in_scene(impact.scene, [&] { return contact::make_stepper(*impact.model, impact.options); });
+      impact.table ? table_stepper(impact) : store::in_scene(impact.scene, [&] {
+        return contact::make_stepper(*impact.model, impact.options);
+      });
   observer.started(impact, *stepper);
   contact::SummaryObserver figures =
       impact.table
@@ -153,19 +155,19 @@ contact::Summary steps(const Impact& impact, console::Console& console, ImpactOb
 
 }  // namespace
 
-ImpactResult run_impact(ImpactRequest request, KernelStore& store, console::Console& console,
+ImpactResult run_impact(ImpactRequest request, store::KernelStore& store, console::Console& console,
                         ImpactObserver& observer) {
   const Clock::time_point started = Clock::now();
-  ClosedScene closed = programs::closed(request.scene, request.folder, store);
+  accuracy::ClosedScene closed = accuracy::closed(request.scene, request.folder, store);
   auto data = std::make_unique<Impact>(Impact{.scene = std::move(closed.scene)});
   Impact& impact = *data;
   const bool by_table = impact.scene.contact.kernel == scene::ContactKernel::table;
-  Prepared prepared;
+  accuracy::Prepared prepared;
   if (impact.scene.contact.table.empty()) prepared = prepare(impact, request, store, console);
   observer.prepared(impact);
   const ErrorReport report =
       choose(impact, prepared, request.scene, closed.settings, request.folder, console);
-  impact.options = step_options(impact.scene);
+  impact.options = accuracy::step_options(impact.scene);
 
   ImpactSummary summary;
   if (impact.scene.contact.scheme == Scheme::at_rest) {

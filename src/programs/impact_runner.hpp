@@ -15,8 +15,8 @@
 #include "contact/stepping/stepper.hpp"
 #include "contact/table/table.hpp"
 #include "src/console/console.hpp"
-#include "src/programs/stored_kernels.hpp"
 #include "src/scene/scene.hpp"
+#include "src/store/stored_kernels.hpp"
 
 namespace ricochet::programs {
 
@@ -28,8 +28,8 @@ struct ImpactRequest {
 
 /// The data of one impact.
 struct Impact {
-  scene::Scene scene;  ///< at first as read, later with the settings chosen for its accuracy
-  Kernels kernels{};   ///< empty if the table comes from a file
+  scene::Scene scene;        ///< at first as read, later with the settings chosen for its accuracy
+  store::Kernels kernels{};  ///< empty if the table comes from a file
   std::optional<contact::Model> model{};  ///< no value if the table comes from a file
   std::optional<contact::Table> table{};  ///< with table kernels only
   StepOptions options{};
@@ -60,7 +60,7 @@ struct ImpactResult {
 /// are missing or belong to another scene, for bodies that overlap or do not meet, for contact problems
 /// without a solution, and for unsupported bodies at rest. Throws SolverError if the motion becomes infinite
 /// or undefined, or if Uzawa's iteration does not converge.
-ImpactResult run_impact(ImpactRequest request, KernelStore& store, console::Console& console,
+ImpactResult run_impact(ImpactRequest request, store::KernelStore& store, console::Console& console,
                         ImpactObserver& observer);
 
 /// Throws the error of a step that failed at `time` [s]. Does nothing if the step succeeded.

@@ -110,8 +110,8 @@ kernels::Surface surface_of_mesh(const scene::KernelRequest& request, OpenedMesh
 }
 
 /// The candidates of a body from one of its kernel files; no value if none can be read.
-std::optional<kernels::Surface> surface_of_kernel(const std::vector<programs::KernelFile>& files) {
-  for (const programs::KernelFile& file : files) try {
+std::optional<kernels::Surface> surface_of_kernel(const std::vector<store::KernelFile>& files) {
+  for (const store::KernelFile& file : files) try {
       return surface_alone(kernels::whole_surface(kernels::read(file.path).surface));
     } catch (const InputError&) {
       // Another file may be readable. If none is, the mesh is read.
@@ -126,8 +126,7 @@ std::vector<Need> needs_of(const scene::Scene& scene, const std::vector<scene::K
                            console::Console& console) {
   std::vector<Need> needs(requests.size());
   if (scene.contact.pairs.empty()) return needs;  // kernels alone
-  if (std::ranges::none_of(scene.bodies,
-                           [&](const auto& body) { return programs::is_limited(scene, body); }) &&
+  if (std::ranges::none_of(scene.bodies, [&](const auto& body) { return store::is_limited(scene, body); }) &&
       std::ranges::none_of(requests, scene::may_be_normal))
     return needs;
   std::vector<kernels::Kernel> surfaces;  // only with the data that pairing needs
@@ -139,20 +138,20 @@ std::vector<Need> needs_of(const scene::Scene& scene, const std::vector<scene::K
       continue;
     }
     std::optional<kernels::Surface> known;
-    if (parallel::rank_of(comm) == 0) known = surface_of_kernel(programs::kernel_files(folder, request));
+    if (parallel::rank_of(comm) == 0) known = surface_of_kernel(store::kernel_files(folder, request));
     surfaces.emplace_back().surface = parallel::of_rank(comm, 0, known.has_value())
                                           ? known.value_or(kernels::Surface{})
                                           : surface_of_mesh(request, meshes, comm, console);
   }
-  std::vector<Points> points(requests.size());
+  std::vector<store::Points> points(requests.size());
   std::vector<std::int64_t> normals(requests.size());
   parallel::on_first_rank(comm, [&] {
-    programs::KernelPointers pointers;
+    store::KernelPointers pointers;
     for (const kernels::Kernel& kernel : surfaces) pointers.push_back(&kernel);
     const contact::Placement placement =
-        programs::in_scene(scene, [&] { return programs::place(scene, pointers); });
-    points = programs::points_within_reach(scene, placement);
-    std::ranges::copy(programs::normals_suffice(placement), normals.begin());
+        store::in_scene(scene, [&] { return store::place(scene, pointers); });
+    points = store::points_within_reach(scene, placement);
+    std::ranges::copy(store::normals_suffice(placement), normals.begin());
   });
   parallel::broadcast(comm, normals);
   for (std::size_t k = 0; k < needs.size(); ++k) {

@@ -11,13 +11,11 @@
 
 #include "src/console/console.hpp"
 #include "src/mesh/mesh.hpp"
-#include "src/programs/placing.hpp"
 #include "src/scene/request.hpp"
+#include "src/store/placing.hpp"
 #include "src/surface/patches.hpp"
 
 namespace ricochet {
-
-using programs::Points;
 
 /// A mesh in one file, on rank 0, or in parts, which are read later.
 struct Source {
@@ -49,7 +47,7 @@ surface::Patches patches_of(const scene::KernelRequest& request, const mesh::Mes
 
 /// What the kernel of a body must contain for its scene.
 struct Need {
-  Points points;         ///< candidates
+  store::Points points;  ///< candidates
   bool normals = false;  ///< whether the static correction along the normals suffices
 };
 

@@ -10,14 +10,13 @@
 #include "base/atomic_file.hpp"
 #include "kernels/band.hpp"
 #include "kernels/write.hpp"
+#include "src/accuracy/loop.hpp"
 #include "src/mesh/extent.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/modes/approximate.hpp"
 #include "src/modes/contact_basis.hpp"
 #include "src/modes/search.hpp"
 #include "src/modes/validate.hpp"
-#include "src/programs/accuracy_loop.hpp"
-#include "src/programs/body_warnings.hpp"
 #include "src/programs/discretise.hpp"
 #include "src/programs/imported_modes.hpp"
 #include "src/programs/kernel_candidates.hpp"
@@ -25,6 +24,7 @@
 #include "src/scene/derive.hpp"
 #include "src/scene/read.hpp"
 #include "src/scene/write.hpp"
+#include "src/store/body_warnings.hpp"
 #include "src/surface/trace.hpp"
 
 namespace ricochet {
@@ -184,8 +184,8 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::f
 
 /// Prints mass, size and wave speed of a body, and warnings about them.
 void report_body(const scene::Body& body, const kernels::Kernel& kernel, console::Console& console) {
-  console.say(fmt::format("{}: {}", body.name, programs::figures_of(body, kernel)));
-  for (const std::string& warning : programs::warnings_of(body, kernel)) console.warn(warning);
+  console.say(fmt::format("{}: {}", body.name, store::figures_of(body, kernel)));
+  for (const std::string& warning : store::warnings_of(body, kernel)) console.warn(warning);
 }
 
 /// Derives the kernel from another one in the folder, if one is suitable, and writes it. Collective. @return
@@ -231,7 +231,7 @@ std::vector<std::filesystem::path> compute_kernels(const scene::Scene& scene, bo
   const auto stored = [&](std::size_t k) {
     std::string found;
     if (first)
-      for (const programs::KernelFile& file : programs::kernel_files(options.out, requests[k]))
+      for (const store::KernelFile& file : store::kernel_files(options.out, requests[k]))
         if (found.empty() && file.holds(needs[k].points, needs[k].normals)) found = file.path.string();
     parallel::broadcast(comm, found);
     return found;
@@ -302,7 +302,7 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
     return verify_kernels(scene, options, comm, console);
   }
   // Refuses invalid histories before the computation starts.
-  parallel::on_first_rank(comm, [&] { programs::forcing_of(scene); });
+  parallel::on_first_rank(comm, [&] { store::forcing_of(scene); });
 
   console::Console console(options.quiet || !first,
                            [comm] { return parallel::largest(comm, console::peak_memory_mib()); });
@@ -313,9 +313,9 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
   if (!scene.accuracy)
     compute(scene, true);
   else if (options.check)
-    compute(programs::closed_for_check(scene, comm), true);
+    compute(accuracy::closed_for_check(scene, comm), true);
   else
-    programs::close_by_accuracy(scene, options.out, comm, console, compute);
+    accuracy::close_by_accuracy(scene, options.out, comm, console, compute);
   // The peak memory of each phase is the maximum over the ranks.
   console.total();
   return 0;

@@ -27,7 +27,7 @@ void check_motion(const scene::Scene& scene) {
         scene.file.string()));
 }
 
-void check_skins(const Kernels& kernels) {
+void check_skins(const store::Kernels& kernels) {
   for (std::size_t k = 0; k < kernels.kernel.size(); ++k)
     if (const auto& view = kernels.kernel[k]->view; !view || view->element.empty())
       throw InputError(fmt::format(

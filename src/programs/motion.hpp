@@ -6,8 +6,8 @@
 #include <filesystem>
 
 #include "contact/output/motion_file.hpp"
-#include "src/programs/stored_kernels.hpp"
 #include "src/scene/scene.hpp"
+#include "src/store/stored_kernels.hpp"
 
 namespace ricochet::programs {
 
@@ -16,7 +16,7 @@ namespace ricochet::programs {
 void check_motion(const scene::Scene& scene);
 
 /// Throws InputError if a kernel has no visualisation surface.
-void check_skins(const Kernels& kernels);
+void check_skins(const store::Kernels& kernels);
 
 /// Options of `<stem>.motion.xdmf` and `.motion.h5`: a frame every output.vtk_every samples, or about 200
 /// frames.

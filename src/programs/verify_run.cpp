@@ -9,9 +9,9 @@
 #include <random>
 
 #include "kernels/algebra.hpp"
+#include "src/accuracy/scene_dial.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/modes/certify.hpp"
-#include "src/programs/accuracy.hpp"
 #include "src/programs/discretise.hpp"
 
 namespace ricochet {
@@ -51,11 +51,11 @@ std::vector<Claim> claims_of(const kernels::Modes& modes) {
 int verify_kernels(const scene::Scene& given, const console::Options& options, MPI_Comm comm,
                    console::Console& console) {
   scene::Scene scene;
-  programs::Kernels stored;
+  store::Kernels stored;
   parallel::on_all_ranks(comm, [&] {
-    programs::KernelStore store;
-    scene = programs::closed(given, options.out, store).scene;
-    stored = programs::read_kernels(scene, options.out, store);
+    store::KernelStore store;
+    scene = accuracy::closed(given, options.out, store).scene;
+    stored = store::read_kernels(scene, options.out, store);
     for (std::size_t k = 0; k < stored.kernel.size(); ++k)
       if (const kernels::Modes& modes = stored.kernel[k]->modes; modes.contact_adapted() || modes.imported())
         throw InputError(fmt::format("{}: its vectors are {}: --verify counts modes that Ricochet found",

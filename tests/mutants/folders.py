@@ -71,6 +71,8 @@ FOLDERS = {
         + _programs("mistakes", "table", "driven", "errors", "rods", "parts", "imports", "algebra", "sweep")
         + ("python/api",),
     ),
+    "store": Folder("src/store/*.cpp", ("test_store", *_programs("reach", "errors", "rods", "algebra"))),
+    "accuracy": Folder("src/accuracy/*.cpp", ("test_accuracy", *_programs("accuracy"))),
     "elasticity": Folder(
         "src/elasticity/*.cpp",
         (

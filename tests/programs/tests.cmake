@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-add_serial_tests(programs programs LIBRARIES ricochet_impact ricochet_scene_kernels
-  FILES placement_store impact_warnings body_warnings contact_zone local_refinement refinement)
+add_serial_tests(programs programs LIBRARIES ricochet_impact FILES impact_warnings)
 add_program_test(programs accuracy)
 add_program_test(programs ranks)
 add_program_test(programs parts)

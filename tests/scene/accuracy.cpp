@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// `accuracy` chooses only settings that a scene leaves open. Scenes with the same bodies share them.
+// `accuracy` chooses only settings that a scene leaves open.
 #include <gmock/gmock.h>
-#include <sys/resource.h>
-
-#include <csignal>
 
 #include "src/scene/read.hpp"
-#include "src/scene/settings.hpp"
 #include "src/scene/write.hpp"
 #include "tests/scene/scenes.hpp"
 
@@ -16,29 +12,6 @@ using namespace ricochet;
 using namespace ricochet::scene;
 using namespace ricochet::scene::test;
 using ::testing::HasSubstr;
-
-/// The smallest scene without [modes], with a block from a .geo file beside the ball.
-const std::string open_scene = changed(changed(smallest, "[modes]\ncount = 10\n", R"([bodies.block]
-mesh = "block.geo"
-material = { density = 1000, young = 1e9 }
-contact = "top"
-)"),
-                                       R"(["ball", "floor"])", R"(["ball", "block"])");
-
-std::vector<Override> with_accuracy(std::vector<Override> more = {}) {
-  more.insert(more.begin(), "accuracy=1e-2");
-  return more;
-}
-
-/// Name of the file with the settings of the scene.
-std::string settings_of(const std::vector<Override>& overrides, const std::string& ball = "a ball") {
-  const Folder folder;
-  folder.write("ball.msh", ball);
-  folder.write("block.geo", "a block");
-  return settings_path("out", read(folder.write("scene.toml", open_scene), overrides)).string();
-}
-
-const Body& block_of(const Scene& scene) { return *scene.find_body("block"); }
 
 TEST(Accuracy, leaves_nothing_open_if_it_is_not_requested) {
   const Scene scene = scene_of(smallest);
@@ -140,83 +113,6 @@ TEST(Refine, takes_many_balls_in_one_line) {
   for (int ball = 0; ball < 40; ++ball)
     balls += std::string(ball ? "," : "") + "{at=[0.5,0.5,1.5],radius=0.1,size=0.02}";
   EXPECT_EQ(block_of(scene_of(open_scene, {"bodies.block.refine=[" + balls + "]"})).refine.size(), 40U);
-}
-
-TEST(Settings, are_shared_by_scenes_with_the_same_bodies_and_accuracy) {
-  const std::string path = settings_of(with_accuracy());
-  EXPECT_THAT(path, HasSubstr("out/ball-block-"));
-  for (const char* same :
-       {"bodies.ball.velocity=[0,0,-1]", "contact.gap=1e-3", "title=x", "time.rate_hz=1e3"})
-    EXPECT_EQ(settings_of(with_accuracy({same})), path) << same;
-  for (const char* other :
-       {"bodies.ball.material.young=2e9", "bodies.block.order=3", "modes.count=10", "accuracy_of=spin",
-        "contact.reach=1e-3", "accuracy=1e-3", "contact.friction=0.1"})
-    EXPECT_NE(settings_of(with_accuracy({other})), path) << other;
-  EXPECT_NE(settings_of(with_accuracy(), "another ball"), path);
-  EXPECT_EQ(settings_of(with_accuracy({"contact.friction=0.1"})),
-            settings_of(with_accuracy({"contact.friction={static=0.4,dynamic=0.2,stribeck_velocity=1}"})));
-}
-
-Settings some_settings() {
-  const KernelSettings found{.mesh = {{"block", {4, 0.5, {{{0, 0.1, -0.2}, 1e-3, 2e-4}}}}},
-                             .basis = Basis::contact,
-                             .up_to = Hertz{3e3},
-                             .flexibility_error = 0.1,
-                             .zone = 1e-3};
-  KernelSettings coarser = found;
-  coarser.mesh["block"] = {3, 2};
-  coarser.zone.reset();
-  return {.found = found,
-          .coarser = coarser,
-          .coarser_change = {{Quantity::impulse, 1e-3}, {Quantity::peak_force, 0.1}},
-          .change_near_contact = {{Quantity::rebound, 2e-3}},
-          .rate = Hertz{1e5}};
-}
-
-TEST(Settings, are_read_as_written) {
-  const Settings settings = some_settings();
-  EXPECT_EQ(parse_settings(to_toml(settings)), settings);
-  const Folder folder;
-  const Scene scene = scene_of(open_scene);
-  write_settings(settings, scene, folder.path() / "x.settings.toml");
-  EXPECT_EQ(read_settings(folder.path() / "x.settings.toml"), settings);
-  EXPECT_FALSE(read_settings(folder.path() / "none.settings.toml"));
-  for (const char* damaged : {"", "[found]", "[found]\nbasis = \"contact\"\nup_to_hz = -1.0", "= =",
-                              "[found]\nbasis = \"modes\"\nup_to_hz = 1.0\nbodies.a = { order = 2, "
-                              "size_factor = 1.0, refine = [{}] }"})
-    EXPECT_FALSE(parse_settings(damaged)) << damaged;
-}
-
-TEST(Settings, on_a_full_disk_are_an_error_and_leave_the_earlier_file) {
-  const Folder folder;
-  const Scene scene = scene_of(open_scene);
-  const std::filesystem::path file = folder.write("x.settings.toml", "earlier");
-  const auto fill = [&] {  // the limit represents a full disk; only the child process is subject to it
-    std::signal(SIGXFSZ, SIG_IGN);
-    const rlimit limit{20, 20};
-    ::setrlimit(RLIMIT_FSIZE, &limit);
-    complaint_of([&] { write_settings(some_settings(), scene, file); });
-    std::exit(testing::Test::HasFailure() ? 1 : 0);
-  };
-  EXPECT_EXIT(fill(), testing::ExitedWithCode(0), "^$");
-  std::ifstream left(file);
-  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(left), {}), "earlier");
-  EXPECT_EQ(folder.entries(), 1U);
-}
-
-TEST(Settings, replace_only_what_is_open) {
-  const Scene open = with_settings(scene_of(open_scene), some_settings().found);
-  EXPECT_EQ(block_of(open).order, 4);
-  EXPECT_EQ(block_of(open).size_factor, 0.5);
-  EXPECT_EQ(block_of(open).refine, some_settings().found.mesh.at("block").refine);
-  EXPECT_FALSE(block_of(open).order_open);
-  EXPECT_EQ(open.modes.up_to, Hertz{3e3});
-  EXPECT_EQ(open.modes.flexibility_error, 0.1);
-  EXPECT_EQ(open.contact.pairs[0].zone, 1e-3);
-  const Scene given =
-      with_settings(scene_of(open_scene, {"modes.count=10", "contact.reach=1"}), some_settings().found);
-  EXPECT_FALSE(given.modes.up_to);
-  EXPECT_FALSE(given.contact.pairs[0].zone);
 }
 
 }  // namespace accuracy_test

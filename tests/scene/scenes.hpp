@@ -125,11 +125,26 @@ inline std::string changed(std::string text, const std::string& from, const std:
   return text.replace(at, from.size(), to);
 }
 
+/// The smallest scene without [modes], with a block from a .geo file beside the ball.
+inline const std::string open_scene = changed(changed(smallest, "[modes]\ncount = 10\n", R"([bodies.block]
+mesh = "block.geo"
+material = { density = 1000, young = 1e9 }
+contact = "top"
+)"),
+                                              R"(["ball", "floor"])", R"(["ball", "block"])");
+
+inline std::vector<Override> with_accuracy(std::vector<Override> more = {}) {
+  more.insert(more.begin(), "accuracy=1e-2");
+  return more;
+}
+
 /// The scene with this text, from a temporary file "scene.toml".
 inline Scene scene_of(const std::string& text, const std::vector<Override>& overrides = {}) {
   const Folder folder;
   return read(folder.write("scene.toml", text), overrides);
 }
+
+inline const Body& block_of(const Scene& scene) { return *scene.find_body("block"); }
 
 inline std::string complaint_about(const std::string& text, const std::vector<Override>& overrides = {}) {
   return complaint_of([&] { scene_of(text, overrides); });

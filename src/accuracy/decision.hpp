@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "contact/accuracy/dial.hpp"
-#include "src/scene/settings.hpp"
+#include "src/accuracy/settings.hpp"
 
-namespace ricochet::programs {
+namespace ricochet::accuracy {
 
 /// Whether the scene gives the spacing of all its candidates.
 bool gives_spacing(const scene::Scene& scene);
@@ -22,8 +22,8 @@ struct BodySize {
 };
 
 struct Decision {
-  std::optional<scene::Settings> next;  ///< no value: the search ends
-  std::string reason;                   ///< what is refined, or why nothing is; empty if the accuracy is met
+  std::optional<Settings> next;  ///< no value: the search ends
+  std::string reason;            ///< what is refined, or why nothing is; empty if the accuracy is met
 };
 
 /// The decision after a round. Of the causes that can be refined, those that gain most for their cost are
@@ -32,7 +32,7 @@ struct Decision {
 /// @param scene  as read, with its open settings
 /// @param settings  of the round, with the rate that was found
 /// @param sizes  of the round, for each body
-Decision decide(const scene::Scene& scene, const scene::Settings& settings, const contact::Dialled& round,
+Decision decide(const scene::Scene& scene, const Settings& settings, const contact::Dialled& round,
                 const std::vector<BodySize>& sizes);
 
 /// Largest sum of modes × unknowns over the bodies that a refinement may lead to. On two cores, kernels of
@@ -43,4 +43,4 @@ inline constexpr double most_work = 6e7;
 /// static correction of as many candidates takes seconds, and so do the steps of the impact.
 inline constexpr double most_candidates = 2000;
 
-}  // namespace ricochet::programs
+}  // namespace ricochet::accuracy

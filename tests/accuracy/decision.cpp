@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Decisions of the accuracy loop after a round with given shares of the error.
-#include "src/programs/refinement.hpp"
+#include "src/accuracy/decision.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "src/programs/mesh_levels.hpp"
+#include "src/accuracy/mesh_levels.hpp"
 
 namespace refinement_test {
 
 using namespace ricochet;
+using accuracy::BodySize;
+using accuracy::decide;
+using accuracy::Decision;
 using contact::Cause;
-using programs::BodySize;
-using programs::decide;
-using programs::Decision;
 using ::testing::HasSubstr;
 
 /// A scene with one body of a geometry, of which everything is open.
@@ -29,14 +29,14 @@ scene::Scene open_scene() {
 }
 
 /// Settings of the second round: the mesh of level 1 and, beneath it, that of level 0.
-scene::Settings second_round(const scene::Scene& scene) {
-  scene::Settings settings;
-  settings.found.mesh = programs::meshes_at(scene, 1);
+accuracy::Settings second_round(const scene::Scene& scene) {
+  accuracy::Settings settings;
+  settings.found.mesh = accuracy::meshes_at(scene, 1);
   settings.found.up_to = Hertz{1e4};
   settings.found.flexibility_error = 0.1;
   settings.rate = Hertz{1e6};
   settings.coarser = settings.found;
-  settings.coarser->mesh = programs::meshes_at(scene, 0);
+  settings.coarser->mesh = accuracy::meshes_at(scene, 0);
   return settings;
 }
 
@@ -61,7 +61,7 @@ TEST(Decision, ends_if_the_accuracy_is_met) {
 
 TEST(Decision, refines_the_cause_with_the_largest_share) {
   const scene::Scene scene = open_scene();
-  const scene::Settings settings = second_round(scene);
+  const accuracy::Settings settings = second_round(scene);
   const Decision band =
       decide(scene, settings, round_with({{Cause::mesh, 1e-3}, {Cause::modes, 0.1}}), small);
   ASSERT_TRUE(band.next);
@@ -72,7 +72,7 @@ TEST(Decision, refines_the_cause_with_the_largest_share) {
       decide(scene, settings, round_with({{Cause::mesh, 0.1}, {Cause::modes, 1e-3}}), small);
   ASSERT_TRUE(mesh.next);
   EXPECT_EQ(mesh.reason, "mesh");
-  EXPECT_EQ(mesh.next->found.mesh, programs::meshes_at(scene, 2));
+  EXPECT_EQ(mesh.next->found.mesh, accuracy::meshes_at(scene, 2));
   EXPECT_EQ(mesh.next->coarser, settings.found);
 }
 
@@ -89,7 +89,7 @@ TEST(Decision, keeps_a_given_band_and_says_that_it_prevents_the_accuracy) {
 TEST(Decision, refines_nothing_that_matters_less_than_what_is_given) {
   scene::Scene scene = open_scene();
   scene.contact.pairs[0].spacing = 1e-3;
-  const scene::Settings settings = second_round(scene);
+  const accuracy::Settings settings = second_round(scene);
   const Decision found =
       decide(scene, settings, round_with({{Cause::mesh, 6e-3}, {Cause::spacing, 0.014}}), small);
   EXPECT_FALSE(found.next);
@@ -105,7 +105,7 @@ TEST(Decision, starts_no_round_that_is_too_much_work) {
   const scene::Scene scene = open_scene();
   const auto round = round_with({{Cause::mesh, 1e-4}, {Cause::modes, 0.1}});
   const auto modes_of = [&](double modes) {
-    scene::Settings settings = second_round(scene);
+    accuracy::Settings settings = second_round(scene);
     settings.found.basis = scene::Basis::modes;
     return decide(scene, settings, round, {{"part", modes, 24000, 5e3}});
   };
@@ -120,7 +120,7 @@ TEST(Decision, starts_no_round_that_is_too_much_work) {
 // Ritz vectors of 47 407 unknowns are affordable, and 1333 are not.
 TEST(Decision, counts_the_vectors_of_new_candidates_as_work) {
   const scene::Scene scene = open_scene();
-  scene::Settings settings = second_round(scene);
+  accuracy::Settings settings = second_round(scene);
   settings.found.basis = scene::Basis::contact;
   const auto round = round_with({{Cause::mesh, 0.1}});
   EXPECT_TRUE(decide(scene, settings, round, {{"part", 650, 2e4, 1e4}}).next);
@@ -130,30 +130,30 @@ TEST(Decision, counts_the_vectors_of_new_candidates_as_work) {
 // 8 · 500 modes are more than 3000 unknowns.
 TEST(Decision, refines_the_mesh_with_a_band_that_its_elements_do_not_have) {
   const scene::Scene scene = open_scene();
-  scene::Settings settings = second_round(scene);
+  accuracy::Settings settings = second_round(scene);
   settings.found.basis = scene::Basis::modes;
   const auto round = round_with({{Cause::mesh, 1e-4}, {Cause::modes, 0.1}});
   const Decision found = decide(scene, settings, round, {{"part", 500, 3000, 1500}});
   ASSERT_TRUE(found.next);
   EXPECT_EQ(found.reason, "mesh, modes");
-  EXPECT_EQ(found.next->found.mesh, programs::meshes_at(scene, 2));
+  EXPECT_EQ(found.next->found.mesh, accuracy::meshes_at(scene, 2));
   EXPECT_EQ(decide(scene, settings, round, {{"part", 300, 3000, 1500}}).reason, "modes");
 }
 
 TEST(Levels, of_own_sizes_are_not_those_of_open_sizes) {
-  const scene::Scene scene = open_scene(), own = programs::with_own_sizes(scene);
-  scene::KernelSettings settings;
-  settings.mesh = programs::meshes_at(own, 1);
-  EXPECT_FALSE(programs::level_of(scene, settings));
-  EXPECT_EQ(programs::level_of(own, settings), 1);
+  const scene::Scene scene = open_scene(), own = accuracy::with_own_sizes(scene);
+  accuracy::KernelSettings settings;
+  settings.mesh = accuracy::meshes_at(own, 1);
+  EXPECT_FALSE(accuracy::level_of(scene, settings));
+  EXPECT_EQ(accuracy::level_of(own, settings), 1);
 }
 
 // A transfinite geometry has the same elements whatever the size.
 TEST(Decision, does_not_ask_again_for_smaller_elements_that_were_not_made) {
   const scene::Scene scene = open_scene();
-  scene::Settings settings = second_round(scene);
-  settings.found.mesh = programs::meshes_at(scene, 3);
-  settings.coarser->mesh = programs::meshes_at(scene, 2);
+  accuracy::Settings settings = second_round(scene);
+  settings.found.mesh = accuracy::meshes_at(scene, 3);
+  settings.coarser->mesh = accuracy::meshes_at(scene, 2);
   const auto round = round_with({{Cause::mesh, 0.1}});
   EXPECT_TRUE(decide(scene, settings, round, {{"part", 100, 1e4, 5e3}}).next);
   EXPECT_FALSE(decide(scene, settings, round, {{"part", 100, 1e4, 1e4}}).next);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "src/programs/accuracy_loop.hpp"
+#include "src/accuracy/loop.hpp"
 
 #include <fmt/format.h>
 
@@ -10,18 +10,19 @@
 #include <limits>
 #include <optional>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "contact/accuracy/error_report.hpp"
+#include "src/accuracy/decision.hpp"
+#include "src/accuracy/mesh_levels.hpp"
+#include "src/accuracy/pilot.hpp"
+#include "src/accuracy/scene_dial.hpp"
+#include "src/accuracy/settings.hpp"
 #include "src/parallel/parallel.hpp"
-#include "src/programs/accuracy.hpp"
-#include "src/programs/mesh_levels.hpp"
-#include "src/programs/pilot.hpp"
-#include "src/programs/refinement.hpp"
-#include "src/scene/settings.hpp"
 
-namespace ricochet::programs {
+namespace ricochet::accuracy {
 namespace {
 
 namespace fs = std::filesystem;
@@ -29,7 +30,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int most_rounds = 12;
 
-std::string text_of(const scene::KernelSettings& settings, const scene::Scene& scene) {
+std::string text_of(const KernelSettings& settings, const scene::Scene& scene) {
   std::string text;
   std::set<std::pair<int, double>> seen;
   double smallest = std::numeric_limits<double>::infinity();
@@ -53,21 +54,21 @@ std::string text_of(const scene::KernelSettings& settings, const scene::Scene& s
 }
 
 struct Judged {
-  Kernels kernels;  ///< to which the model of `dialled` refers
+  store::Kernels kernels;  ///< to which the model of `dialled` refers
   contact::Dialled dialled;
   std::vector<BodySize> sizes;
 };
 
 /// Runs the impact with the kernels of one round, on one rank.
-Judged judge(const scene::Scene& scene, const scene::Settings& settings, const fs::path& folder) {
+Judged judge(const scene::Scene& scene, const Settings& settings, const fs::path& folder) {
   const scene::Scene closed = with_settings(scene, settings.found);
-  KernelStore store;
-  Kernels kernels = read_kernels(closed, folder, store);
+  store::KernelStore store;
+  store::Kernels kernels = store::read_kernels(closed, folder, store);
   Prepared prepared;
-  prepared.forcing = in_scene(closed, [&] { return forcing_of(closed); });
+  prepared.forcing = store::in_scene(closed, [&] { return store::forcing_of(closed); });
   prepared.placement = store.placements.place(closed, kernels.pointers());
   contact::Model model =
-      in_scene(closed, [&] { return model_of(closed, prepared.placement, prepared.forcing); });
+      store::in_scene(closed, [&] { return store::model_of(closed, prepared.placement, prepared.forcing); });
   const auto coarser = read_coarser(scene, settings, folder);
   std::vector<BodySize> sizes;
   for (std::size_t k = 0; k < closed.bodies.size(); ++k)
@@ -81,28 +82,39 @@ Judged judge(const scene::Scene& scene, const scene::Settings& settings, const f
 
 /// The outcome of a round, the same on all ranks.
 struct Outcome {
-  scene::Settings settings;             ///< of the round, with the rate
-  std::optional<scene::Settings> next;  ///< no value: the search ends
-  std::string line;                     ///< for the user
+  Settings settings;             ///< of the round, with the rate
+  std::optional<Settings> next;  ///< no value: the search ends
+  std::string line;              ///< for the user
 };
 
-Outcome outcome_of_round(const scene::Scene& scene, scene::Settings settings, const fs::path& folder,
+/// Settings that another rank wrote as text.
+Settings received(const std::string& text) {
+  auto settings = parse_settings(text);
+  if (!settings) throw std::logic_error("these settings cannot be read back:\n" + text);
+  return std::move(*settings);
+}
+
+Outcome outcome_of_round(const scene::Scene& scene, Settings settings, const fs::path& folder,
                          MPI_Comm comm) {
   std::string found, next, line;
   parallel::on_first_rank(comm, [&] {
     const auto [kernels, dialled, sizes] = judge(scene, settings, folder);
-    settings.rate = dialled.settings.rate.value_or(Hertz{1 / scene.time.step()});
+    settings.rate = dialled.rate.value_or(Hertz{1 / scene.time.step()});
     const Decision decision = decide(scene, settings, dialled, sizes);
     if (dialled.estimate) line = "error " + contact::formatted(*dialled.estimate);
-    if (!decision.reason.empty())
-      line += fmt::format("{}{}{}", line.empty() ? "" : "; ",
-                          decision.next ? "refines " : "stops: ", decision.reason);
+    line += line.empty() ? "" : "; ";
+    if (decision.next)
+      line += "refines " + decision.reason;
+    else if (decision.reason.empty())
+      line += fmt::format("meets accuracy = {:g}", *scene.accuracy);
+    else
+      line += "stops: " + decision.reason;
     found = to_toml(settings);
     if (decision.next) next = to_toml(*decision.next);
   });
   for (std::string* text : {&found, &next, &line}) parallel::broadcast(comm, *text);
-  Outcome out{*scene::parse_settings(found), {}, line};
-  if (!next.empty()) out.next = scene::parse_settings(next);
+  Outcome out{received(found), {}, line};
+  if (!next.empty()) out.next = received(next);
   return out;
 }
 
@@ -115,16 +127,16 @@ scene::Scene closed_for_check(const scene::Scene& scene, MPI_Comm comm) {
 scene::Scene close_by_accuracy(const scene::Scene& given, const fs::path& folder, MPI_Comm comm,
                                console::Console& console, const ComputeKernels& compute) {
   scene::Scene scene = given;
-  const fs::path path = scene::settings_path(folder, scene);
+  const fs::path path = settings_path(folder, scene);
   std::string stored;
   parallel::on_first_rank(comm, [&] {
-    if (const auto known = scene::read_settings(path)) stored = to_toml(*known);
+    if (const auto known = read_settings(path)) stored = to_toml(*known);
   });
   parallel::broadcast(comm, stored);
-  const auto known = scene::parse_settings(stored);
-  scene::Settings settings = known ? *known : pilot_settings(scene, comm);
+  const auto known = parse_settings(stored);
+  Settings settings = known ? *known : pilot_settings(scene, comm);
   if (!level_of(scene, settings.found)) scene = with_own_sizes(std::move(scene));
-  std::optional<scene::Settings> last;  // of a round that succeeded
+  std::optional<Settings> last;  // of a round that succeeded
   std::vector<fs::path> written;
   std::string first_error;
   for (int round = 1; round <= most_rounds; ++round) {
@@ -160,16 +172,19 @@ scene::Scene close_by_accuracy(const scene::Scene& given, const fs::path& folder
     console.say(fmt::format("accuracy, round {}: {}: {} ({:.1f} s)", round, text_of(settings.found, scene),
                             outcome->line, std::chrono::duration<double>(Clock::now() - start).count()));
     if (!outcome->next) break;
+    if (round == most_rounds)
+      console.say(fmt::format("accuracy: stops after {} rounds, the most that it makes", most_rounds));
     settings = *outcome->next;
   }
   parallel::on_first_rank(comm, [&] {
     write_settings(*last, scene, path);
     // Kernels of earlier rounds would only take space.
     std::set<fs::path> needed;
-    KernelStore store;
+    store::KernelStore store;
     for (const auto* one : {&last->found, last->coarser ? &*last->coarser : nullptr})
       if (one != nullptr)
-        for (const StoredKernel& kernel : find_kernels(with_settings(scene, *one), folder, store))
+        for (const store::StoredKernel& kernel :
+             store::find_kernels(with_settings(scene, *one), folder, store))
           needed.insert(kernel.path);
     for (const fs::path& file : written)
       if (!needed.contains(file)) fs::remove(file);
@@ -178,4 +193,4 @@ scene::Scene close_by_accuracy(const scene::Scene& given, const fs::path& folder
   return with_settings(scene, last->found);
 }
 
-}  // namespace ricochet::programs
+}  // namespace ricochet::accuracy

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "src/programs/contact_zone.hpp"
+#include "src/accuracy/contact_zone.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace ricochet::programs {
+namespace ricochet::accuracy {
 namespace {
 
 double norm(const Vector3& v) { return std::hypot(v[0], v[1], v[2]); }
@@ -101,8 +101,7 @@ std::optional<double> zone_of(const contact::Model& model, const contact::Quanti
   return zone;
 }
 
-double expected_candidates(const contact::Model& model, const scene::KernelSettings& settings,
-                           double distance) {
+double expected_candidates(const contact::Model& model, const KernelSettings& settings, double distance) {
   // Two triangles of order p and side s have the area √3/2 s² and p² nodes.
   double per_area = 0;
   for (const auto& [body, mesh] : settings.mesh)
@@ -115,4 +114,4 @@ double expected_candidates(const contact::Model& model, const scene::KernelSetti
   return count;
 }
 
-}  // namespace ricochet::programs
+}  // namespace ricochet::accuracy

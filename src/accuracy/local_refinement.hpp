@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "contact/accuracy/dial.hpp"
-#include "src/scene/settings.hpp"
+#include "src/accuracy/settings.hpp"
 
-namespace ricochet::programs {
+namespace ricochet::accuracy {
 
 /// Balls of smaller elements around the points that were pressed in a run, by body, for the bodies whose
 /// `refine` is open. A ball reaches to the next candidates, and its elements are so small that their distance
@@ -17,10 +17,10 @@ namespace ricochet::programs {
 /// next points too. Bodies with the same geometry have the same balls, so that one kernel serves them all.
 /// Empty if the scene gives the spacing of its candidates, or if nothing was pressed.
 std::map<std::string, std::vector<scene::FineBall>> balls_near_contact(
-    const scene::Scene& scene, const std::map<std::string, scene::MeshSettings>& mesh,
+    const scene::Scene& scene, const std::map<std::string, MeshSettings>& mesh,
     const contact::Dialled& round);
 
 /// Estimates the unknowns that tetrahedra of an order have in and near these balls.
 double unknowns_in(const std::vector<scene::FineBall>& balls, int order);
 
-}  // namespace ricochet::programs
+}  // namespace ricochet::accuracy

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "src/programs/body_warnings.hpp"
+#include "src/store/body_warnings.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-namespace ricochet::programs {
+namespace ricochet::store {
 namespace {
 
 // A body of 20 m, or one of 2 m from a CAD file, which usually is in millimetres; a body of 10 um.
@@ -115,4 +115,4 @@ std::vector<std::string> warnings_of(const scene::Body& body, const kernels::Ker
   return out;
 }
 
-}  // namespace ricochet::programs
+}  // namespace ricochet::store

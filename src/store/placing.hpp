@@ -13,7 +13,7 @@
 #include "src/scene/request.hpp"
 #include "src/scene/scene.hpp"
 
-namespace ricochet::programs {
+namespace ricochet::store {
 
 /// Runs `action` and puts the scene's file in front of the message of its InputErrors.
 template <class Action>
@@ -93,4 +93,4 @@ struct KernelFile {
 /// a reach, or with its static correction along the normals alone. The smallest files come first.
 std::vector<KernelFile> kernel_files(const std::filesystem::path& folder, const scene::KernelRequest& whole);
 
-}  // namespace ricochet::programs
+}  // namespace ricochet::store

@@ -8,7 +8,7 @@
 #include "ricochet/kernel.hpp"
 #include "src/scene/scene.hpp"
 
-namespace ricochet::programs {
+namespace ricochet::store {
 
 /// Lengths of the body along the axes of its mesh [m]; 0 if the kernel does not contain its outline.
 Vector3 size_of(const kernels::Kernel& kernel);
@@ -20,4 +20,4 @@ std::string figures_of(const scene::Body& body, const kernels::Kernel& kernel);
 /// that are not joined, supports on lines or points, and linear elements that lock.
 std::vector<std::string> warnings_of(const scene::Body& body, const kernels::Kernel& kernel);
 
-}  // namespace ricochet::programs
+}  // namespace ricochet::store

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "src/programs/refinement.hpp"
+#include "src/accuracy/decision.hpp"
 
 #include <fmt/format.h>
 
@@ -11,11 +11,11 @@
 
 #include "contact/accuracy/error_report.hpp"
 #include "contact/accuracy/spectrum.hpp"
-#include "src/programs/contact_zone.hpp"
-#include "src/programs/local_refinement.hpp"
-#include "src/programs/mesh_levels.hpp"
+#include "src/accuracy/contact_zone.hpp"
+#include "src/accuracy/local_refinement.hpp"
+#include "src/accuracy/mesh_levels.hpp"
 
-namespace ricochet::programs {
+namespace ricochet::accuracy {
 
 using contact::Cause;
 
@@ -36,7 +36,7 @@ bool is_open(const scene::Scene& scene) { return scene.modes.open(); }
 /// Ritz vectors cost a few solves for each candidate, whatever the band; modes cost a solve or two for each
 /// mode in it. With few modes and many candidates, as in flat contact, modes are therefore cheaper.
 /// The ends of rods meet with a shock, whose resonances only modes have.
-scene::Basis cheaper_basis(const scene::KernelSettings& settings, const contact::Model& model) {
+scene::Basis cheaper_basis(const KernelSettings& settings, const contact::Model& model) {
   constexpr double blocks = 3;
   const double candidates = settings.zone ? expected_candidates(model, settings, *settings.zone)
                                           : static_cast<double>(model.gap.size());
@@ -52,7 +52,7 @@ constexpr int most_doublings = 2;
 
 /// The band after the pilot: it is doubled as often as its share of the error suggests, but not beyond the
 /// band that the force fills, below which all but ε² of the energy of the force lies.
-Hertz band_after_pilot(const scene::Settings& settings, const contact::Dialled& pilot, double accuracy) {
+Hertz band_after_pilot(const Settings& settings, const contact::Dialled& pilot, double accuracy) {
   Hertz band = settings.found.up_to;
   const double share = pilot.estimate->share(Cause::modes).value_or(0);
   // Where other shares are far larger, that of the band is not yet known.
@@ -72,8 +72,8 @@ Hertz band_after_pilot(const scene::Settings& settings, const contact::Dialled& 
 /// The sizes that settings lead to, from those of the round with `before`. Unknowns of a solid grow with the
 /// cube of order / size, and its modes with that of the band. Ritz vectors grow with the band and with the
 /// candidates, which are nodes of a surface.
-std::vector<BodySize> predicted(std::vector<BodySize> sizes, const scene::KernelSettings& before,
-                                const scene::KernelSettings& after) {
+std::vector<BodySize> predicted(std::vector<BodySize> sizes, const KernelSettings& before,
+                                const KernelSettings& after) {
   const double wider = after.up_to.value / before.up_to.value;
   const bool vectors = after.basis == scene::Basis::contact;
   for (BodySize& size : sizes) {
@@ -113,7 +113,7 @@ std::string too_much(const std::vector<BodySize>& sizes) {
 
 /// Settings of the next round, with what the estimate of its mesh needs to know of the last ones. Changes
 /// that follow each other show a pace only if they are of the same elements.
-scene::Settings following(const scene::Settings& last, scene::Settings next, const contact::Dialled& round) {
+Settings following(const Settings& last, Settings next, const contact::Dialled& round) {
   const MeshChange now = change_between(last.found, next.found);
   if (now == MeshChange{}) return next;
   next.coarser = last.found;
@@ -132,8 +132,8 @@ struct FinerNearContact {
   double cost;  ///< relative to that of the kernels of the last round
 };
 
-scene::KernelSettings with_balls(scene::KernelSettings settings,
-                                 const std::map<std::string, std::vector<scene::FineBall>>& balls) {
+KernelSettings with_balls(KernelSettings settings,
+                          const std::map<std::string, std::vector<scene::FineBall>>& balls) {
   for (const auto& [body, of_body] : balls) settings.mesh[body].refine = of_body;
   return settings;
 }
@@ -145,11 +145,11 @@ double unknowns_of(const std::vector<BodySize>& sizes) {
 }
 
 /// @return no value if there are none, or too many
-std::optional<FinerNearContact> finer_near_contact(const scene::Scene& scene, const scene::Settings& settings,
+std::optional<FinerNearContact> finer_near_contact(const scene::Scene& scene, const Settings& settings,
                                                    const contact::Dialled& round,
                                                    const std::vector<BodySize>& sizes) {
   auto balls = balls_near_contact(scene, settings.found.mesh, round);
-  const scene::KernelSettings finer = with_balls(settings.found, balls);
+  const KernelSettings finer = with_balls(settings.found, balls);
   if (finer == settings.found ||
       expected_candidates(round.model, finer, zone_near_contact(*round.quantities)) > most_candidates)
     return std::nullopt;
@@ -160,7 +160,7 @@ std::optional<FinerNearContact> finer_near_contact(const scene::Scene& scene, co
 }
 
 /// Whether smaller elements were asked for but not made, as for a geometry that fixes their number.
-bool size_is_fixed(const scene::Settings& settings, const std::vector<BodySize>& sizes) {
+bool size_is_fixed(const Settings& settings, const std::vector<BodySize>& sizes) {
   if (!settings.coarser) return false;
   return std::ranges::all_of(sizes, [&](const BodySize& size) {
     const auto was = settings.coarser->mesh.find(size.body), is = settings.found.mesh.find(size.body);
@@ -184,8 +184,8 @@ struct Possible {
 /// of the spacing and, unless they were the last to be refined, most of that of the mesh. Where they cannot
 /// be refined alone, finer elements everywhere also have more candidates, unless the scene gives their
 /// spacing.
-std::vector<Option> options_of(const scene::Scene& scene, const Possible& possible,
-                               const scene::Settings& settings, const contact::ErrorEstimate& estimate) {
+std::vector<Option> options_of(const scene::Scene& scene, const Possible& possible, const Settings& settings,
+                               const contact::ErrorEstimate& estimate) {
   std::vector<Option> out;
   const auto share = [&](Cause cause) { return estimate.share(cause).value_or(0); };
   const double mesh = share(Cause::mesh), spacing = gives_spacing(scene) ? 0 : share(Cause::spacing);
@@ -245,15 +245,15 @@ bool gives_spacing(const scene::Scene& scene) {
                              [](const scene::Pair& pair) { return pair.spacing.has_value(); });
 }
 
-Decision decide(const scene::Scene& scene, const scene::Settings& settings, const contact::Dialled& round,
+Decision decide(const scene::Scene& scene, const Settings& settings, const contact::Dialled& round,
                 const std::vector<BodySize>& sizes) {
   const int level = level_of(scene, settings.found).value_or(0);
-  scene::Settings next = settings;
-  const auto with_finer_mesh = [&](scene::Settings finer) {
+  Settings next = settings;
+  const auto with_finer_mesh = [&](Settings finer) {
     finer.found = at_level(finer.found, scene, level + 1);
     return finer;
   };
-  const auto decided = [&](scene::Settings chosen, std::string reason) {
+  const auto decided = [&](Settings chosen, std::string reason) {
     return Decision{following(settings, std::move(chosen), round), std::move(reason)};
   };
   if (!round.estimate) {
@@ -272,7 +272,7 @@ Decision decide(const scene::Scene& scene, const scene::Settings& settings, cons
       (settings.coarser && settings.found.zone) ||
       (!round.quantities->pressed.empty() && zone_of(round.model, *round.quantities).has_value());
   if (concentrated && !sizes_fixed) possible.local = finer_near_contact(scene, settings, round, sizes);
-  const auto with_finer_elements_near_contact = [&](scene::Settings finer) {
+  const auto with_finer_elements_near_contact = [&](Settings finer) {
     finer.found = with_balls(std::move(finer.found), possible.local->balls);
     if (finer.found.zone && round.quantities->nearer > 0)
       finer.found.zone = zone_near_contact(*round.quantities);
@@ -301,7 +301,7 @@ Decision decide(const scene::Scene& scene, const scene::Settings& settings, cons
   std::set<Cause> chosen;
   std::map<Cause, std::string> excess;
   const auto choose = [&](Cause cause) {
-    scene::Settings refined = next;
+    Settings refined = next;
     if (cause == Cause::mesh) refined = with_finer_mesh(refined);
     if (cause == Cause::spacing) refined = with_finer_elements_near_contact(refined);
     if (cause == Cause::modes) refined.found.up_to.value *= 2;
@@ -353,4 +353,4 @@ Decision decide(const scene::Scene& scene, const scene::Settings& settings, cons
                       excess.contains(*largest) ? excess[*largest] : obstacle(scene, *largest))};
 }
 
-}  // namespace ricochet::programs
+}  // namespace ricochet::accuracy

@@ -11,22 +11,22 @@
 #include "src/scene/request.hpp"
 #include "src/scene/scene.hpp"
 
-namespace ricochet::scene {
+namespace ricochet::accuracy {
 
 /// Elements of a body.
 struct MeshSettings {
   int order = 3;
   double size_factor = 1;
-  std::vector<FineBall> refine{};
+  std::vector<scene::FineBall> refine{};
   bool operator==(const MeshSettings&) const = default;
 };
 
 /// Settings on which kernels depend.
 struct KernelSettings {
   std::map<std::string, MeshSettings> mesh;  ///< by body; bodies that are read as they are have none
-  Basis basis = Basis::contact;
+  scene::Basis basis = scene::Basis::contact;
   Hertz up_to{0};
-  double flexibility_error = 0;  ///< basis `contact` only
+  double flexibility_error = 0;  ///< of basis `contact`, also where a later round may change to it
   std::optional<double> zone;    ///< [m]; no value: all candidates
   bool operator==(const KernelSettings&) const = default;
 };
@@ -44,21 +44,21 @@ struct Settings {
 };
 
 /// The scene with these settings in place of those that it leaves open, and with these meshes.
-Scene with_settings(Scene scene, const KernelSettings& settings);
+scene::Scene with_settings(scene::Scene scene, const KernelSettings& settings);
 
 /// The file of the settings of a scene, `<bodies>-<first 12 digits of a hash>.settings.toml`. The hash covers
 /// the accuracy, the data of all kernels and which pairs have friction, but not velocities, gaps or times.
 /// Throws as kernel_request does.
-std::filesystem::path settings_path(const std::filesystem::path& folder, const Scene& scene,
-                                    MeshHashes* known = nullptr);
+std::filesystem::path settings_path(const std::filesystem::path& folder, const scene::Scene& scene,
+                                    scene::MeshHashes* known = nullptr);
 
 std::string to_toml(const Settings& settings);
 /// @return no value if an entry is missing or has no meaning
 std::optional<Settings> parse_settings(const std::string& text);
 
 /// Throws InputError if the file cannot be written.
-void write_settings(const Settings& settings, const Scene& scene, const std::filesystem::path& path);
+void write_settings(const Settings& settings, const scene::Scene& scene, const std::filesystem::path& path);
 /// @return no value if the file does not exist or is damaged
 std::optional<Settings> read_settings(const std::filesystem::path& path);
 
-}  // namespace ricochet::scene
+}  // namespace ricochet::accuracy

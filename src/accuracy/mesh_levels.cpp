@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "src/programs/mesh_levels.hpp"
+#include "src/accuracy/mesh_levels.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-namespace ricochet::programs {
+namespace ricochet::accuracy {
 namespace {
 
 /// As entries of a list, aggregates with a default member break GCC 13.
-scene::MeshSettings mesh_of(int order, double size_factor) { return {order, size_factor}; }
+MeshSettings mesh_of(int order, double size_factor) { return {order, size_factor}; }
 
-std::vector<scene::MeshSettings> levels_of(const scene::Body& body) {
+std::vector<MeshSettings> levels_of(const scene::Body& body) {
   if (!body.meshable()) return {};
   const double own = body.size_factor;
   if (!body.order_open) return {mesh_of(body.order > 1 ? body.order - 1 : 2, own), mesh_of(body.order, own)};
@@ -22,15 +22,15 @@ std::vector<scene::MeshSettings> levels_of(const scene::Body& body) {
 }
 
 /// The same elements, without those near contact.
-std::map<std::string, scene::MeshSettings> without_balls(std::map<std::string, scene::MeshSettings> meshes) {
+std::map<std::string, MeshSettings> without_balls(std::map<std::string, MeshSettings> meshes) {
   for (auto& [body, mesh] : meshes) mesh.refine.clear();
   return meshes;
 }
 
 }  // namespace
 
-std::map<std::string, scene::MeshSettings> meshes_at(const scene::Scene& scene, int level) {
-  std::map<std::string, scene::MeshSettings> out;
+std::map<std::string, MeshSettings> meshes_at(const scene::Scene& scene, int level) {
+  std::map<std::string, MeshSettings> out;
   for (const scene::Body& body : scene.bodies)
     if (const auto levels = levels_of(body); !levels.empty())
       out[body.name] = levels[std::min(static_cast<std::size_t>(level), levels.size() - 1)];
@@ -41,7 +41,7 @@ bool has_finer(const scene::Scene& scene, int level) {
   return meshes_at(scene, level) != meshes_at(scene, level + 1);
 }
 
-std::optional<int> level_of(const scene::Scene& scene, const scene::KernelSettings& settings) {
+std::optional<int> level_of(const scene::Scene& scene, const KernelSettings& settings) {
   for (int level = 0;; ++level) {
     if (meshes_at(scene, level) == without_balls(settings.mesh)) return level;
     if (!has_finer(scene, level)) return std::nullopt;
@@ -53,7 +53,7 @@ scene::Scene with_own_sizes(scene::Scene scene) {
   return scene;
 }
 
-scene::KernelSettings at_level(scene::KernelSettings settings, const scene::Scene& scene, int level) {
+KernelSettings at_level(KernelSettings settings, const scene::Scene& scene, int level) {
   for (auto& [body, mesh] : meshes_at(scene, level)) {
     mesh.refine = std::move(settings.mesh[body].refine);
     settings.mesh[body] = std::move(mesh);
@@ -61,7 +61,7 @@ scene::KernelSettings at_level(scene::KernelSettings settings, const scene::Scen
   return settings;
 }
 
-MeshChange change_between(const scene::KernelSettings& coarser, const scene::KernelSettings& finer) {
+MeshChange change_between(const KernelSettings& coarser, const KernelSettings& finer) {
   const bool elsewhere = without_balls(coarser.mesh) != without_balls(finer.mesh);
   bool near_contact = false;
   for (const auto& [body, mesh] : finer.mesh) {
@@ -71,8 +71,8 @@ MeshChange change_between(const scene::KernelSettings& coarser, const scene::Ker
   return {near_contact, elsewhere};
 }
 
-MeshChange last_change(const scene::Settings& settings) {
+MeshChange last_change(const Settings& settings) {
   return settings.coarser ? change_between(*settings.coarser, settings.found) : MeshChange{};
 }
 
-}  // namespace ricochet::programs
+}  // namespace ricochet::accuracy

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Applies the accuracy dial (contact/accuracy/dial.hpp) to a scene, with the settings that ricochet-kernel
-// has chosen for it (src/scene/settings.hpp).
+// has chosen for it (settings.hpp).
 #pragma once
 
 #include <filesystem>
@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "contact/accuracy/dial.hpp"
-#include "src/programs/stored_kernels.hpp"
-#include "src/scene/settings.hpp"
+#include "src/accuracy/settings.hpp"
+#include "src/store/stored_kernels.hpp"
 
-namespace ricochet::programs {
+namespace ricochet::accuracy {
 
 /// Options of the scene's steps. If the scene leaves the precision open, it is double.
 StepOptions step_options(const scene::Scene& scene);
@@ -20,37 +20,34 @@ StepOptions step_options(const scene::Scene& scene);
 /// A scene with the settings that its kernels need.
 struct ClosedScene {
   scene::Scene scene;
-  std::optional<scene::Settings>
-      settings{};  ///< no value if the scene has no accuracy, or no such file exists
+  std::optional<Settings> settings{};  ///< no value if the scene has no accuracy, or no such file exists
 };
 
 /// Closes a scene with the settings stored in `folder`. Throws InputError if there are none although the
 /// scene leaves its modes open.
-ClosedScene closed(scene::Scene scene, const std::filesystem::path& folder, KernelStore& store);
+ClosedScene closed(scene::Scene scene, const std::filesystem::path& folder, store::KernelStore& store);
 
 /// The path of the settings of a scene with an accuracy if there is no such file.
 std::optional<std::filesystem::path> missing_settings(const scene::Scene& scene,
                                                       const std::filesystem::path& folder,
-                                                      KernelStore& store);
+                                                      store::KernelStore& store);
 
 /// Kernels of the next coarser mesh.
 struct CoarserMesh {
   scene::Scene scene;                                           ///< with its settings
   std::vector<std::shared_ptr<const kernels::Kernel>> kernels;  ///< of the scene's bodies, in their order
-  Hertz band{0};
-  std::optional<contact::Errors> change;  ///< from there to an even coarser mesh
-  contact::Errors change_near_contact;    ///< as in scene::Settings
+  Settings settings;                                            ///< of the scene; `coarser` has a value
 };
 
 /// @param scene  as read, before it was closed
 /// @return no value if a kernel is missing
-std::optional<CoarserMesh> read_coarser(const scene::Scene& scene, const scene::Settings& settings,
+std::optional<CoarserMesh> read_coarser(const scene::Scene& scene, const Settings& settings,
                                         const std::filesystem::path& folder);
 
 /// The parts from which a model is built, and its variants for error estimates.
 struct Prepared {
   contact::Placement placement;
-  Driven forcing;
+  store::Driven forcing;
 };
 
 /// Chooses the settings of steps that a closed scene leaves open.
@@ -58,11 +55,11 @@ struct Prepared {
 /// @param rate  rate at which the search starts; 0: unknown
 /// @param poll  called after each step; may throw to end the run
 /// Throws InputError in the same cases as building the model and running it.
-contact::Dialled dial_of(const scene::Scene& scene, const Kernels& kernels, const Prepared& prepared,
+contact::Dialled dial_of(const scene::Scene& scene, const store::Kernels& kernels, const Prepared& prepared,
                          contact::Model model, const std::optional<CoarserMesh>& coarser, Hertz rate,
                          std::function<void()> poll);
 
-/// Returns the scene with the chosen settings, as results store it.
-scene::Scene resolved(scene::Scene scene, const contact::Settings& settings);
+/// Returns the scene with the settings of steps that were chosen, as results store it.
+scene::Scene resolved(scene::Scene scene, const contact::Dialled& dialled);
 
-}  // namespace ricochet::programs
+}  // namespace ricochet::accuracy

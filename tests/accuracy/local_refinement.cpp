@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Smaller elements near the points that were pressed, and when the accuracy loop asks for them.
-#include "src/programs/local_refinement.hpp"
+#include "src/accuracy/local_refinement.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "src/programs/mesh_levels.hpp"
-#include "src/programs/refinement.hpp"
+#include "src/accuracy/decision.hpp"
+#include "src/accuracy/mesh_levels.hpp"
 
 namespace local_refinement_test {
 
 using namespace ricochet;
+using accuracy::balls_near_contact;
+using accuracy::BodySize;
+using accuracy::decide;
+using accuracy::Decision;
 using contact::Cause;
-using programs::balls_near_contact;
-using programs::BodySize;
-using programs::decide;
-using programs::Decision;
 
 /// Distance of the candidates of `round_of` [m].
 constexpr double next = 1e-3;
@@ -36,9 +36,9 @@ scene::Scene scene_of_two() {
   return scene;
 }
 
-scene::Settings first_round(const scene::Scene& scene) {
-  scene::Settings settings;
-  settings.found.mesh = programs::meshes_at(scene, 0);
+accuracy::Settings first_round(const scene::Scene& scene) {
+  accuracy::Settings settings;
+  settings.found.mesh = accuracy::meshes_at(scene, 0);
   settings.found.basis = scene::Basis::modes;
   settings.found.up_to = Hertz{1e4};
   settings.found.flexibility_error = 0.1;
@@ -91,7 +91,7 @@ const std::vector<BodySize> small{{"upper", 10, 1e3, 5e2}, {"lower", 10, 1e3, 5e
 // The point 2 mm along y lies there in the lower body. The upper one was turned and moved: x = Rᵀ (y − 1, …).
 TEST(Balls, lie_at_the_pressed_points_in_the_axes_of_the_mesh) {
   const scene::Scene scene = scene_of_two();
-  const auto balls = balls_near_contact(scene, programs::meshes_at(scene, 0), round_of(3, {}));
+  const auto balls = balls_near_contact(scene, accuracy::meshes_at(scene, 0), round_of(3, {}));
   ASSERT_EQ(balls.size(), 2U);
   // Two in each body, and those of the other body, because one mesh serves both.
   ASSERT_EQ(balls.at("lower").size(), 4U);
@@ -110,7 +110,7 @@ TEST(Balls, lie_at_the_pressed_points_in_the_axes_of_the_mesh) {
 TEST(Balls, halve_the_distance_of_candidates_or_quarter_it_if_few_are_pressed) {
   const scene::Scene scene = scene_of_two();
   const auto ball = [&](int pressed) {
-    return balls_near_contact(scene, programs::meshes_at(scene, 0), round_of(pressed, {})).at("lower")[0];
+    return balls_near_contact(scene, accuracy::meshes_at(scene, 0), round_of(pressed, {})).at("lower")[0];
   };
   EXPECT_NEAR(ball(2).size, 2 * next / 4, 1e-9);
   EXPECT_NEAR(ball(2).radius, next, 1e-9);
@@ -124,7 +124,7 @@ TEST(Balls, are_as_few_as_reach_one_distance_beyond_every_pressed_point) {
   scene.bodies[1].mesh = "other.step";
   const int pressed = 9;
   const auto balls =
-      balls_near_contact(scene, programs::meshes_at(scene, 0), round_of(pressed, {})).at("lower");
+      balls_near_contact(scene, accuracy::meshes_at(scene, 0), round_of(pressed, {})).at("lower");
   EXPECT_EQ(balls.size(), 5U);
   for (int i = 0; i < pressed; ++i)
     EXPECT_TRUE(std::ranges::any_of(balls, [&](const scene::FineBall& ball) {
@@ -135,11 +135,11 @@ TEST(Balls, are_as_few_as_reach_one_distance_beyond_every_pressed_point) {
 TEST(Balls, are_not_for_bodies_or_candidates_that_a_scene_gives) {
   scene::Scene scene = scene_of_two();
   scene.bodies[1].refine_open = false;
-  const auto balls = balls_near_contact(scene, programs::meshes_at(scene, 0), round_of(3, {}));
+  const auto balls = balls_near_contact(scene, accuracy::meshes_at(scene, 0), round_of(3, {}));
   EXPECT_EQ(balls.size(), 1U);
   EXPECT_EQ(balls.count("upper"), 1U);
   scene.contact.pairs[0].spacing = 1e-3;
-  EXPECT_TRUE(balls_near_contact(scene, programs::meshes_at(scene, 0), round_of(3, {})).empty());
+  EXPECT_TRUE(balls_near_contact(scene, accuracy::meshes_at(scene, 0), round_of(3, {})).empty());
   EXPECT_TRUE(balls_near_contact(scene_of_two(), {}, round_of(0, {})).empty());
 }
 
@@ -147,7 +147,7 @@ TEST(Balls, are_not_for_bodies_or_candidates_that_a_scene_gives) {
 // s = 0.1), so order³/6 nodes an element give 3·10³ to 6·10³ unknowns for order 1. One ball counts three
 // times its radius³.
 TEST(Unknowns, of_balls_are_those_of_tetrahedra) {
-  const double unknowns = programs::unknowns_in({{.at = {}, .radius = std::cbrt(1.0 / 3), .size = 0.1}}, 1);
+  const double unknowns = accuracy::unknowns_in({{.at = {}, .radius = std::cbrt(1.0 / 3), .size = 0.1}}, 1);
   EXPECT_GT(unknowns, 3e3);
   EXPECT_LT(unknowns, 6e3);
 }
@@ -159,7 +159,7 @@ TEST(Decision, makes_elements_smaller_where_a_small_part_is_pressed) {
   ASSERT_TRUE(local.next);
   EXPECT_EQ(local.reason, "mesh, spacing");
   EXPECT_EQ(local.next->found.mesh.at("upper").refine.size(), 4U);
-  EXPECT_EQ(local.next->found.mesh.at("upper").order, programs::meshes_at(scene, 1).at("upper").order);
+  EXPECT_EQ(local.next->found.mesh.at("upper").order, accuracy::meshes_at(scene, 1).at("upper").order);
   EXPECT_DOUBLE_EQ(local.next->found.zone.value_or(0), 2e-5);  // twice as far as the bodies came nearer
   const Decision flat =
       decide(scene, first_round(scene), round_of(40, {{Cause::modes, 1e-4}, {Cause::spacing, 0.1}}), small);
@@ -169,10 +169,10 @@ TEST(Decision, makes_elements_smaller_where_a_small_part_is_pressed) {
 }
 
 /// Settings of a round whose elements near contact were the last to become smaller.
-scene::Settings after_local(const scene::Scene& scene) {
-  scene::Settings settings = first_round(scene);
+accuracy::Settings after_local(const scene::Scene& scene) {
+  accuracy::Settings settings = first_round(scene);
   settings.found.zone = 2e-5;
-  settings.found.mesh = programs::meshes_at(scene, 1);
+  settings.found.mesh = accuracy::meshes_at(scene, 1);
   settings.coarser = settings.found;
   for (auto& [body, mesh] : settings.found.mesh) mesh.refine = {{.at = {}, .radius = 1e-2, .size = 5e-3}};
   return settings;
@@ -182,14 +182,14 @@ scene::Settings after_local(const scene::Scene& scene) {
 TEST(Decision, alternates_between_elements_near_contact_and_all_others) {
   const scene::Scene scene = scene_of_two();
   const std::map<Cause, double> shares{{Cause::mesh, 0.1}, {Cause::spacing, 1e-3}};
-  const scene::Settings local = after_local(scene);
+  const accuracy::Settings local = after_local(scene);
   const Decision everywhere = decide(scene, local, round_of(3, shares), small);
   ASSERT_TRUE(everywhere.next);
   EXPECT_EQ(everywhere.reason, "mesh");
-  EXPECT_EQ(everywhere.next->found.mesh.at("upper").order, programs::meshes_at(scene, 2).at("upper").order);
+  EXPECT_EQ(everywhere.next->found.mesh.at("upper").order, accuracy::meshes_at(scene, 2).at("upper").order);
   EXPECT_EQ(everywhere.next->found.mesh.at("upper").refine, local.found.mesh.at("upper").refine);
-  scene::Settings global = local;
-  global.coarser->mesh = programs::meshes_at(scene, 0);
+  accuracy::Settings global = local;
+  global.coarser->mesh = accuracy::meshes_at(scene, 0);
   const Decision near = decide(scene, global, round_of(3, shares), small);
   ASSERT_TRUE(near.next);
   EXPECT_EQ(near.reason, "spacing");
@@ -212,7 +212,7 @@ TEST(Decision, keeps_the_change_near_contact_until_elements_there_become_smaller
   EXPECT_TRUE(near.next->change_near_contact.empty());
   EXPECT_TRUE(near.next->coarser_change.empty());
   // Two refinements of the same elements show a pace.
-  scene::Settings local = *near.next;
+  accuracy::Settings local = *near.next;
   for (auto& [body, mesh] : local.found.mesh) mesh.refine.pop_back();
   round.estimate->by_cause = {{Cause::mesh, contact::Errors{{Quantity::impulse, 1e-4}}},
                               {Cause::spacing, contact::Errors{{Quantity::impulse, 0.1}}}};
@@ -224,7 +224,7 @@ TEST(Decision, keeps_the_change_near_contact_until_elements_there_become_smaller
 TEST(Decision, does_not_ask_for_the_same_elements_again) {
   const scene::Scene scene = scene_of_two();
   const auto round = round_of(3, {{Cause::mesh, 1e-4}, {Cause::spacing, 0.1}});
-  scene::Settings settings = after_local(scene);
+  accuracy::Settings settings = after_local(scene);
   for (auto& [body, balls] : balls_near_contact(scene, settings.found.mesh, round))
     settings.found.mesh[body].refine = balls;
   EXPECT_EQ(decide(scene, settings, round, small).reason, "mesh");
@@ -243,7 +243,7 @@ TEST(Decision, does_not_ask_for_more_elements_near_contact_than_are_affordable) 
 // Of 40 candidates in the zone, elements of half the size make 160. Of 600, they make 2400.
 TEST(Decision, does_not_ask_for_more_candidates_than_are_affordable) {
   const scene::Scene scene = scene_of_two();
-  scene::Settings settings = after_local(scene);
+  accuracy::Settings settings = after_local(scene);
   auto round = round_of(3, {{Cause::mesh, 1e-4}, {Cause::spacing, 0.1}});
   round.quantities->nearer = 1;
   EXPECT_EQ(decide(scene, settings, round, small).reason, "spacing");

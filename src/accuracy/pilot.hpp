@@ -4,15 +4,15 @@
 
 #include <mpi.h>
 
+#include "src/accuracy/settings.hpp"
 #include "src/scene/scene.hpp"
-#include "src/scene/settings.hpp"
 
-namespace ricochet::programs {
+namespace ricochet::accuracy {
 
 /// Coarse meshes, a band up to two crossings of a wave, √(E/ρ), through the body that it crosses in the
 /// longest time, and the zone of `within_flight`. The static correction stands for what happens faster. If
 /// all bodies are rods, whose ends meet with a shock, the band is wider, because resonances then matter.
 /// Collective; throws InputError on every rank if a body has no extent.
-scene::Settings pilot_settings(const scene::Scene& scene, MPI_Comm comm);
+Settings pilot_settings(const scene::Scene& scene, MPI_Comm comm);
 
-}  // namespace ricochet::programs
+}  // namespace ricochet::accuracy

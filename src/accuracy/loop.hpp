@@ -12,7 +12,7 @@
 #include "src/console/console.hpp"
 #include "src/scene/scene.hpp"
 
-namespace ricochet::programs {
+namespace ricochet::accuracy {
 
 /// Computes the kernels of a closed scene that are not there yet, and returns the files that it wrote. With
 /// `check`, checks all bodies before it computes any. Collective.
@@ -29,4 +29,4 @@ scene::Scene close_by_accuracy(const scene::Scene& scene, const std::filesystem:
 /// The scene with the settings of the first round. Collective; throws InputError.
 scene::Scene closed_for_check(const scene::Scene& scene, MPI_Comm comm);
 
-}  // namespace ricochet::programs
+}  // namespace ricochet::accuracy

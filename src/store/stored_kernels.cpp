@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "src/programs/stored_kernels.hpp"
+#include "src/store/stored_kernels.hpp"
 
 #include <fmt/format.h>
 
@@ -7,9 +7,9 @@
 
 #include "kernels/read.hpp"
 #include "ricochet/error.hpp"
-#include "src/programs/body_warnings.hpp"
+#include "src/store/body_warnings.hpp"
 
-namespace ricochet::programs {
+namespace ricochet::store {
 
 namespace fs = std::filesystem;
 
@@ -57,7 +57,7 @@ contact::Placement PlacementStore::place(const scene::Scene& scene, const Kernel
                           contact::surface_of(body)});
   const auto same = std::ranges::find(known_, key, &std::pair<Key, contact::Placement>::first);
   if (same == known_.end()) {
-    known_.emplace_back(std::move(key), in_scene(scene, [&] { return programs::place(scene, kernels); }));
+    known_.emplace_back(std::move(key), in_scene(scene, [&] { return store::place(scene, kernels); }));
     if (known_.size() > most_placements) known_.pop_front();
     return known_.back().second;
   }
@@ -137,4 +137,4 @@ Kernels read_kernels(const scene::Scene& scene, const fs::path& folder, KernelSt
   return out;
 }
 
-}  // namespace ricochet::programs
+}  // namespace ricochet::store

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "src/programs/placing.hpp"
+#include "src/store/placing.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -8,7 +8,7 @@
 #include "contact/pairing/placement.hpp"
 #include "kernels/read.hpp"
 
-namespace ricochet::programs {
+namespace ricochet::store {
 namespace {
 
 namespace fs = std::filesystem;
@@ -190,4 +190,4 @@ std::vector<KernelFile> kernel_files(const fs::path& folder, const scene::Kernel
   return out;
 }
 
-}  // namespace ricochet::programs
+}  // namespace ricochet::store

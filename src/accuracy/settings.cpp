@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "src/scene/settings.hpp"
+#include "src/accuracy/settings.hpp"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 #include "base/atomic_file.hpp"
 #include "src/scene/write.hpp"
 
-namespace ricochet::scene {
+namespace ricochet::accuracy {
 namespace {
 
 /// Bytes of the names of bodies in a file name.
@@ -19,8 +19,8 @@ constexpr std::size_t longest_names = 100;
 
 }  // namespace
 
-Scene with_settings(Scene scene, const KernelSettings& settings) {
-  for (Body& body : scene.bodies) {
+scene::Scene with_settings(scene::Scene scene, const KernelSettings& settings) {
+  for (scene::Body& body : scene.bodies) {
     const auto mesh = settings.mesh.find(body.name);
     if (mesh != settings.mesh.end()) {
       body.order = mesh->second.order;
@@ -32,56 +32,55 @@ Scene with_settings(Scene scene, const KernelSettings& settings) {
   if (scene.modes.open()) {
     scene.modes.basis = settings.basis;
     scene.modes.up_to = settings.up_to;
-    if (settings.basis == Basis::contact && !scene.modes.flexibility_error)
+    if (settings.basis == scene::Basis::contact && !scene.modes.flexibility_error)
       scene.modes.flexibility_error = settings.flexibility_error;
   }
-  for (Pair& pair : scene.contact.pairs)
+  for (scene::Pair& pair : scene.contact.pairs)
     if (!pair.zone && !pair.reach) pair.zone = settings.zone;
   return scene;
 }
 
-std::filesystem::path settings_path(const std::filesystem::path& folder, const Scene& scene,
-                                    MeshHashes* known) {
-  std::string names,
-      data = fmt::format("{}\n{}\n", toml_number(*scene.accuracy), static_cast<int>(scene.contact.scheme));
+std::filesystem::path settings_path(const std::filesystem::path& folder, const scene::Scene& scene,
+                                    scene::MeshHashes* known) {
+  std::string names, data = fmt::format("{}\n{}\n", scene::toml_number(*scene.accuracy),
+                                        static_cast<int>(scene.contact.scheme));
   for (const Quantity quantity : scene.accuracy_of) data += std::string(name_of(quantity)) + '\n';
-  for (const Body& body : scene.bodies) {
-    const KernelRequest request = kernel_request(scene, body, known);
+  for (const scene::Body& body : scene.bodies) {
+    const scene::KernelRequest request = scene::kernel_request(scene, body, known);
     names += body.name + '-';
     data += fmt::format("{} {} {}\n", request.hash, body.order_open, body.size_open);
   }
-  for (const Pair& pair : scene.contact.pairs)
+  for (const scene::Pair& pair : scene.contact.pairs)
     data += fmt::format("{} {} {} {}{}\n", pair.a, pair.b, pair.reach.value_or(0), pair.zone.value_or(0),
                         pair.friction ? " friction" : "");
   return folder /
-         fmt::format("{}{}.settings.toml", names.substr(0, longest_names), sha256(data).substr(0, 12));
+         fmt::format("{}{}.settings.toml", names.substr(0, longest_names), scene::sha256(data).substr(0, 12));
 }
 
 namespace {
 
 std::string toml_of(const KernelSettings& settings, const std::string& table) {
-  std::string text =
-      fmt::format("\n[{}]\nbasis = \"{}\"\nup_to_hz = {}\n", table,
-                  settings.basis == Basis::contact ? "contact" : "modes", toml_number(settings.up_to.value));
-  if (settings.basis == Basis::contact)
-    text += fmt::format("flexibility_error = {}\n", toml_number(settings.flexibility_error));
-  if (settings.zone) text += fmt::format("zone = {}\n", toml_number(*settings.zone));
+  std::string text = fmt::format("\n[{}]\nbasis = \"{}\"\nup_to_hz = {}\n", table,
+                                 settings.basis == scene::Basis::contact ? "contact" : "modes",
+                                 scene::toml_number(settings.up_to.value));
+  text += fmt::format("flexibility_error = {}\n", scene::toml_number(settings.flexibility_error));
+  if (settings.zone) text += fmt::format("zone = {}\n", scene::toml_number(*settings.zone));
   for (const auto& [body, mesh] : settings.mesh)
     text += fmt::format("bodies.{} = {{ order = {}, size_factor = {}{} }}\n", body, mesh.order,
-                        toml_number(mesh.size_factor),
-                        mesh.refine.empty() ? "" : ", refine = " + toml_refine(mesh.refine));
+                        scene::toml_number(mesh.size_factor),
+                        mesh.refine.empty() ? "" : ", refine = " + scene::toml_refine(mesh.refine));
   return text;
 }
 
 /// @return no value if an entry is missing or has another type
-std::optional<std::vector<FineBall>> balls_of(const toml::table& mesh) {
-  std::vector<FineBall> out;
+std::optional<std::vector<scene::FineBall>> balls_of(const toml::table& mesh) {
+  std::vector<scene::FineBall> out;
   if (!mesh.contains("refine")) return out;
   const toml::array* const balls = mesh["refine"].as_array();
   if (balls == nullptr) return std::nullopt;
   for (const toml::node& node : *balls) {
     const toml::node_view<const toml::node> ball(node);
-    FineBall& one = out.emplace_back();
+    scene::FineBall& one = out.emplace_back();
     one.radius = ball["radius"].value_or(0.0);
     one.size = ball["size"].value_or(0.0);
     for (std::size_t k = 0; k < 3; ++k) {
@@ -102,12 +101,12 @@ std::optional<KernelSettings> kernel_settings_of(const toml::table& root, const 
   const auto up_to = (*table)["up_to_hz"].value<double>();
   if (!basis || !up_to || !(*up_to > 0)) return std::nullopt;
   KernelSettings out{.mesh = {},
-                     .basis = *basis == "contact" ? Basis::contact : Basis::modes,
+                     .basis = *basis == "contact" ? scene::Basis::contact : scene::Basis::modes,
                      .up_to = Hertz{*up_to},
                      .flexibility_error = (*table)["flexibility_error"].value_or(0.0),
                      .zone = (*table)["zone"].value<double>()};
   if (out.zone && !(*out.zone > 0)) return std::nullopt;
-  if (out.basis == Basis::contact && !(out.flexibility_error > 0)) return std::nullopt;
+  if (out.basis == scene::Basis::contact && !(out.flexibility_error > 0)) return std::nullopt;
   if (const toml::table* const bodies = (*table)["bodies"].as_table())
     for (auto&& [body, node] : *bodies) {
       const toml::table* const mesh = node.as_table();
@@ -123,7 +122,7 @@ std::optional<KernelSettings> kernel_settings_of(const toml::table& root, const 
 }  // namespace
 
 std::string to_toml(const Settings& settings) {
-  std::string text = fmt::format("rate_hz = {}\n", toml_number(settings.rate.value));
+  std::string text = fmt::format("rate_hz = {}\n", scene::toml_number(settings.rate.value));
   text += toml_of(settings.found, "found");
   if (settings.coarser)
     text += "\n# The next coarser mesh, from which the error of the mesh is estimated." +
@@ -131,7 +130,7 @@ std::string to_toml(const Settings& settings) {
   const auto add_changes = [&](const char* title, const std::map<Quantity, double>& changes) {
     if (!changes.empty()) text += title;
     for (const auto& [quantity, change] : changes)
-      text += fmt::format("{} = {}\n", name_of(quantity), toml_number(change));
+      text += fmt::format("{} = {}\n", name_of(quantity), scene::toml_number(change));
   };
   add_changes("\n# Relative change from there to an even coarser mesh.\n[coarser_change]\n",
               settings.coarser_change);
@@ -142,13 +141,15 @@ std::string to_toml(const Settings& settings) {
 
 namespace {
 
-std::map<Quantity, double> changes_of(const toml::table& root, const char* name) {
+/// @return no value if an entry has another name or type
+std::optional<std::map<Quantity, double>> changes_of(const toml::table& root, const char* name) {
   std::map<Quantity, double> out;
   if (const toml::table* const changes = root[name].as_table())
     for (auto&& [quantity, node] : *changes) {
       const auto known = std::ranges::find(quantity_names, quantity.str());
-      if (known != quantity_names.end())
-        out[static_cast<Quantity>(known - quantity_names.begin())] = node.value_or(0.0);
+      const auto change = node.value<double>();
+      if (known == quantity_names.end() || !change) return std::nullopt;
+      out[static_cast<Quantity>(known - quantity_names.begin())] = *change;
     }
   return out;
 }
@@ -163,15 +164,19 @@ std::optional<Settings> parse_settings(const std::string& text) {
     return std::nullopt;
   }
   auto found = kernel_settings_of(root, "found");
-  if (!found) return std::nullopt;
-  return Settings{.found = *found,
-                  .coarser = kernel_settings_of(root, "coarser"),
-                  .coarser_change = changes_of(root, "coarser_change"),
-                  .change_near_contact = changes_of(root, "change_near_contact"),
+  auto coarser = kernel_settings_of(root, "coarser");
+  auto coarser_change = changes_of(root, "coarser_change"),
+       change_near_contact = changes_of(root, "change_near_contact");
+  if (!found || !coarser_change || !change_near_contact || (root.contains("coarser") && !coarser))
+    return std::nullopt;
+  return Settings{.found = std::move(*found),
+                  .coarser = std::move(coarser),
+                  .coarser_change = std::move(*coarser_change),
+                  .change_near_contact = std::move(*change_near_contact),
                   .rate = Hertz{root["rate_hz"].value_or(0.0)}};
 }
 
-void write_settings(const Settings& settings, const Scene& scene, const std::filesystem::path& path) {
+void write_settings(const Settings& settings, const scene::Scene& scene, const std::filesystem::path& path) {
   base::AtomicFile temporary(path);
   std::ofstream file(temporary.path());
   file << fmt::format(
@@ -193,4 +198,4 @@ std::optional<Settings> read_settings(const std::filesystem::path& path) {
   return parse_settings(text.str());
 }
 
-}  // namespace ricochet::scene
+}  // namespace ricochet::accuracy

@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "contact/accuracy/dial.hpp"
-#include "src/scene/settings.hpp"
+#include "src/accuracy/settings.hpp"
 
-namespace ricochet::programs {
+namespace ricochet::accuracy {
 
 /// Twice the distance by which bodies can approach each other rigidly in the duration of the scene [m]. The
 /// factor allows for a body that turns after its first impact: the free end of a rod that falls on its other
@@ -24,7 +24,6 @@ std::optional<double> zone_of(const contact::Model& model, const contact::Quanti
 
 /// Expected number of candidates within a distance [m] of the closest pair, on meshes with the elements of
 /// these settings. Where the model has few points there, their area follows from those farther apart.
-double expected_candidates(const contact::Model& model, const scene::KernelSettings& settings,
-                           double distance);
+double expected_candidates(const contact::Model& model, const KernelSettings& settings, double distance);
 
-}  // namespace ricochet::programs
+}  // namespace ricochet::accuracy

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "src/programs/pilot.hpp"
+#include "src/accuracy/pilot.hpp"
 
 #include <fmt/format.h>
 
@@ -7,15 +7,15 @@
 #include <cmath>
 #include <limits>
 
+#include "src/accuracy/contact_zone.hpp"
+#include "src/accuracy/decision.hpp"
+#include "src/accuracy/mesh_levels.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/open.hpp"
 #include "src/parallel/parallel.hpp"
-#include "src/programs/contact_zone.hpp"
-#include "src/programs/mesh_levels.hpp"
-#include "src/programs/refinement.hpp"
 #include "src/scene/parts.hpp"
 
-namespace ricochet::programs {
+namespace ricochet::accuracy {
 namespace {
 
 /// Flexibility error of Ritz vectors.
@@ -68,8 +68,8 @@ Hertz coarse_band(const scene::Scene& scene, MPI_Comm comm) {
 
 }  // namespace
 
-scene::Settings pilot_settings(const scene::Scene& scene, MPI_Comm comm) {
-  scene::Settings out;
+Settings pilot_settings(const scene::Scene& scene, MPI_Comm comm) {
+  Settings out;
   out.found.mesh = meshes_at(scene, 0);
   out.found.flexibility_error = coarse_flexibility_error;
   out.found.zone = within_flight(scene);
@@ -84,4 +84,4 @@ scene::Settings pilot_settings(const scene::Scene& scene, MPI_Comm comm) {
   return out;
 }
 
-}  // namespace ricochet::programs
+}  // namespace ricochet::accuracy

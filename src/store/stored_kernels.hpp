@@ -15,11 +15,11 @@
 
 #include "contact/pairing/surface_projection.hpp"
 #include "ricochet/kernel.hpp"
-#include "src/programs/placing.hpp"
 #include "src/scene/request.hpp"
 #include "src/scene/scene.hpp"
+#include "src/store/placing.hpp"
 
-namespace ricochet::programs {
+namespace ricochet::store {
 
 /// Kernels of the scene's bodies, in their order.
 struct Kernels {
@@ -86,4 +86,4 @@ std::vector<StoredKernel> find_kernels(const scene::Scene& scene, const std::fil
 Kernels read_kernels(const scene::Scene& scene, const std::filesystem::path& folder, KernelStore& store,
                      bool view = false);
 
-}  // namespace ricochet::programs
+}  // namespace ricochet::store

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "src/programs/local_refinement.hpp"
+#include "src/accuracy/local_refinement.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-namespace ricochet::programs {
+namespace ricochet::accuracy {
 namespace {
 
 using contact::Model;
@@ -38,7 +38,7 @@ bool same_geometry(const scene::Body& a, const scene::Body& b) {
 }  // namespace
 
 std::map<std::string, std::vector<scene::FineBall>> balls_near_contact(
-    const scene::Scene& scene, const std::map<std::string, scene::MeshSettings>& mesh,
+    const scene::Scene& scene, const std::map<std::string, MeshSettings>& mesh,
     const contact::Dialled& round) {
   std::map<std::string, std::vector<scene::FineBall>> out;
   if (!round.quantities || round.quantities->pressed.empty()) return out;
@@ -91,4 +91,4 @@ double unknowns_in(const std::vector<scene::FineBall>& balls, int order) {
   return count;
 }
 
-}  // namespace ricochet::programs
+}  // namespace ricochet::accuracy

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // How far from the closest pair candidates may touch, and how many candidates lie there.
-#include "src/programs/contact_zone.hpp"
+#include "src/accuracy/contact_zone.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,9 +11,9 @@
 namespace contact_zone_test {
 
 using namespace ricochet;
-using programs::expected_candidates;
-using programs::within_flight;
-using programs::zone_of;
+using accuracy::expected_candidates;
+using accuracy::within_flight;
+using accuracy::zone_of;
 
 scene::Scene two_bodies_in_flight() {
   scene::Scene scene;
@@ -73,8 +73,8 @@ constexpr double radius = 0.01;
 double above_ball(double x, double y) { return (x * x + y * y) / (2 * radius); }
 double above_cylinder(double x, double) { return x * x / (2 * radius); }
 
-scene::KernelSettings elements(int order, double size) {
-  scene::KernelSettings settings;
+accuracy::KernelSettings elements(int order, double size) {
+  accuracy::KernelSettings settings;
   settings.mesh["part"].order = order;
   settings.mesh["part"].refine = {{.at = {}, .radius = 1e-3, .size = size}};
   return settings;

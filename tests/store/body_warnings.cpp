@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Bodies that are probably not those that are meant, on both sides of each bound.
-#include "src/programs/body_warnings.hpp"
+#include "src/store/body_warnings.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -27,16 +27,16 @@ struct Bracket {
     kernel.parts = 1;
     kernel.outline = {0, 0, 0, 0.06, 0.02, 0, 0.03, 0, 0.04};
   }
-  std::vector<std::string> warnings() const { return programs::warnings_of(body, kernel); }
+  std::vector<std::string> warnings() const { return store::warnings_of(body, kernel); }
 };
 
 TEST(Body, is_described_by_mass_size_and_wave_speed) {
   Bracket bracket;
   // √(210e9/7850) = 5172
-  EXPECT_EQ(programs::figures_of(bracket.body, bracket.kernel),
+  EXPECT_EQ(store::figures_of(bracket.body, bracket.kernel),
             "mass 0.23 kg, size 0.06 x 0.02 x 0.04 m, wave speed 5172 m/s");
   bracket.body.materials.push_back({.group = "pad", .density = 1000, .young = 1e6, .poisson = 0.4});
-  EXPECT_THAT(programs::figures_of(bracket.body, bracket.kernel), HasSubstr("wave speed 31.62 to 5172 m/s"));
+  EXPECT_THAT(store::figures_of(bracket.body, bracket.kernel), HasSubstr("wave speed 31.62 to 5172 m/s"));
   EXPECT_THAT(bracket.warnings(), IsEmpty());
 }
 

@@ -2,14 +2,14 @@
 // Placements that are kept between runs, compared with newly computed ones.
 #include <gtest/gtest.h>
 
-#include "src/programs/stored_kernels.hpp"
+#include "src/store/stored_kernels.hpp"
 #include "tests/contact/plate.hpp"
 
 namespace placement_store_test {
 
 using namespace ricochet;
 using contact::test::cap;
-using programs::KernelPointers;
+using store::KernelPointers;
 
 scene::Scene scene_of(double height) {
   scene::Scene out;
@@ -34,10 +34,10 @@ TEST(PlacementStore, serves_bodies_in_the_same_positions_and_no_others) {
   kernels::Kernel softer = b;
   for (double& omega : softer.modes.angular_frequency) omega /= 2;
   const KernelPointers first{&a, &b}, second{&a, &softer};
-  programs::PlacementStore store;
+  store::PlacementStore store;
   scene::Scene scene = scene_of(4.2);
   const auto expect_as_new = [&] {
-    const contact::Placement found = store.place(scene, second), expected = programs::place(scene, second);
+    const contact::Placement found = store.place(scene, second), expected = store::place(scene, second);
     for (std::size_t k = 0; k < 2; ++k) {
       EXPECT_EQ(found.bodies[k].kernel, second[k]);
       EXPECT_EQ(found.bodies[k].translation, expected.bodies[k].translation);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "src/programs/accuracy.hpp"
+#include "src/accuracy/scene_dial.hpp"
 
 #include <fmt/format.h>
 
@@ -10,16 +10,16 @@
 #include "kernels/band.hpp"
 #include "kernels/read.hpp"
 
-namespace ricochet::programs {
+namespace ricochet::accuracy {
 namespace {
 
-KernelPointers pointers(const std::vector<kernels::Kernel>& kernels) {
-  KernelPointers out;
+store::KernelPointers pointers(const std::vector<kernels::Kernel>& kernels) {
+  store::KernelPointers out;
   for (const kernels::Kernel& kernel : kernels) out.push_back(&kernel);
   return out;
 }
 
-std::vector<kernels::Kernel> without_skins(const Kernels& kernels) {
+std::vector<kernels::Kernel> without_skins(const store::Kernels& kernels) {
   std::vector<kernels::Kernel> out;
   for (const auto& kernel : kernels.kernel) {
     out.push_back(*kernel);
@@ -49,10 +49,10 @@ StepOptions step_options(const scene::Scene& scene) {
           .precision = scene.time.precision.value_or(Precision::float64)};
 }
 
-ClosedScene closed(scene::Scene scene, const std::filesystem::path& folder, KernelStore& store) {
+ClosedScene closed(scene::Scene scene, const std::filesystem::path& folder, store::KernelStore& store) {
   if (!scene.accuracy) return {std::move(scene)};
-  const std::filesystem::path path = scene::settings_path(folder, scene, &store.meshes);
-  auto settings = scene::read_settings(path);
+  const std::filesystem::path path = settings_path(folder, scene, &store.meshes);
+  auto settings = read_settings(path);
   if (!settings && scene.modes.open())
     throw InputError(fmt::format(
         "{}: no settings for accuracy = {:g} at {}. Run ricochet-kernel {} first, with the same --set and "
@@ -64,38 +64,33 @@ ClosedScene closed(scene::Scene scene, const std::filesystem::path& folder, Kern
 
 std::optional<std::filesystem::path> missing_settings(const scene::Scene& scene,
                                                       const std::filesystem::path& folder,
-                                                      KernelStore& store) {
+                                                      store::KernelStore& store) {
   if (!scene.accuracy) return std::nullopt;
-  std::filesystem::path path = scene::settings_path(folder, scene, &store.meshes);
-  if (scene::read_settings(path)) return std::nullopt;
+  std::filesystem::path path = settings_path(folder, scene, &store.meshes);
+  if (read_settings(path)) return std::nullopt;
   return path;
 }
 
-std::optional<CoarserMesh> read_coarser(const scene::Scene& scene, const scene::Settings& settings,
+std::optional<CoarserMesh> read_coarser(const scene::Scene& scene, const Settings& settings,
                                         const std::filesystem::path& folder) {
   if (!settings.coarser) return std::nullopt;
-  CoarserMesh out{.scene = with_settings(scene, *settings.coarser),
-                  .kernels = {},
-                  .band = settings.coarser->up_to,
-                  .change = {},
-                  .change_near_contact = {}};
-  if (!settings.coarser_change.empty()) out.change = settings.coarser_change;
-  out.change_near_contact = settings.change_near_contact;
-  KernelStore store;
-  for (const StoredKernel& stored : find_kernels(out.scene, folder, store)) {
+  CoarserMesh out{.scene = with_settings(scene, *settings.coarser), .kernels = {}, .settings = settings};
+  store::KernelStore store;
+  for (const store::StoredKernel& stored : store::find_kernels(out.scene, folder, store)) {
     if (!stored.enough) return std::nullopt;
     out.kernels.push_back(std::make_shared<const kernels::Kernel>(kernels::read(stored.path, false)));
   }
   return out;
 }
 
-contact::Dialled dial_of(const scene::Scene& scene, const Kernels& kernels, const Prepared& prepared,
+contact::Dialled dial_of(const scene::Scene& scene, const store::Kernels& kernels, const Prepared& prepared,
                          contact::Model model, const std::optional<CoarserMesh>& coarser, Hertz rate,
                          std::function<void()> poll) {
   contact::Subject subject{.rebuild =
                                [&](const std::vector<kernels::Kernel>& others) {
-                                 return model_of(scene, with_kernels(prepared.placement, pointers(others)),
-                                                 prepared.forcing);
+                                 return store::model_of(
+                                     scene, store::with_kernels(prepared.placement, pointers(others)),
+                                     prepared.forcing);
                                },
                            .kernels = without_skins(kernels),
                            .low_rank = scene.modes.low_rank,
@@ -111,14 +106,15 @@ contact::Dialled dial_of(const scene::Scene& scene, const Kernels& kernels, cons
         coarse.back() = kernels::truncated_above(std::move(coarse.back()), RadPerSecond(*scene.modes.up_to));
     }
     subject.coarser_mesh = [&] {
-      const KernelPointers others = pointers(coarse);
-      return model_of(scene, place(coarser->scene, others), prepared.forcing);
+      const store::KernelPointers others = pointers(coarse);
+      return store::model_of(scene, store::place(coarser->scene, others), prepared.forcing);
     };
-    subject.coarser_band = coarser->band;
-    subject.coarser_change = coarser->change;
-    subject.change_near_contact = coarser->change_near_contact;
+    const Settings& settings = coarser->settings;
+    subject.coarser_band = settings.coarser->up_to;
+    if (!settings.coarser_change.empty()) subject.coarser_change = settings.coarser_change;
+    subject.change_near_contact = settings.change_near_contact;
   }
-  return in_scene(scene, [&] {
+  return store::in_scene(scene, [&] {
     return contact::dial(subject, std::move(model),
                          {.accuracy = *scene.accuracy,
                           .options = step_options(scene),
@@ -129,13 +125,13 @@ contact::Dialled dial_of(const scene::Scene& scene, const Kernels& kernels, cons
   });
 }
 
-scene::Scene resolved(scene::Scene scene, const contact::Settings& settings) {
-  if (settings.rate) {
-    (scene.contact.has_contact_rate() ? scene.time.contact_rate.emplace() : scene.time.rate) = *settings.rate;
+scene::Scene resolved(scene::Scene scene, const contact::Dialled& dialled) {
+  if (dialled.rate) {
+    (scene.contact.has_contact_rate() ? scene.time.contact_rate.emplace() : scene.time.rate) = *dialled.rate;
     scene.time.rate_by_accuracy = false;
   }
-  if (settings.precision) scene.time.precision = settings.precision;
+  if (dialled.precision) scene.time.precision = dialled.precision;
   return scene;
 }
 
-}  // namespace ricochet::programs
+}  // namespace ricochet::accuracy

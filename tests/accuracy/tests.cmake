@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: BSD-2-Clause
+add_serial_tests(accuracy accuracy LIBRARIES ricochet_accuracy FILES contact_zone decision local_refinement settings)
