@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace ricochet::contact {
@@ -21,8 +22,12 @@ constexpr double of_step = 0.2, of_spacing = 0.1, of_estimate = 0.3, of_precisio
 
 /// The search for the step starts with at least `first_steps` steps of the run. Once the longest contact has
 /// `enough_to_see` of them, its duration is known, and the search goes on with `first_of_contact` in it. The
-/// step is halved until its share of the error is small enough or a run takes `most_steps`.
-constexpr double first_steps = 100, enough_to_see = 8, first_of_contact = 48, most_steps = 2e6;
+/// step is halved until its share of the error is small enough, a run takes `most_steps`, or `idle_halvings`
+/// in succession have not reduced the share to `at_least` of its smallest value: where a front meets
+/// truncated modes, short steps resolve their ripple, and the share no longer falls.
+constexpr double first_steps = 100, enough_to_see = 8, first_of_contact = 48, most_steps = 2e6,
+                 at_least = 0.7;
+constexpr int idle_halvings = 2;
 
 /// Steps of a quarter of the shortest period, at which the impulse schemes are stable.
 double stable_steps(const Model& model, double duration) {
@@ -54,12 +59,22 @@ Hertz chosen_rate(Estimator& estimator, const DialRequest& request, double durat
     steps = std::max(std::round(known / 4), std::ceil(duration / sample));
   }
   steps = std::max(steps, steps_of_contact(estimator, request.options, duration, first));
-  StepOptions options = request.options;
-  for (;; steps *= 2) {
+  StepOptions options = request.options, best = options;
+  double least = std::numeric_limits<double>::infinity();
+  for (int idle = 0;; steps *= 2) {
     options = with_step(options, duration / std::min(steps, most_steps));
     if (steps >= most_steps) break;
     const auto errors = estimator.step(options);
-    if (errors && largest(*errors, requested) <= of_step * request.accuracy) break;
+    const double share = errors ? largest(*errors, requested) : std::numeric_limits<double>::infinity();
+    if (share <= of_step * request.accuracy) break;
+    if (share < at_least * least) {
+      least = share;
+      best = options;
+      idle = 0;
+    } else if (++idle == idle_halvings && std::isfinite(least)) {
+      options = best;
+      break;
+    }
   }
   return Hertz{1 / options.step};
 }
@@ -96,7 +111,10 @@ Dialled dial(const Subject& subject, Model model, DialRequest request) {
   }
   const auto all = estimator->quantities(options);
   if (request.choose_precision) out.precision = Precision::float64;
-  if (!all || !all->touched()) return with_model();
+  if (!all || !all->touched()) {
+    out.quantities = all;
+    return with_model();
+  }
 
   std::optional<Errors> by_coarsening;
   while (request.choose_points) {

@@ -21,7 +21,7 @@ struct Dialled {
   std::optional<Precision> precision{};     ///< if it was open
   std::optional<ErrorEstimate> estimate{};  ///< no value if nothing touches
   std::optional<Errors> mesh_change{};      ///< change from the next coarser mesh; no value if unknown
-  std::optional<Quantities> quantities{};   ///< with the settings; no value if nothing touches
+  std::optional<Quantities> quantities{};   ///< with the settings; no value if a step fails
 };
 
 /// Runs the subject several times. @param model  built from the subject's kernels

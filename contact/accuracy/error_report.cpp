@@ -4,6 +4,23 @@
 #include <fmt/format.h>
 
 namespace ricochet::contact {
+namespace {
+
+/// How a share that is unknown can be measured, in brackets.
+std::string way_to_measure(Cause cause) {
+  switch (cause) {
+    case Cause::mesh:
+      return " (run ricochet-kernel with this accuracy; mesh files have one order only)";
+    case Cause::spacing:
+      return " (a pair has one point: refine the mesh where bodies touch, or lower contact.spacing)";
+    case Cause::basis:
+      return " (Ritz vectors of rods ring: use modes.basis = \"modes\")";
+    default:
+      return "";
+  }
+}
+
+}  // namespace
 
 std::string formatted(const ErrorEstimate& estimate) {
   std::string text = fmt::format("{:.2g}", estimate.total());
@@ -21,19 +38,15 @@ std::vector<std::string> warnings(const ErrorEstimate& estimate, double accuracy
   std::vector<std::string> out;
   std::string unknown;
   for (const auto& [cause, errors] : estimate.by_cause)
-    if (!errors) unknown += (unknown.empty() ? "" : ", ") + std::string(name_of(cause));
+    if (!errors)
+      unknown += (unknown.empty() ? "" : ", ") + std::string(name_of(cause)) + way_to_measure(cause);
   if (const auto largest = largest_cause(estimate); largest && estimate.total() > accuracy)
     out.push_back(fmt::format(
         "the error of the {} is estimated at {:.2g}, above accuracy = {:g}; its largest share ({:.2g}) is "
         "that of the {}: use {}",
         name_of(estimate.worst()), estimate.total(), accuracy, *estimate.share(*largest), name_of(*largest),
         advice_on(*largest)));
-  if (!unknown.empty())
-    out.push_back(fmt::format("the error estimate leaves out: {}{}", unknown,
-                              estimate.share(Cause::mesh)
-                                  ? ""
-                                  : " (for that of the mesh, run ricochet-kernel with this accuracy; "
-                                    "mesh files have one order only)"));
+  if (!unknown.empty()) out.push_back(fmt::format("the error estimate leaves out: {}", unknown));
   return out;
 }
 

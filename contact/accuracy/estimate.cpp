@@ -20,14 +20,43 @@ constexpr double visible = 1e-3;
 /// Ratio of the unit round-off of double precision to that of single precision, and the latter.
 constexpr double double_over_single = 0x1p-29, single_round_off = 0x1p-24;
 
+/// The change before, if it is known and finite.
+std::optional<double> previous(const std::optional<Errors>& before, Quantity quantity) {
+  if (!before || !before->contains(quantity) || !std::isfinite(before->at(quantity))) return std::nullopt;
+  return before->at(quantity);
+}
+
 /// e(d, d') of the header for each quantity.
-Errors remaining(Errors change, const std::optional<Errors>& before) {
+Errors remaining_of_proven_order(Errors change, const std::optional<Errors>& before) {
   for (auto& [quantity, d] : change) {
-    const double previous = before && before->contains(quantity) ? before->at(quantity) : 0;
-    const double last = std::max(d, previous / 4), pace = previous > 0 ? std::min(last / previous, 0.5) : 0.5;
+    const double earlier = previous(before, quantity).value_or(0);
+    const double last = std::max(d, earlier / 4), pace = earlier > 0 ? std::min(last / earlier, 0.5) : 0.5;
     d = last * pace / (1 - pace);
   }
   return change;
+}
+
+/// Smallest and largest ρ of e_q.
+constexpr double first_order = 0.5, slowest = 0.6;
+
+/// 2^−q of e_q for modes and points, and for meshes.
+constexpr double of_series = 0.5, of_mesh = 0.25;
+
+/// e_q(d, d') of the header for each quantity. @param floor  2^−q
+Errors remaining(Errors change, const std::optional<Errors>& before, double floor) {
+  for (auto& [quantity, d] : change) {
+    const auto earlier = previous(before, quantity);
+    if (!earlier) continue;  // ρ = ½
+    const double pace = d > 0 ? std::clamp(d / *earlier, first_order, slowest) : first_order;
+    d = std::max(d, floor * *earlier) * pace / (1 - pace);
+  }
+  return change;
+}
+
+bool is_rod(const kernels::Kernel& kernel) { return kernel.surface.corners() == 1; }
+
+bool are_rods(const Model& model) {
+  return std::ranges::all_of(model.bodies, [](const Model::BodyBlock& body) { return is_rod(*body.kernel); });
 }
 
 Errors scaled(Errors errors, double factor) {
@@ -147,9 +176,9 @@ std::optional<Errors> Estimator::step(const StepOptions& options) {
   const auto last = change(whole, quantities(with_step(options, options.step / 2)));
   if (!last) return std::nullopt;
   // Steps of the impulse scheme may be unstable at 2Δ.
-  const bool first_order = options.scheme == Scheme::impulse;
-  Errors out = remaining(
-      *last, first_order ? std::nullopt : change(whole, quantities(with_step(options, 2 * options.step))));
+  const bool unstable = options.scheme == Scheme::impulse;
+  Errors out = remaining_of_proven_order(
+      *last, unstable ? std::nullopt : change(whole, quantities(with_step(options, 2 * options.step))));
   for (auto& [quantity, error] : out) error += last->at(quantity);
   return out;
 }
@@ -185,13 +214,14 @@ std::optional<Errors> Estimator::modes(const StepOptions& options, const Quantit
   if (!last) return std::nullopt;
   if (const auto nearly = change(base, up_to(0.75, options)))
     for (auto& [quantity, d] : *last) d = std::max(d, nearly->at(quantity));
-  return remaining(*last, change(half, up_to(0.25, options)));
+  return remaining(*last, change(half, up_to(0.25, options)), of_series);
 }
 
 std::optional<Errors> Estimator::basis(const StepOptions& options, const Quantities& base) {
   double left = 0, made = 0;
   for (const kernels::Kernel& kernel : subject_.kernels) {
     if (!kernel.modes.contact_adapted()) continue;
+    if (is_rod(kernel) && !subject_.at_rest) return std::nullopt;
     left = std::max(left, kernel.modes.certificate.flexibility_error);
     made = std::max(made, kernels::truncation_error(kernel, end_of(kernel, 0.5), end_of(kernel, 1)));
   }
@@ -204,17 +234,25 @@ std::optional<Errors> Estimator::basis(const StepOptions& options, const Quantit
 std::optional<Errors> Estimator::spacing(const StepOptions& options) {
   const auto base = quantities(options);
   if (!base) return std::nullopt;
+  const bool rods =
+      std::ranges::all_of(model_.bodies, [](const Model::BodyBlock& body) { return is_rod(*body.kernel); });
+  if (rods) return none(*base);  // their ends are points
+  const bool single = std::ranges::any_of(model_.pairs, [&](const Model::PairBlock& pair) {
+    return pair.points == 1 &&
+           (base->pressed.empty() || base->pressed[static_cast<std::size_t>(pair.first_point)]);
+  });
   Estimator* const wide = coarser().get();
-  if (!wide) return none(*base);
+  if (single || !wide) return std::nullopt;
   const auto once = wide->quantities(options);
   const auto last = change(base, once);
   if (!last) return std::nullopt;
   Estimator* const wider = wide->coarser().get();
-  return remaining(*last, wider ? change(once, wider->quantities(options)) : std::nullopt);
+  return remaining(*last, wider ? change(once, wider->quantities(options)) : std::nullopt, of_series);
 }
 
 std::optional<Errors> Estimator::mesh(const StepOptions& options, const Quantities& base) {
   if (!subject_.coarser_mesh) return std::nullopt;
+  std::optional<Errors> between;  // the changes by the modes that the coarser mesh lacks
   try {
     // Its candidates are farther apart already, so they are not coarsened like those of the subject.
     const auto coarse = run(subject_.coarser_mesh(), options);
@@ -222,12 +260,14 @@ std::optional<Errors> Estimator::mesh(const StepOptions& options, const Quantiti
     for (const kernels::Kernel& kernel : subject_.kernels)
       share = std::max(share, RadPerSecond(subject_.coarser_band).value / end_of(kernel, 1).value);
     mesh_change_ = share < 1 ? change(up_to(share, options), coarse) : change(base, coarse);
+    if (share < 1) between = change(base, up_to(share, options));
   } catch (const InputError&) {  // the candidates of that mesh may not face each other
   }
   if (!mesh_change_) return std::nullopt;
-  Errors out = remaining(*mesh_change_, subject_.coarser_change);
-  for (const auto& [quantity, error] : remaining(subject_.change_near_contact, std::nullopt))
-    out[quantity] += error;
+  // The ends of rods meet with a front, which excites modes that elements resolve with the first order only.
+  Errors out = remaining(*mesh_change_, subject_.coarser_change, are_rods(model_) ? of_series : of_mesh);
+  for (const auto& [quantity, error] : subject_.change_near_contact) out[quantity] += error;
+  for (const auto& [quantity, error] : between.value_or(Errors{})) out[quantity] += error;
   return out;
 }
 

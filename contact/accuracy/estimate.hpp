@@ -6,20 +6,29 @@
 //
 //   step         d + e(d, |r(Δ) − r(2Δ)|) with d = |r(Δ) − r(Δ/2)|; 2 d for the impulse scheme, which is of
 //                first order and may be unstable at 2Δ
-//   modes        e(d₂, d₄) with d₂ = |r − r of the modes up to half of the band|, and d₄ the change if the
+//   modes        e₁(d₂, d₄) with d₂ = |r − r of the modes up to half of the band|, and d₄ the change if the
 //                band is halved once more
 //   basis        d₂ ε/ε₂ for Ritz vectors that were made with a flexibility error ε; ε₂ is the error of those
-//                up to half of the band (kernels/band.hpp)
-//   spacing      e(d₂, d₄) with points twice and four times as far apart
-//   mesh         e(d₁, d₂) with the next coarser mesh, and the one before it. If both have the same elements
-//                near contact, e(d) of these besides
+//                up to half of the band (kernels/band.hpp). Unknown on rods: their vectors ring at
+//                frequencies of their own, which no run with fewer vectors reveals
+//   spacing      e₁(d₂, d₄) with points twice and four times as far apart. Unknown if a pair of surfaces has
+//                one point, which cannot be coarsened
+//   mesh         e₂(d₁, d₂) with the next coarser mesh, and the one before it. If both have the same elements
+//                near contact, e₂(d) of these besides. If the coarser one has a narrower band, the whole
+//                change by the modes between the two besides
 //   eigensolver  |r − r with frequencies changed by A times their errors| / A,  A · largest error = 1e-3
 //   precision    |r − r in single precision|; in double precision 2⁻²⁹ of it, the ratio of the round-offs
 //   zone         1 if a point whose initial gap is near the reach was pressed, as points beyond may touch too
 //
-// e(d, d') = d ρ/(1 − ρ) is the sum of all further changes if each is ρ = d/d' times the one before it.
-// Either change may be small by chance. Therefore ρ is at most ½, the ratio of errors of first order (and the
-// value used if d' is unknown), and d counts at least as d'/4, the ratio of errors of second order.
+// d ρ/(1 − ρ) is the sum of all further changes if each is ρ = d/d' times the one before it. Either change
+// may be small by chance.
+//
+//   e(d, d')     of an order that is proven, 1 or 2: ρ is at most ½, the ratio of errors of first order (and
+//                the value used if d' is unknown), and d counts at least as d'/4, the ratio of second order
+//   e_q(d, d')   of an order that nothing proves: ρ is at least ½, and at most 0.6; d counts at least as
+//                d'/2^q. The series of modes and of points converge with the first order where a front meets
+//                them, and so do the elements of rods; their changes fluctuate (q = 1). Elements of other
+//                bodies converge at least with the second order, but not always faster (q = 2)
 #pragma once
 
 #include <functional>

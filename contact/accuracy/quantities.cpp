@@ -111,6 +111,12 @@ class Follower {
     }
     touch_ = 0;
     if (touched_) return;
+    Eigen::Index nearest = 0;
+    const double distance = (model_.gap - stepper.displacement().head(stepper.points())).minCoeff(&nearest);
+    if (distance < missed_by_) {
+      missed_by_ = distance;
+      spacing_there_ = std::sqrt(model_.area[nearest]);
+    }
     start_ = end_ = motions(model_, moving_, stepper.modal()->v);
     before_ = stepper.modal()->energy();
   }
@@ -134,6 +140,10 @@ class Follower {
     out.force = force_;
     out.pressed = pressed_;
     out.nearer = linearity_.nearer();
+    if (!touched_) {
+      out.missed_by = missed_by_;
+      out.spacing_there = spacing_there_;
+    }
     return out;
   }
 
@@ -201,7 +211,7 @@ class Follower {
   std::int64_t without_force_ = 0;  ///< steps since the last force
   std::optional<Receivers> receivers_;
   std::vector<std::vector<double>> heard_;  ///< velocity of each axis of each receiver [m/s]
-  double longest_ = 0;
+  double longest_ = 0, missed_by_ = std::numeric_limits<double>::infinity(), spacing_there_ = 0;
   std::int64_t last_ = 0, touch_ = 0;
   bool touched_ = false;
 };

@@ -105,12 +105,24 @@ contact::Dialled dial_of(const scene::Scene& scene, const store::Kernels& kernel
       if (scene.modes.up_to && kernel->modes.contact_adapted())
         coarse.back() = kernels::truncated_above(std::move(coarse.back()), RadPerSecond(*scene.modes.up_to));
     }
-    subject.coarser_mesh = [&] {
-      const store::KernelPointers others = pointers(coarse);
-      return store::model_of(scene, store::place(coarser->scene, others), prepared.forcing);
+    // A geometry may fix the number of its elements, whatever their size: then this mesh is no coarser one.
+    const auto made = [&](std::size_t k) {
+      const auto& body = scene.bodies[k].name;
+      const auto was = coarser->settings.coarser->mesh.find(body),
+                 is = coarser->settings.found.mesh.find(body);
+      const bool asked = was != coarser->settings.coarser->mesh.end() &&
+                         is != coarser->settings.found.mesh.end() && was->second != is->second;
+      return !asked || kernels.kernel[k]->dofs != coarse[k].dofs;
     };
+    bool all_made = true;
+    for (std::size_t k = 0; k < coarse.size(); ++k) all_made = all_made && made(k);
+    if (all_made)
+      subject.coarser_mesh = [&] {
+        const store::KernelPointers others = pointers(coarse);
+        return store::model_of(scene, store::place(coarser->scene, others), prepared.forcing);
+      };
     const Settings& settings = coarser->settings;
-    subject.coarser_band = settings.coarser->up_to;
+    if (scene.modes.up_to) subject.coarser_band = settings.coarser->up_to;
     if (!settings.coarser_change.empty()) subject.coarser_change = settings.coarser_change;
     subject.change_near_contact = settings.change_near_contact;
   }

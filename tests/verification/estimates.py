@@ -27,7 +27,7 @@ class Estimates(ProgramTest):
         )
         print(done.stdout)
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertEqual(sum("rod" in line or "bar" in line for line in done.stdout.splitlines()), 15)
+        self.assertEqual(sum("rod" in line or "bar" in line for line in done.stdout.splitlines()), 23)
 
 
 if __name__ == "__main__":

@@ -153,6 +153,12 @@ def cases(folder):
         "contact.scheme=impulse",
         "contact.admittance=difference",
     ], 1e-2, bounce
+    # Elements without an error. The shortest period of N modes is 20/N seconds.
+    fine = rod_scene(folder, "rod-on-wall-fine", "wall", order=5, elements=160)
+    for steps in (8, 64):
+        for modes in (20, 40, 80, 160):
+            sets = [f"modes.count={modes + 1}", f"time.rate_hz={modes * steps / 20}"]
+            yield f"rod on wall, {modes} modes, {steps} steps per period", fine, sets, 1e-2, bounce
     scene, after = bar(folder)
     for touches in (1, 2):
         duration, truth = after(touches)
