@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -21,6 +22,8 @@ namespace {
 // within the time that the run resolves.
 constexpr double share_of_front = 0.1;
 constexpr int steps_of_front = 3;
+// A half sine of ten windows loses 0.4 % to their mean.
+constexpr double share_of_overshoot = 0.05, longest_window = 1e6;
 // Three candidates across the zone of contact: a quarter of a zone, cut by two planes of symmetry, then
 // contains four, and a zone along a line three.
 constexpr int fewest_on_surface = 4, fewest_on_line = 3;
@@ -43,9 +46,13 @@ void ResolutionCheck::observe(const Stepper& stepper, const Vector& before) {
     for (const double omega : model_.omega)
       if (sampled(omega, step_)) highest = std::max(highest, omega);
     if (highest > 0) shortest_period_ = 2 * std::numbers::pi / highest;
+    mean_.emplace(static_cast<std::size_t>(std::clamp(std::round(resolved() / step_), 1.0, longest_window)),
+                  step_);
   }
   const Vector& force = stepper.force();
-  peak_.observe(stepper.time(), force.head(stepper.points()).sum());
+  const double sum = force.head(stepper.points()).sum();
+  peak_.observe(stepper.time(), sum);
+  mean_->observe(stepper.time(), sum);
   const bool touched = std::exchange(touching_, stepper.active() > 0);
   if (!touching_) return;
   for (std::size_t p = 0; p < model_.pairs.size(); ++p) {
@@ -82,7 +89,9 @@ double ResolutionCheck::approach(const Vector& force, const Vector& rates) const
 
 std::vector<std::string> ResolutionCheck::warnings(const Summary& figures) const {
   std::vector<std::string> out;
-  for (std::string warning : {front(figures), few_candidates(), low_band(figures), faster_approach()})
+  std::string peak = front(figures);
+  if (peak.empty()) peak = overshoot(figures);
+  for (std::string warning : {std::move(peak), few_candidates(), low_band(figures), faster_approach()})
     if (!warning.empty()) out.push_back(std::move(warning));
   return out;
 }
@@ -90,22 +99,46 @@ std::vector<std::string> ResolutionCheck::warnings(const Summary& figures) const
 /// The peak of a wave front converges to that of Gibbs' overshoot, or to that of the first step, and not to
 /// that of the front.
 std::string ResolutionCheck::front(const Summary& figures) const {
-  const double resolved = std::max(steps_of_front * step_, shortest_period_);
   for (std::size_t k = 0; k < figures.episodes.size(); ++k) {
     const double start = figures.episodes[k].start_s;
     double end = figures.episodes[k].end_s.value_or(std::max(start, peak_.time()));
     if (peak_.time() < start || peak_.time() > end + 0.5 * step_) continue;
     // A truncated front may open the contact after a step or two, for a period of the highest mode.
     if (end - start < (steps_of_front + 0.5) * step_)
-      while (++k < figures.episodes.size() && figures.episodes[k].start_s - end <= 2 * resolved)
+      while (++k < figures.episodes.size() && figures.episodes[k].start_s - end <= 2 * resolved())
         end = figures.episodes[k].end_s.value_or(std::numeric_limits<double>::infinity());
-    if (peak_.rise() > resolved || peak_.rise() > share_of_front * (end - start)) return "";
+    if (peak_.rise() > resolved() || peak_.rise() > share_of_front * (end - start)) return "";
     return fmt::format(
         "the peak force {:.4g} N stands at a wave front: it rose from half of it within {:.2g} s, which "
         "steps "
         "({:.2g} s) and modes (shortest period {:.2g} s) do not resolve. It contains the overshoot of a "
         "truncated front (Gibbs), which neither more modes nor more steps remove: use the impulse",
         peak_.peak(), peak_.rise(), step_, shortest_period_);
+  }
+  return "";
+}
+
+/// The shortest time in which the run resolves a change of the force [s].
+double ResolutionCheck::resolved() const { return std::max(steps_of_front * step_, shortest_period_); }
+
+/// A front that is released, or whose ripple exceeds its rise later, has a peak that rises slowly.
+std::string ResolutionCheck::overshoot(const Summary& figures) const {
+  if (!mean_ || !(peak_.peak() > (1 + share_of_overshoot) * mean_->peak())) return "";
+  // The touch around the peak. Ripple may open it for a period of the highest mode.
+  double start = 0, end = 0;
+  for (const Episode& episode : figures.episodes) {
+    if (end == 0 || episode.start_s - end > 2 * resolved()) start = episode.start_s;
+    end = episode.end_s.value_or(std::max(episode.start_s, peak_.time()));
+    if (start > peak_.time()) break;
+    if (end + 2 * resolved() < peak_.time()) continue;
+    if (mean_->window() > share_of_front * (end - start)) continue;
+    return fmt::format(
+        "the peak force {:.4g} N exceeds the largest mean over {:.2g} s, the shortest time that modes and "
+        "steps "
+        "resolve, {:.4g} N, by {:.0f} %: it is ripple of a front that rises or is released. Use this mean, "
+        "or "
+        "the impulse",
+        peak_.peak(), mean_->window(), mean_->peak(), 100 * (peak_.peak() / mean_->peak() - 1));
   }
   return "";
 }
@@ -117,7 +150,9 @@ std::string ResolutionCheck::few_candidates() const {
     const int corners = surface.corners();
     const int fewest = corners == 1 ? 0 : corners == 2 ? fewest_on_line : fewest_on_surface;
     const int active = most_active_[p];
-    if (active == 0 || active >= fewest || active == pair.points) continue;
+    // A small surface may touch with all of its candidates, but not if others were dropped beyond a reach.
+    const bool dropped = pair.reach || surface.whole;
+    if (active == 0 || active >= fewest || (active == pair.points && !dropped)) continue;
     return fmt::format(
         "at most {} of {} candidates of {} touch at the same time (below {}): the zone of contact is smaller "
         "than their distance, so peak force and duration depend on it. Refine the mesh where bodies touch, "

@@ -2,10 +2,12 @@
 // Checks whether modes, candidates and steps resolve the contact of a run.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "contact/model/model.hpp"
+#include "contact/output/peak_mean.hpp"
 #include "contact/output/peak_rise.hpp"
 #include "contact/output/summary.hpp"
 #include "contact/stepping/stepper.hpp"
@@ -25,7 +27,9 @@ class ResolutionCheck {
 
  private:
   double approach(const Vector& force, const Vector& rates) const;
+  double resolved() const;
   std::string front(const Summary& figures) const;
+  std::string overshoot(const Summary& figures) const;
   std::string few_candidates() const;
   std::string low_band(const Summary& figures) const;
   std::string faster_approach() const;
@@ -35,6 +39,7 @@ class ResolutionCheck {
   double step_ = 0;                               ///< Δ [s]
   double shortest_period_ = 0;                    ///< of the modes that steps sample [s]; 0: no elastic mode
   PeakRise peak_;
+  std::optional<PeakMean> mean_;  ///< over the shortest time that the run resolves; set by the first step
   std::vector<int> most_active_;  ///< by pair
   bool touching_ = false;
   int episodes_ = 0, fastest_episode_ = 0;

@@ -64,6 +64,8 @@ Json json_of(const Summary& summary) {
            {"restitution", number(summary.restitution)},
            {"energy_drift", number(summary.energy_drift)},
            {"energy_lost_contact", number(summary.energy_lost_contact)},
+           {"energy_above_band", number(summary.energy_above_band)},
+           {"rebound_above_band", number(summary.rebound_above_band)},
            {"energy_lost_friction", number(summary.energy_lost_friction)},
            {"friction_impulse_ns", number(summary.friction_impulse_ns)},
            {"max_slip_m", number(summary.max_slip_m)},

@@ -57,6 +57,9 @@ struct Summary {
   /// dead loads at t = 0. No value with table
   /// kernels, or if bodies at rest lost energy that loads supplied later.
   std::optional<double> energy_lost_contact;
+  /// Energy that modes above the band would take (band_share.hpp), relative as energy_lost_contact, and the
+  /// amount by which the restitution would fall. No values if unknown, as with table kernels or impulses.
+  std::optional<double> energy_above_band, rebound_above_band;
   // With friction; no values without it.
   std::optional<double> energy_lost_friction;  ///< heat of friction, relative as energy_lost_contact
   std::optional<double> friction_impulse_ns;  ///< |Σ τ_i Δ| of each pair as a vector, summed over the pairs

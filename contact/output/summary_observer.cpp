@@ -31,6 +31,7 @@ SummaryObserver::SummaryObserver(const Model& model, double step, double wave_sp
       linearity_(std::in_place, model, wave_speed),
       resolution_(std::in_place, model),
       obstacles_(std::in_place, model),
+      band_(std::in_place, model, step),
       closest_(gap_.size() > 0 ? gap_.minCoeff() : 0) {
   add_model(model);
 }
@@ -118,6 +119,9 @@ void SummaryObserver::observe(const Stepper& stepper) {
     for (Eigen::Index f = 0; f < slipped_.size(); ++f) slipped_(f) += stepper.slip().speed(f) * step_;
     if (slipped_.size() > 0) out_.ambiguous_steps = stepper.ambiguous_steps();
     if (modal) linearity_->observe(stepper, before_, !touched);
+    // Impulses have a flat spectrum, which steps bound and not modes.
+    if (modal && stepper.options().scheme == Scheme::compliant)
+      band_->observe(stepper.time(), stepper.force());
   } else if (touched) {
     at_end_ = mean_velocities(stepper.time() - step_);
     judge(out_.episodes.back(), true);
@@ -230,7 +234,20 @@ Summary SummaryObserver::summary() const {
   }
   if (const auto approach = closing_speed(at_start_, impulse_); approach && *approach > 0)
     out.restitution = -*closing_speed(at_end_, impulse_) / *approach;
+  if (band_) add_band(out);
   return out;
+}
+
+/// What modes above the band would take. With the restitution e, the bodies part with e² of the energy J v/(2
+/// (1 + e)) with which they approach each other, for an impulse J and an approach v.
+void SummaryObserver::add_band(Summary& out) const {
+  const auto energy = band_->energy();
+  if (!energy || !(energy_at_start_ > 0)) return;
+  out.energy_above_band = *energy / energy_at_start_;
+  const auto approach = closing_speed(at_start_, impulse_);
+  if (!out.restitution || !(*out.restitution > 0)) return;
+  const double e = *out.restitution, approaching = out.impulse_ns * *approach / (2 * (1 + e));
+  out.rebound_above_band = e - std::sqrt(std::max(0.0, e * e - *energy / approaching));
 }
 
 }  // namespace ricochet::contact

@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "contact/output/band_share.hpp"
 #include "contact/output/linearity_check.hpp"
 #include "contact/output/obstacle_check.hpp"
 #include "contact/output/resolution_check.hpp"
@@ -41,6 +42,7 @@ class SummaryObserver {
   std::optional<double> closing_speed(const Eigen::Matrix3Xd& velocity,
                                       const Eigen::Matrix3Xd& impulse) const;
   void judge(Episode& episode, bool ended) const;
+  void add_band(Summary& out) const;
 
   const Model* model_ = nullptr;  ///< null with a table
   std::vector<FreeBody> bodies_;  ///< of a table
@@ -59,6 +61,7 @@ class SummaryObserver {
   std::optional<LinearityCheck> linearity_;
   std::optional<ResolutionCheck> resolution_;
   std::optional<ObstacleCheck> obstacles_;
+  std::optional<BandShare> band_;
   std::int64_t observed_ = 0;  ///< number of steps
   double closest_;             ///< smallest distance of a pair of points at the end of a step [m]
   double initial_ledger_ = 0, worst_ledger_ = 0, largest_energy_ = 0;

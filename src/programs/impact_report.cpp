@@ -63,6 +63,11 @@ std::string report(const contact::Summary& s) {
     if (s.episodes.size() > 1 && s.episodes.size() <= most_episodes) line("each episode", episodes_of(s));
     if (s.energy_lost_contact)
       line("energy to contact", fmt::format("{:.3g} %", 100 * *s.energy_lost_contact));
+    if (s.energy_above_band)
+      line("above the band", fmt::format("{:.2g} % of the energy{}", 100 * *s.energy_above_band,
+                                         s.rebound_above_band ? fmt::format(", {:.2g} of the restitution",
+                                                                            *s.rebound_above_band)
+                                                              : ""));
     if (s.energy_lost_friction)
       line("energy to friction", fmt::format("{:.3g} %", 100 * *s.energy_lost_friction));
     if (s.friction_impulse_ns) line("friction impulse", fmt::format("{:.6g} N s", *s.friction_impulse_ns));
