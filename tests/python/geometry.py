@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Geometry of pictures and pages, without a run: surfaces of a drawing, viewpoints, skins of bodies, tubes and planes."""
+"""Pictures and pages, without a run: surfaces of a drawing, viewpoints, skins of bodies, tubes and planes, filtered forces."""
 
 import base64
 import itertools
@@ -15,6 +15,7 @@ from ricochet.modal_table import ModalTable
 from ricochet.pages import motion
 from ricochet.pages.modes import table_of
 from ricochet.pictures import modes, planes
+from ricochet.pictures.history import low_passed
 from ricochet.pictures.viewpoint import View, clearest, clearness, spread, views
 
 X, Y, Z = np.eye(3)
@@ -377,6 +378,45 @@ class Rotations(unittest.TestCase):
             self.assertAlmostEqual(np.linalg.det(turn), 1, delta=1e-14)
             # It turns by the angle between them: 1 + 2 cos is the trace.
             self.assertAlmostEqual(np.trace(turn), 1 + 2 * start @ end, delta=1e-13)
+
+
+class LowPass(unittest.TestCase):
+    """Forces of a touch of 40 ms in steps of 0.1 ms, filtered from 1 kHz on."""
+
+    TIME = 0.3 + 1e-4 * np.arange(1, 401)
+
+    def filtered(self, hertz, time=TIME):
+        force = 5 + 3 * np.sin(2 * np.pi * hertz * time)
+        return low_passed(force[:, None], time, 1e-4, 1000)[:, 0]
+
+    def test_removes_vibration_from_its_frequency_on(self):
+        inner = slice(20, -20)  # the window is 20 steps long
+        # A Hann window leaves 2.7 % at most beyond its first zero, which discrete steps move slightly.
+        for hertz in (1000, 1180, 1240, 1800, 3100):
+            np.testing.assert_allclose(self.filtered(hertz)[inner], 5, atol=0.03 * 3)
+        # Of a window that falls to 0 after 11 steps on either side: sinc(fT) / (1 - (fT)^2), T = 22 steps.
+        share = 200 * 22e-4
+        self.assertAlmostEqual(
+            np.ptp(self.filtered(200)[inner]) / 6, np.sinc(share) / (1 - share**2), delta=0.005
+        )
+
+    def test_keeps_the_mean_and_delays_nothing(self):
+        force = np.zeros((400, 2))
+        force[150, 0] = force[250, 1] = 1.0
+        out = low_passed(force, self.TIME, 1e-4, 1000)
+        np.testing.assert_allclose(out.sum(axis=0), 1, atol=1e-12)
+        self.assertEqual(list(out.argmax(axis=0)), [150, 250])
+
+    def test_lets_nothing_touch_between_the_rows(self):
+        """A pause of 100 steps between two touches stays one: forces at its edges fall to a half."""
+        time = np.concatenate([self.TIME[:100], self.TIME[:100] + 0.02])
+        out = low_passed(np.ones((200, 1)), time, 1e-4, 1000)[:, 0]
+        self.assertAlmostEqual(out[99], 0.5, delta=0.06)
+        self.assertAlmostEqual(out[50], 1, delta=1e-12)
+
+    def test_of_a_frequency_above_the_steps_changes_nothing(self):
+        force = np.random.default_rng(1).random((400, 3))
+        np.testing.assert_array_equal(low_passed(force, self.TIME, 1e-4, 2e4), force)
 
 
 if __name__ == "__main__":

@@ -151,6 +151,11 @@ def add_result(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_low_pass(parser: Group) -> None:
+    text = "draw the forces without vibration from this frequency on"
+    parser.add_argument("--low-pass", type=positive, metavar="HZ", help=text)
+
+
 # ---- Output ----
 
 

@@ -12,11 +12,12 @@ from pathlib import Path
 
 from ricochet import programs
 from ricochet.cli import plot
-from ricochet.cli.options import add_run, words_for_programs
+from ricochet.cli.options import add_low_pass, add_run, words_for_programs
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_run(parser, "kernels, results and pictures")
+    add_low_pass(parser)
 
 
 def newer(target: Path, *sources: Path) -> bool:
@@ -55,10 +56,10 @@ def run(options: argparse.Namespace) -> None:
         programs.contact(options.scene, words)
     if table["contact"]["scheme"] != "static":  # bodies at rest have no history to draw
         last = out / f"{slug}-energy.png"
-        if newer(last, result, Path(pictures.__file__)):
+        if options.low_pass is None and newer(last, result, Path(pictures.__file__)):
             print(f"{last}: up to date")
         else:
-            plot.draw(result)
+            plot.draw(result, low_pass=options.low_pass)
     page = out / f"{slug}.report.html"
     if newer(page, result, Path(pages.__file__)):
         print(f"{page}: up to date")

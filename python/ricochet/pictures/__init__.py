@@ -70,12 +70,13 @@ def draw(
     folder: Path | None = None,
     kernels: Path | None = None,
     note: Callable[[str], None] = lambda _: None,
+    low_pass: float | None = None,
 ) -> Iterator[Path]:
-    """Writes the pictures of the result file `path` as <slug>-<name>.png and yields their paths. Raises
-    InputError."""
+    """Writes the pictures of the result file `path` as <slug>-<name>.png and yields their paths. Forces are
+    drawn without vibration from the frequency `low_pass` [Hz] on. Raises InputError."""
     folder = folder or path.parent
     with expected(path), matplotlib.rc_context(STYLE):
-        result = History(path)
+        result = History(path, low_pass)
         for name, figure in figures(result, kernels or path.parent, note):
             picture = folder / f"{result.slug}-{name}.png"
             save(figure, picture)

@@ -54,9 +54,14 @@ def force_panel(result: History, ax: Axes, i: int) -> None:
         label = f"sum over {len(result.initial_gap)} points"
         ax.step(when * ms, total * scale, ":", color=GREY, linewidth=1.5, label=label)
     ax.set(xlabel=f"time ({time_unit})", xlim=(start * ms, end * ms))
-    ax.set(ylabel=f"contact force ({unit})", title="Contact force")
+    ax.set(ylabel=f"contact force ({unit})", title=f"Contact force{below(result)}")
     if not result.episodes:
         ax.text(0.5, 0.5, "nothing touched", transform=ax.transAxes, ha="center", color=GREY)
+
+
+def below(result: History) -> str:
+    """The filter of the forces in words; empty without a filter."""
+    return f", low-pass {result.low_pass:g} Hz" if result.low_pass else ""
 
 
 def state_strip(result: History, ax: Axes, i: int, ms: float) -> None:

@@ -99,6 +99,8 @@ def snapshots_picture(result: History, skins: dict[str, Skin], time: Array) -> F
     legend_below(figure, handles, names)
     scale = "true to scale" if amplify == 1 else f"deformation drawn {amplify:,.0f} times as large"
     count = "one moment" if len(chosen) == 1 else f"{len(chosen)} moments"
+    if result.low_pass:
+        scale += f"; forces: low-pass {result.low_pass:g} Hz"
     figure.suptitle(f"{result.title}: {count} of the contact\n{scale}", fontsize=11)
     return figure
 
