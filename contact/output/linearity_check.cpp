@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace ricochet::contact {
 
@@ -19,6 +20,8 @@ namespace {
 constexpr double fastest_share = 0.02;  // of the wave speed: strains of a few per cent
 constexpr double farthest_share = 0.5;  // of the spacing: beyond it, a neighbour is the nearer candidate
 constexpr double largest_rotation_deg = 5.0;  // linear rotations lengthen a body by 1 − cos, 0.4 % here
+
+double in_degrees(double angle) { return angle * 180 / std::numbers::pi; }
 
 /// Smallest distance between two corners of a surface element; infinite for rods.
 /// @param surface  kernels::Surface or kernels::WholeSurface
@@ -57,9 +60,9 @@ Matrix3d pseudo_inverse(const Matrix3d& inertia) {
 }
 
 std::optional<std::string> rotation_warning(const std::string& body, double angle) {
-  if (!(angle * 180 / std::numbers::pi > largest_rotation_deg)) return {};
+  if (!(in_degrees(angle) > largest_rotation_deg)) return {};
   return fmt::format("{} turned by {:.3g} degrees while touching (above {:g}): rotations are linearised",
-                     body, angle * 180 / std::numbers::pi, largest_rotation_deg);
+                     body, in_degrees(angle), largest_rotation_deg);
 }
 
 std::optional<std::string> reach_warning(const Model& model, const Model::PairBlock& pair, double nearer) {
@@ -77,6 +80,45 @@ LinearityCheck::LinearityCheck(const Model& model, double wave_speed)
     const kernels::Surface& surface = model.bodies[pair.a].kernel->surface;
     spacing_.push_back(surface.whole ? spacing_of(*surface.whole) : spacing_of(surface));
   }
+  // θ = I⁻¹ (L − c × p): elastic modes have neither momentum p nor angular momentum L.
+  for (std::size_t k = 0; k < model.bodies.size(); ++k) {
+    const Model::BodyBlock& body = model.bodies[k];
+    Turn& turn = turns_.emplace_back();
+    for (int n = 0; n < body.modes; ++n) {
+      if (model.omega(body.first_mode + n) != 0) continue;
+      const Vector3d linear = body.momentum.col(n), angular = body.angular_momentum.col(n),
+                     rotation = inverse_inertia_[k] * (angular - body.centre.cross(linear));
+      if (rotation.isZero(0)) continue;
+      turn.mode.push_back(body.first_mode + n);
+      turn.per_mode.conservativeResize(3, std::ssize(turn.mode));
+      turn.per_mode.rightCols<1>() = rotation;
+    }
+  }
+}
+
+void LinearityCheck::observe_rotation(const Vector& q, double time) {
+  last_ = time;
+  for (Turn& turn : turns_) {
+    Vector3d rotation = Vector3d::Zero();
+    for (std::size_t k = 0; k < turn.mode.size(); ++k)
+      rotation += turn.per_mode.col(static_cast<Eigen::Index>(k)) * q(turn.mode[k]);
+    turn.angle = std::max(turn.angle, rotation.norm());
+    if (!turn.since && in_degrees(turn.angle) > largest_rotation_deg) turn.since = time;
+  }
+}
+
+/// Of the body that turned farthest, unless it is named for its rotation while touching.
+std::string LinearityCheck::turned_in_flight() const {
+  if (turns_.empty()) return "";
+  const auto worst = std::ranges::max_element(turns_, {}, &Turn::angle);
+  const std::string& name = model_.bodies[static_cast<std::size_t>(worst - turns_.begin())].name;
+  // What is written up to this time is right.
+  if (!worst->since || *worst->since >= last_) return "";
+  if (rotation_warning(tilted_, tilt_) && name == tilted_) return "";
+  return fmt::format(
+      "{} turned by {:.3g} degrees in flight, beyond {:g} after {:.4g} s: rotations are linearised, so its "
+      "later motion and contact are wrong. End the run there (time.duration)",
+      name, in_degrees(worst->angle), largest_rotation_deg, *worst->since);
 }
 
 void LinearityCheck::observe(const Stepper& stepper, const Vector& before, bool first) {
@@ -135,6 +177,7 @@ std::vector<std::string> LinearityCheck::warnings() const {
                     "are fixed in the initial configuration",
                     slip_, slip_share_, farthest_share));
   if (auto warning = rotation_warning(tilted_, tilt_)) out.push_back(*warning);
+  if (std::string warning = turned_in_flight(); !warning.empty()) out.push_back(std::move(warning));
   for (std::size_t p = 0; p < model_.pairs.size(); ++p)
     if (auto warning = reach_warning(model_, model_.pairs[p], nearer_[p])) out.push_back(*warning);
   return out;

@@ -42,11 +42,23 @@ class LinearityCheck {
   /// @param first  whether an episode begins with this step
   void observe(const Stepper& stepper, const Vector& before, bool first);
 
+  /// Call it after each step, with and without a force. It reads the rigid modes alone.
+  /// @param q  (N) modal displacement, @param time  [s]
+  void observe_rotation(const Vector& q, double time);
+
   /// Farthest rigid approach of points [m], over all pairs.
   double nearer() const;
   std::vector<std::string> warnings() const;
 
  private:
+  struct Turn {                   ///< rotation of a body in its rigid modes
+    std::vector<int> mode;        ///< the rigid modes that turn it
+    Eigen::Matrix3Xd per_mode;    ///< (3, of these) [kg^-1/2 m^-1]
+    double angle = 0;             ///< largest [rad]
+    std::optional<double> since;  ///< time after which it exceeded what linear rotations allow [s]
+  };
+  std::string turned_in_flight() const;
+
   const Model& model_;
   double wave_speed_;
   std::vector<Eigen::Matrix3d> inverse_inertia_;  ///< by body, pseudo-inverse
@@ -56,6 +68,8 @@ class LinearityCheck {
   double slip_ = 0, slip_share_ = 0;  ///< worst tangential motion [m] and its share of the spacing
   double tilt_ = 0;                   ///< largest rotation of a free body while touching [rad]
   std::string tilted_;                ///< name of that body
+  std::vector<Turn> turns_;           ///< by body
+  double last_ = 0;                   ///< time of the last rotation observed [s]
 };
 
 }  // namespace ricochet::contact

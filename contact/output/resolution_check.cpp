@@ -97,7 +97,7 @@ std::vector<std::string> ResolutionCheck::warnings(const Summary& figures) const
 }
 
 /// The peak of a wave front converges to that of Gibbs' overshoot, or to that of the first step, and not to
-/// that of the front.
+/// that of the front. One run cannot tell such a front from a pulse that a higher band would resolve.
 std::string ResolutionCheck::front(const Summary& figures) const {
   for (std::size_t k = 0; k < figures.episodes.size(); ++k) {
     const double start = figures.episodes[k].start_s;
@@ -109,10 +109,10 @@ std::string ResolutionCheck::front(const Summary& figures) const {
         end = figures.episodes[k].end_s.value_or(std::numeric_limits<double>::infinity());
     if (peak_.rise() > resolved() || peak_.rise() > share_of_front * (end - start)) return "";
     return fmt::format(
-        "the peak force {:.4g} N stands at a wave front: it rose from half of it within {:.2g} s, which "
-        "steps "
-        "({:.2g} s) and modes (shortest period {:.2g} s) do not resolve. It contains the overshoot of a "
-        "truncated front (Gibbs), which neither more modes nor more steps remove: use the impulse",
+        "the peak force {:.4g} N is not resolved: it rose from half of it within {:.2g} s (time step {:.2g} "
+        "s, shortest period of the modes {:.2g} s). Compare two bands (modes.up_to_hz): if it rises as fast "
+        "as each band allows, it stands at a wave front and contains its overshoot (Gibbs), so use the "
+        "impulse",
         peak_.peak(), peak_.rise(), step_, shortest_period_);
   }
   return "";

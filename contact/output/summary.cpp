@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "base/atomic_file.hpp"
 #include "contact/output/linearity_check.hpp"
@@ -122,7 +123,8 @@ void write_json(const EquilibriumSummary& summary, const std::filesystem::path& 
   write(json_of(summary), path);
 }
 
-EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium) {
+EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium,
+                             std::vector<MaterialLimits> limits) {
   EquilibriumSummary out;
   out.imbalance = equilibrium.imbalance;
   out.iterations = equilibrium.iterations;
@@ -137,6 +139,9 @@ EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium)
     if (auto warning = rotation_warning(body.name, angle); warning && equilibrium.active > 0)
       out.warnings.push_back(*warning);
   }
+  PressureCheck pressure(model, std::move(limits));
+  pressure.observe(equilibrium.force, equilibrium.time);
+  for (std::string& warning : pressure.warnings()) out.warnings.push_back(std::move(warning));
   ObstacleCheck obstacles(model);
   obstacles.observe(equilibrium.q, equilibrium.time);
   for (std::string& warning : obstacles.warnings()) out.warnings.push_back(std::move(warning));

@@ -14,6 +14,7 @@
 
 #include "contact/model/model.hpp"
 #include "contact/output/error_estimate.hpp"
+#include "contact/output/pressure_check.hpp"
 #include "contact/static/equilibrium.hpp"
 
 namespace ricochet::contact {
@@ -107,7 +108,9 @@ struct EquilibriumSummary {
   double wall_s = 0;  ///< set by the caller
 };
 
-EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium);
+/// @param limits  by body, for warnings on pressure; empty: unknown
+EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium,
+                             std::vector<MaterialLimits> limits = {});
 
 /// The text of summary.json.
 std::string json_text(const Summary& summary);

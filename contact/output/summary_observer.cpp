@@ -19,7 +19,8 @@ constexpr std::int64_t steps_between_obstacle_checks = 8;
 
 }  // namespace
 
-SummaryObserver::SummaryObserver(const Model& model, double step, double wave_speed)
+SummaryObserver::SummaryObserver(const Model& model, double step, double wave_speed,
+                                 std::vector<MaterialLimits> limits)
     : model_(&model),
       gap_(model.gap),
       step_(step),
@@ -32,6 +33,8 @@ SummaryObserver::SummaryObserver(const Model& model, double step, double wave_sp
       resolution_(std::in_place, model),
       obstacles_(std::in_place, model),
       band_(std::in_place, model, step),
+      pressure_(std::in_place, model, std::move(limits)),
+      ripple_(std::in_place, model, step),
       closest_(gap_.size() > 0 ? gap_.minCoeff() : 0) {
   add_model(model);
 }
@@ -96,6 +99,8 @@ void SummaryObserver::count_forces(const Stepper& stepper) {
 void SummaryObserver::observe(const Stepper& stepper) {
   if (observed_++ == 0 && model_) begin(stepper.options());
   const ModalState* modal = stepper.modal();
+  // Impulses are larger the shorter the step, so they are no measure of pressure, and their spectrum is flat.
+  const bool compliant = stepper.options().scheme == Scheme::compliant;
   if (gap_.size() > 0) {
     const double deepest = (stepper.displacement().head(gap_.size()) - gap_).maxCoeff();
     out_.max_penetration_m = std::max(out_.max_penetration_m, deepest);
@@ -120,14 +125,18 @@ void SummaryObserver::observe(const Stepper& stepper) {
     if (slipped_.size() > 0) out_.ambiguous_steps = stepper.ambiguous_steps();
     if (modal) linearity_->observe(stepper, before_, !touched);
     // Impulses have a flat spectrum, which steps bound and not modes.
-    if (modal && stepper.options().scheme == Scheme::compliant)
+    if (modal && compliant) {
       band_->observe(stepper.time(), stepper.force());
+      pressure_->observe(stepper.force(), stepper.time());
+    }
   } else if (touched) {
     at_end_ = mean_velocities(stepper.time() - step_);
     judge(out_.episodes.back(), true);
   }
   if (modal) {
+    linearity_->observe_rotation(modal->q, stepper.time());
     resolution_->observe(stepper, before_);
+    if (compliant) ripple_->observe(stepper.time(), stepper.force().head(stepper.points()).sum());
     if (observed_ % steps_between_obstacle_checks == 1) obstacles_->observe(modal->q, stepper.time());
     out_.modes_in_residual = modal->modes_in_residual();
     out_.precision = stepper.options().precision;
@@ -218,7 +227,9 @@ Summary SummaryObserver::summary() const {
     else if (energy_lost_ == 0)
       out.energy_lost_contact = 0;
     out.warnings = linearity_->warnings();
+    for (std::string& warning : pressure_->warnings()) out.warnings.push_back(std::move(warning));
     for (std::string& warning : resolution_->warnings(out_)) out.warnings.push_back(std::move(warning));
+    for (std::string& warning : ripple_->warnings()) out.warnings.push_back(std::move(warning));
     for (std::string& warning : obstacles_->warnings()) out.warnings.push_back(std::move(warning));
   }
   if (!out.contact_start_s)

@@ -7,7 +7,9 @@
 #include "contact/output/band_share.hpp"
 #include "contact/output/linearity_check.hpp"
 #include "contact/output/obstacle_check.hpp"
+#include "contact/output/pressure_check.hpp"
 #include "contact/output/resolution_check.hpp"
+#include "contact/output/ripple_check.hpp"
 #include "contact/output/summary.hpp"
 #include "contact/stepping/stepper.hpp"
 #include "contact/table/table.hpp"
@@ -19,8 +21,10 @@ class SummaryObserver {
  public:
   /// @param wave_speed  smallest √(E/ρ) of the bodies [m/s], for the warning on fast impacts; 0 if unknown,
   ///                    without this warning
+  /// @param limits  by body, for warnings on pressure; empty: unknown
   /// `model` must outlive the observer.
-  SummaryObserver(const Model& model, double step, double wave_speed);
+  SummaryObserver(const Model& model, double step, double wave_speed,
+                  std::vector<MaterialLimits> limits = {});
 
   /// Observes a run by table kernels. Energies are not known, and there are no warnings. Restitution requires
   /// one free body, or two that press only on each other.
@@ -62,6 +66,8 @@ class SummaryObserver {
   std::optional<ResolutionCheck> resolution_;
   std::optional<ObstacleCheck> obstacles_;
   std::optional<BandShare> band_;
+  std::optional<PressureCheck> pressure_;
+  std::optional<RippleCheck> ripple_;
   std::int64_t observed_ = 0;  ///< number of steps
   double closest_;             ///< smallest distance of a pair of points at the end of a step [m]
   double initial_ledger_ = 0, worst_ledger_ = 0, largest_energy_ = 0;

@@ -86,6 +86,22 @@ ErrorReport choose(Impact& impact, const accuracy::Prepared& prepared, const sce
   return out;
 }
 
+/// Of the weakest material of each body.
+std::vector<contact::MaterialLimits> limits_of(const scene::Scene& scene) {
+  std::vector<contact::MaterialLimits> out;
+  const auto least = [](double& known, double value) {
+    if (value > 0 && (known == 0 || value < known)) known = value;
+  };
+  for (const scene::Body& body : scene.bodies) {
+    contact::MaterialLimits& of_body = out.emplace_back();
+    for (const scene::Material& material : body.materials) {
+      least(of_body.young, material.young);
+      least(of_body.yield, material.yield);
+    }
+  }
+  return out;
+}
+
 contact::EquilibriumSummary rest(const Impact& impact, console::Console& console, ImpactObserver& observer) {
   using Solver = contact::EquilibriumOptions::Solver;
   const Solver solver = impact.scene.contact.solver == scene::Solver::uzawa ? Solver::uzawa : Solver::exact;
@@ -99,7 +115,7 @@ contact::EquilibriumSummary rest(const Impact& impact, console::Console& console
         [&](const contact::Equilibrium& at_knot) { observer.at_rest(impact, at_knot); });
   });
   console.end(fmt::format("{} iterations", equilibrium.iterations));
-  return contact::summarise(*impact.model, equilibrium);
+  return contact::summarise(*impact.model, equilibrium, limits_of(impact.scene));
 }
 
 /// √(E/ρ) of the slowest material [m/s]; 0 without bodies.
@@ -139,7 +155,8 @@ contact::Summary steps(const Impact& impact, console::Console& console, ImpactOb
   contact::SummaryObserver figures =
       impact.table
           ? contact::SummaryObserver(*impact.table, impact.model ? &*impact.model : nullptr, impact.options)
-          : contact::SummaryObserver(*impact.model, step, slowest_wave(impact.scene));
+          : contact::SummaryObserver(*impact.model, step, slowest_wave(impact.scene),
+                                     limits_of(impact.scene));
   const contact::StepsMade made = contact::run_steps(*stepper, impact.steps, [&](std::int64_t k) {
     figures.observe(*stepper);
     observer.stepped(*stepper);

@@ -18,6 +18,7 @@ Material read_material(Table& table, const std::string& group) {
   material.young = table.required_number("young");
   material.poisson = table.number("poisson").value_or(material.poisson);
   material.area = table.number("area").value_or(material.area);
+  material.yield = table.number("yield").value_or(material.yield);
   table.refuse_unread();
   return material;
 }

@@ -196,7 +196,11 @@ const Section material_keys{
             .remark = ". Nearly incompressible: try 0.49."},
       "Poisson's ratio; rods do not use it. Above 0.45 use `order` 2 or more: linear elements lock, and a "
       "warning is printed"},
-     {"area", Type::number, "m²", none, above("0"), "cross-section of a rod; other bodies do not use it"}}};
+     {"area", Type::number, "m²", none, above("0"), "cross-section of a rod; other bodies do not use it"},
+     {"yield", Type::number, "Pa", none, above("0"),
+      "stress at which the material yields. A run warns if the pressure of a contact exceeds it; nothing "
+      "else "
+      "depends on it"}}};
 
 const Section damping_keys{
     "[bodies.NAME.damping]",

@@ -35,11 +35,14 @@ std::string singular(std::string word) {
 }
 
 /// Words of the field, of formulas and of other programs, each with the key that has its meaning here.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 50> synonyms{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 53> synonyms{
     {{"e", "young"},
      {"elasticity", "young"},
      {"elasticmodulus", "young"},
      {"modulus", "young"},
+     {"strength", "yield"},
+     {"yieldstrength", "yield"},
+     {"yieldstress", "yield"},
      {"rho", "density"},
      {"nu", "poisson"},
      {"zeta", "ratio"},

@@ -104,6 +104,7 @@ KernelRequest kernel_request(const Scene& scene, const Body& body, MeshHashes* k
   request.body.translate = request.body.rotate_deg = request.body.velocity =
       request.body.angular_velocity = {};
   request.body.arrival = 0;
+  for (Material& material : request.body.materials) material.yield = 0;
   request.body.copy_of.clear();
   if (!body.copy_of.empty()) request.body.name = body.copy_of;  // one file serves all strikes
   request.modes = scene.modes;

@@ -24,6 +24,7 @@ struct Material {
   double young = 0;    ///< [Pa]
   double poisson = 0;  ///< [1], between −1 and 0.5
   double area = 0;     ///< cross-section of a rod [m²]; 0: not a rod
+  double yield = 0;    ///< stress at which it yields [Pa]; 0: unknown. Kernels do not depend on it
   bool operator==(const Material&) const = default;
 };
 

@@ -58,6 +58,7 @@ std::string material_of(const Material& m) {
   std::string text = fmt::format("{{ density = {}, young = {}, poisson = {}", toml_number(m.density),
                                  toml_number(m.young), toml_number(m.poisson));
   if (m.area > 0) text += ", area = " + toml_number(m.area);
+  if (m.yield > 0) text += ", yield = " + toml_number(m.yield);
   return text + " }";
 }
 

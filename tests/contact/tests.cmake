@@ -5,7 +5,7 @@ add_serial_tests(contact contact LIBRARIES ricochet_contact nlohmann_json::nlohm
   FILES complementarity contact_sides forced_response free_flight history event_location complementarity_bench convolution
     stepper impulse_stepper limited_steps propagator rods model pairing surface_projection reach receivers recorder
      histories
-    band_share resolution_check obstacle_check static_start decimator angular_momentum summary simulation denormals endurance table
+    band_share resolution_check obstacle_check pressure_check ripple_check static_start decimator angular_momentum summary simulation denormals endurance table
     table_file equilibrium friction_equilibrium coarsening estimate heap_counter)
 add_serial_tests(contact_realtime contact LIBRARIES ricochet_contact FILES realtime heap_counter)
 set_source_files_properties(contact/heap_counter.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)

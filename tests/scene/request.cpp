@@ -87,7 +87,7 @@ TEST(KernelHash, is_unchanged_by_everything_else) {
        {"title=other", "bodies.ball.velocity=[0,-6,0]", "bodies.ball.translate=[1,2,3]", "contact.gap=0.5",
         "contact.reach=0.5", "contact.scheme=impulse", "contact.max_pivots=20", "time.rate_hz=96000",
         "time.duration=1", "loads.gravity=[0,0,-9.81]", "output.every=2", "output.snapshot_every=5",
-        "obstacles.floor.point=[0,0,1]", "bodies.ball.order=3",
+        "obstacles.floor.point=[0,0,1]", "bodies.ball.order=3", "bodies.ball.material.yield=65e6",
         "bodies.ball.mesh=moved.msh"})  // 3 is the default; the other file has the same contents
     EXPECT_EQ(hash_with(set), hash) << set;
 }

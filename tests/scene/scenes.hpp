@@ -70,7 +70,7 @@ support = { clamp = "zyx", "symmetry plane" = "x" }
 
 [bodies.block]
 mesh = "../shapes/block.step"
-material = { steel = { density = 7800, young = 2.1e11, poisson = 0.3 }, cork = { density = 240, young = 2e7 } }
+material = { steel = { density = 7800, young = 2.1e11, poisson = 0.3, yield = 2.5e8 }, cork = { density = 240, young = 2e7 } }
 contact = "top"
 
 [obstacles."the floor"]

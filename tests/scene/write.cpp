@@ -31,6 +31,7 @@ void expect_same(const Body& a, const Body& b) {
     EXPECT_EQ(a.materials[k].young, b.materials[k].young);
     EXPECT_EQ(a.materials[k].poisson, b.materials[k].poisson);
     EXPECT_EQ(a.materials[k].area, b.materials[k].area);
+    EXPECT_EQ(a.materials[k].yield, b.materials[k].yield);
   }
   EXPECT_EQ(a.damping, b.damping);
   EXPECT_EQ(a.velocity, b.velocity);
