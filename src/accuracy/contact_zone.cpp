@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "src/accuracy/local_refinement.hpp"
+
 namespace ricochet::accuracy {
 namespace {
 
@@ -61,6 +63,28 @@ double area_within(const contact::Model& model, const contact::Model::PairBlock&
   return whole * std::pow(distance / far, std::clamp(power, 0.0, 1.0));
 }
 
+int points_pressed(const contact::Model::PairBlock& pair, const contact::Quantities& run) {
+  int count = 0;
+  for (int i = 0; i < pair.points; ++i) count += run.pressed[static_cast<std::size_t>(pair.first_point + i)];
+  return count;
+}
+
+/// Gap of the third point beyond those that were pressed, above that of the closest one [m].
+double gap_of_ring(const contact::Model& model, const contact::Model::PairBlock& pair,
+                   const contact::Quantities& run) {
+  constexpr std::size_t ring = 3;
+  const auto gap = model.gap.segment(pair.first_point, pair.points);
+  std::vector<double> beyond(gap.begin(), gap.end());
+  std::ranges::sort(beyond);
+  const double closest = beyond.front();
+  double farthest = closest;
+  for (int i = 0; i < pair.points; ++i)
+    if (run.pressed[static_cast<std::size_t>(pair.first_point + i)]) farthest = std::max(farthest, gap[i]);
+  const auto next =
+      static_cast<std::size_t>(std::ranges::upper_bound(beyond, farthest) - beyond.begin()) + ring;
+  return beyond[std::min(next, beyond.size() - 1)] - closest;
+}
+
 }  // namespace
 
 std::optional<double> within_flight(const scene::Scene& scene) {
@@ -81,21 +105,34 @@ std::optional<double> within_flight(const scene::Scene& scene) {
 
 double zone_near_contact(const contact::Quantities& run) { return 2 * run.nearer; }
 
-std::optional<double> zone_of(const contact::Model& model, const contact::Quantities& run) {
-  constexpr std::size_t ring = 3;
+double zone_with_finer_elements(const contact::Model& model, const contact::Quantities& run) {
   double zone = zone_near_contact(run);
+  for (const contact::Model::PairBlock& pair : model.pairs)
+    if (const int pressed = points_pressed(pair, run); pressed > 0) {
+      const double denser = times_denser(pressed);
+      zone = std::max(zone, 2 * gap_of_ring(model, pair, run) / (denser * denser));
+    }
+  return zone;
+}
+
+std::optional<int> few_pressed(const contact::Model& model, const contact::Quantities& run) {
+  std::optional<int> out;
+  if (run.pressed.empty()) return out;
   for (const contact::Model::PairBlock& pair : model.pairs) {
-    const auto gap = model.gap.segment(pair.first_point, pair.points);
-    std::vector<double> beyond(gap.begin(), gap.end());
-    std::ranges::sort(beyond);
-    const double closest = beyond.front();
-    double farthest = closest;
-    for (int i = 0; i < pair.points; ++i)
-      if (run.pressed[static_cast<std::size_t>(pair.first_point + i)]) farthest = std::max(farthest, gap[i]);
-    const auto next =
-        static_cast<std::size_t>(std::ranges::upper_bound(beyond, farthest) - beyond.begin()) + ring;
-    zone = std::max(zone, beyond[std::min(next, beyond.size() - 1)] - closest);
+    const int corners = model.bodies[static_cast<std::size_t>(pair.a)].kernel->surface.corners(),
+              fewest = corners == 1   ? 0
+                       : corners == 2 ? 3
+                                      : 4,
+              pressed = points_pressed(pair, run);
+    if (pressed > 0 && pressed < fewest) out = std::min(pressed, out.value_or(pressed));
   }
+  return out;
+}
+
+std::optional<double> zone_of(const contact::Model& model, const contact::Quantities& run) {
+  double zone = zone_near_contact(run);
+  for (const contact::Model::PairBlock& pair : model.pairs)
+    zone = std::max(zone, gap_of_ring(model, pair, run));
   zone *= 1 + 1e-6;  // so that round-off drops none of them
   if (!(zone > 0) || covers_most(model, zone)) return std::nullopt;
   return zone;

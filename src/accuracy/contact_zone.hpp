@@ -18,6 +18,16 @@ std::optional<double> within_flight(const scene::Scene& scene);
 /// Twice the distance by which bodies came nearer to each other in a run [m].
 double zone_near_contact(const contact::Quantities& run);
 
+/// The zone for a mesh with the smaller elements of local_refinement.hpp [m]: `zone_near_contact`, but at
+/// least three points more than were pressed. The gap grows with the square of the distance on rounded
+/// surfaces.
+double zone_with_finer_elements(const contact::Model& model, const contact::Quantities& run);
+
+/// The number of points that were pressed in a pair of surfaces, if the zone of contact is smaller than their
+/// distance: fewer than four, or than three along a line. The smallest such number; no value if there is
+/// none.
+std::optional<int> few_pressed(const contact::Model& model, const contact::Quantities& run);
+
 /// The zone with which a mesh that remains as it is goes on [m]: `zone_near_contact`, with three points more
 /// than were pressed. No value if it would contain more than half of the surface that may touch.
 std::optional<double> zone_of(const contact::Model& model, const contact::Quantities& run);

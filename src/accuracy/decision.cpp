@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <set>
 #include <utility>
 #include <vector>
@@ -69,60 +71,101 @@ Hertz band_after_pilot(const Settings& settings, const contact::Dialled& pilot, 
   return band;
 }
 
-/// The sizes that settings lead to, from those of the round with `before`. Unknowns of a solid grow with the
-/// cube of order / size, and its modes with that of the band. Ritz vectors grow with the band and with the
-/// candidates, which are nodes of a surface.
-std::vector<BodySize> predicted(std::vector<BodySize> sizes, const KernelSettings& before,
+/// Unknowns that elements of a body near contact add, and the factor of those everywhere.
+struct Growth {
+  double factor = 1, near_contact = 0;
+};
+
+Growth growth_of(const MeshSettings& was, const MeshSettings& is, int dimension) {
+  const double finer = is.order * was.size_factor / (was.order * is.size_factor);  // along each axis
+  return {std::pow(finer, dimension), is.refine == was.refine ? 0 : unknowns_in(is.refine, is.order)};
+}
+
+/// The sizes that settings lead to, from those of the round. Unknowns of a solid grow with the cube of order
+/// / size, and its modes with that of the band. Ritz vectors grow with the band and with the candidates,
+/// which are nodes of a surface. Elements grow gradually around those near contact, by as many as the last
+/// round had more than predicted.
+std::vector<BodySize> predicted(std::vector<BodySize> sizes, const Settings& round,
                                 const KernelSettings& after) {
+  constexpr double most_gradual = 8;
+  const KernelSettings& before = round.found;
   const double wider = after.up_to.value / before.up_to.value;
   const bool vectors = after.basis == scene::Basis::contact;
   for (BodySize& size : sizes) {
-    double finer = 1;  // along each axis
-    double local = 0;
-    if (const auto was = before.mesh.find(size.body), is = after.mesh.find(size.body);
-        was != before.mesh.end() && is != after.mesh.end()) {
-      finer = is->second.order * was->second.size_factor / (was->second.order * is->second.size_factor);
-      if (is->second.refine != was->second.refine) local = unknowns_in(is->second.refine, is->second.order);
-    }
-    size.unknowns = size.unknowns * finer * finer * finer + local;
-    size.modes *= vectors ? wider * finer * finer : wider * wider * wider;
+    Growth growth;
+    const auto was = before.mesh.find(size.body), is = after.mesh.find(size.body);
+    if (was != before.mesh.end() && is != after.mesh.end())
+      growth = growth_of(was->second, is->second, size.dimension);
+    if (round.coarser && was != before.mesh.end() && growth.near_contact > 0)
+      if (const auto first = round.coarser->mesh.find(size.body); first != round.coarser->mesh.end()) {
+        const Growth last = growth_of(first->second, was->second, size.dimension);
+        if (last.near_contact > 0)
+          growth.near_contact *= std::clamp(
+              (size.unknowns - last.factor * size.coarser_unknowns) / last.near_contact, 1.0, most_gradual);
+      }
+    size.unknowns = size.unknowns * growth.factor + growth.near_contact;
+    size.modes *= vectors ? wider * std::pow(growth.factor, 2.0 / 3) : std::pow(wider, size.dimension);
     size.modes = std::min(size.modes, size.unknowns);
   }
   return sizes;
 }
 
-/// Whether the elements have more unknowns than the band has modes.
+/// Whether the elements resolve the modes of the band. The upper half of the modes that elements have, far
+/// less of solids, are those of the elements and not of the body.
 bool is_resolved(const std::vector<BodySize>& sizes) {
-  return std::ranges::all_of(sizes, [](const BodySize& size) { return size.modes < size.unknowns; });
+  return std::ranges::all_of(sizes, [](const BodySize& size) { return 2 * size.modes <= size.unknowns; });
 }
 
-bool is_affordable(const std::vector<BodySize>& sizes) {
+/// Number of candidates that the kernels of a round with these settings hold.
+double candidates_of(const contact::Model& model, const KernelSettings& settings) {
+  return expected_candidates(model, settings,
+                             settings.zone.value_or(std::numeric_limits<double>::infinity()));
+}
+
+/// What a round with these settings would compute that is more than accuracy chooses; empty if it is
+/// affordable.
+std::string excess(const std::vector<BodySize>& sizes, double candidates) {
+  const auto work_of = [&](const BodySize& size) { return (size.modes + candidates) * size.unknowns; };
   double work = 0;
-  for (const BodySize& size : sizes) work += size.modes * size.unknowns;
-  return work <= most_work;
-}
-
-std::string too_much(const std::vector<BodySize>& sizes) {
-  const BodySize& largest =
-      *std::ranges::max_element(sizes, {}, [](const BodySize& size) { return size.modes * size.unknowns; });
+  for (const BodySize& size : sizes) work += work_of(size);
+  const BodySize& largest = *std::ranges::max_element(sizes, {}, work_of);
+  if (work <= most_work && largest.unknowns <= most_unknowns) return "";
   return fmt::format(
-      "the next round would compute about {:.1g} modes of {:.1g} unknowns of \"{}\", which is more than "
+      "the next round would compute about {:.1g} modes{} of {:.1g} unknowns of \"{}\", which is more than "
       "accuracy chooses: give modes.up_to_hz and bodies.*.order to go on",
-      largest.modes, largest.unknowns, largest.body);
+      largest.modes, candidates > 0 ? fmt::format(" and the response to {:.1g} candidates", candidates) : "",
+      largest.unknowns, largest.body);
 }
 
-/// Settings of the next round, with what the estimate of its mesh needs to know of the last ones. Changes
-/// that follow each other show a pace only if they are of the same elements.
+/// Settings of the next round, with what the estimate of its mesh needs to know of the last ones. Two levels
+/// of the mesh have the same band and basis, so that they differ in nothing else. Changes that follow each
+/// other show a pace only if they are of the same elements.
 Settings following(const Settings& last, Settings next, const contact::Dialled& round) {
   const MeshChange now = change_between(last.found, next.found);
-  if (now == MeshChange{}) return next;
-  next.coarser = last.found;
-  const contact::Errors change = round.mesh_change.value_or(contact::Errors{});
-  if (now.near_contact)
-    next.change_near_contact.clear();
-  else if (last_change(last) == only_near_contact)
-    next.change_near_contact = change;
-  next.coarser_change = now == last_change(last) ? change : contact::Errors{};
+  if (now != MeshChange{}) {
+    KernelSettings coarser = last.found;
+    // A body without finer elements keeps its coarser ones, or its share would be lost.
+    if (last.coarser)
+      for (auto& [body, mesh] : coarser.mesh)
+        if (next.found.mesh.at(body) == mesh && last.coarser->mesh.contains(body))
+          mesh = last.coarser->mesh.at(body);
+    const contact::Errors change = round.mesh_change.value_or(contact::Errors{});
+    if (now.near_contact)
+      next.change_near_contact.clear();
+    else if (last_change(last) == only_near_contact)
+      next.change_near_contact = change;
+    next.coarser_change = now == last_change(last) ? change : contact::Errors{};
+    next.coarser = std::move(coarser);
+  }
+  if (next.coarser) {
+    // A few candidates suffice for Ritz vectors on the coarser mesh, as they do for those of the round.
+    if (next.coarser->basis != next.found.basis && next.found.basis == scene::Basis::contact &&
+        round.quantities && !round.quantities->pressed.empty())
+      if (const auto zone = zone_of(round.model, *round.quantities)) next.coarser->zone = zone;
+    next.coarser->basis = next.found.basis;
+    next.coarser->up_to = next.found.up_to;
+    next.coarser->flexibility_error = next.found.flexibility_error;
+  }
   return next;
 }
 
@@ -144,97 +187,211 @@ double unknowns_of(const std::vector<BodySize>& sizes) {
   return sum;
 }
 
+/// @param fixed  bodies whose elements cannot be smaller
 /// @return no value if there are none, or too many
 std::optional<FinerNearContact> finer_near_contact(const scene::Scene& scene, const Settings& settings,
                                                    const contact::Dialled& round,
-                                                   const std::vector<BodySize>& sizes) {
+                                                   const std::vector<BodySize>& sizes,
+                                                   const std::set<std::string>& fixed) {
   auto balls = balls_near_contact(scene, settings.found.mesh, round);
+  for (const std::string& body : fixed) balls.erase(body);
   const KernelSettings finer = with_balls(settings.found, balls);
   if (finer == settings.found ||
       expected_candidates(round.model, finer, zone_near_contact(*round.quantities)) > most_candidates)
     return std::nullopt;
-  const std::vector<BodySize> then = predicted(sizes, settings.found, finer);
-  if (!is_affordable(then)) return std::nullopt;
+  const std::vector<BodySize> then = predicted(sizes, settings, finer);
+  if (!excess(then, expected_candidates(round.model, finer,
+                                        zone_with_finer_elements(round.model, *round.quantities)))
+           .empty())
+    return std::nullopt;
   return FinerNearContact{std::move(balls),
                           std::max(cost_of_vectors, unknowns_of(then) / unknowns_of(sizes))};
 }
 
-/// Whether smaller elements were asked for but not made, as for a geometry that fixes their number.
-bool size_is_fixed(const Settings& settings, const std::vector<BodySize>& sizes) {
-  if (!settings.coarser) return false;
-  return std::ranges::all_of(sizes, [&](const BodySize& size) {
+/// Bodies whose geometry fixes the number of elements, since smaller ones were asked for but not made.
+std::set<std::string> with_fixed_elements(const Settings& settings, const std::vector<BodySize>& sizes) {
+  std::set<std::string> out;
+  if (!settings.coarser) return out;
+  for (const BodySize& size : sizes) {
     const auto was = settings.coarser->mesh.find(size.body), is = settings.found.mesh.find(size.body);
-    return was != settings.coarser->mesh.end() && is != settings.found.mesh.end() &&
-           was->second.order == is->second.order && size.unknowns == size.coarser_unknowns;
-  });
-}
-
-struct Option {
-  Cause cause;
-  double share, cost;
-};
-
-/// What can be refined besides the basis.
-struct Possible {
-  bool finer = false;                     ///< elements everywhere
-  std::optional<FinerNearContact> local;  ///< elements near contact, which also have more candidates
-};
-
-/// The options of a round, those that gain most for their cost first. Elements near contact reduce the share
-/// of the spacing and, unless they were the last to be refined, most of that of the mesh. Where they cannot
-/// be refined alone, finer elements everywhere also have more candidates, unless the scene gives their
-/// spacing.
-std::vector<Option> options_of(const scene::Scene& scene, const Possible& possible, const Settings& settings,
-                               const contact::ErrorEstimate& estimate) {
-  std::vector<Option> out;
-  const auto share = [&](Cause cause) { return estimate.share(cause).value_or(0); };
-  const double mesh = share(Cause::mesh), spacing = gives_spacing(scene) ? 0 : share(Cause::spacing);
-  if (possible.local && last_change(settings) != only_near_contact) {
-    out.push_back({Cause::spacing, spacing + mesh, possible.local->cost});
-  } else if (possible.local) {
-    out.push_back({Cause::spacing, spacing, possible.local->cost});
-    if (possible.finer) out.push_back({Cause::mesh, mesh, cost_of_mesh});
-  } else if (possible.finer) {
-    out.push_back({Cause::mesh, mesh + spacing, cost_of_mesh});
+    if (was != settings.coarser->mesh.end() && is != settings.found.mesh.end() && was->second != is->second &&
+        was->second.order == is->second.order && size.unknowns == size.coarser_unknowns)
+      out.insert(size.body);
   }
-  if (is_open(scene)) out.push_back({Cause::modes, share(Cause::modes), cost_of_vectors});
-  if (is_open(scene) && !scene.modes.flexibility_error)
-    out.push_back({Cause::basis, share(Cause::basis), cost_of_vectors});
-  if (settings.found.zone) out.push_back({Cause::zone, share(Cause::zone), cost_of_vectors});
-  std::ranges::sort(out, std::greater{}, [](const Option& option) { return option.share / option.cost; });
   return out;
 }
 
-/// Why the largest cause cannot be refined.
-std::string obstacle(const scene::Scene& scene, Cause cause) {
-  const auto given = [](const std::string& key) { return key + " is given"; };
-  switch (cause) {
-    case Cause::mesh:
-      return std::ranges::any_of(scene.bodies, &scene::Body::order_open)
-                 ? "its elements are the finest that accuracy chooses"
-             : std::ranges::any_of(scene.bodies, &scene::Body::meshable) ? given("bodies.*.order")
-                                                                         : "the mesh is read as it is";
-    case Cause::modes:
-      return given(scene.modes.count ? fmt::format("modes.count = {}", *scene.modes.count)
-                                     : fmt::format("modes.up_to_hz = {:g}", scene.modes.up_to->value));
-    case Cause::basis:
-      return given("modes.flexibility_error");
-    case Cause::step:
-      return scene.time.rate_by_accuracy
-                 ? "the shortest step is reached"
-                 : given(fmt::format("time.{}rate_hz = {:g}", scene.time.contact_rate ? "contact_" : "",
-                                     1 / scene.time.step()));
-    case Cause::eigensolver:
-      return "of modes.relative_residual and modes.low_rank";
-    case Cause::precision:
-      return given("time.precision");
-    case Cause::spacing:
-      return gives_spacing(scene) ? given("contact.spacing")
-                                  : "its elements are the finest that accuracy chooses";
-    case Cause::zone:
-      return given("contact.reach");
+/// A row of the table of causes.
+struct Row {
+  Cause cause;
+  double share = 0;                             ///< that its refinement reduces
+  bool unknown = false;                         ///< whether the share must be measured by a refinement first
+  double cost = 1;                              ///< relative to that of the kernels of the last round
+  std::function<Settings(Settings)> refined{};  ///< the settings with the refinement; null: there is none
+  std::string obstacle{};                       ///< why there is none
+};
+
+/// The table of causes after a round.
+class Table {
+ public:
+  Table(const scene::Scene& scene, const Settings& settings, const contact::Dialled& round,
+        const std::vector<BodySize>& sizes)
+      : scene_(scene),
+        settings_(settings),
+        round_(round),
+        sizes_(sizes),
+        fixed_(with_fixed_elements(settings, sizes)),
+        finer_(accuracy::has_finer(scene, settings.found.mesh, fixed_)) {
+    if (!round.quantities) return;
+    // The zone of the pilot contains all that might touch, not only what did.
+    const bool concentrated =
+        (settings.coarser && settings.found.zone) ||
+        (!round.quantities->pressed.empty() && zone_of(round.model, *round.quantities).has_value());
+    if (concentrated) local_ = finer_near_contact(scene, settings, round, sizes, fixed_);
   }
-  return "";
+
+  bool has_finer() const { return finer_; }
+  bool has_local() const { return local_.has_value(); }
+
+  Settings with_finer_mesh(Settings settings) const {
+    settings.found.mesh = finer_meshes(scene_, std::move(settings.found.mesh), fixed_);
+    return settings;
+  }
+
+  Settings with_finer_elements_near_contact(Settings settings) const {
+    settings.found = with_balls(std::move(settings.found), local_->balls);
+    if (settings.found.zone && round_.quantities->nearer > 0)
+      settings.found.zone = zone_with_finer_elements(round_.model, *round_.quantities);
+    if (is_open(scene_)) settings.found.basis = cheaper_basis(settings.found, round_.model);
+    return settings;
+  }
+
+  /// One row for each cause that a round may have, those that gain most for their cost first.
+  std::vector<Row> rows() const {
+    std::vector<Row> out;
+    for (const auto& [cause, errors] : round_.estimate->by_cause) {
+      Row& row = out.emplace_back(row_of(cause));
+      row.unknown = !errors;
+      if (!row.refined) row.obstacle = obstacle(cause);
+    }
+    share_elements(out);
+    std::ranges::stable_sort(out, std::greater{}, [](const Row& row) { return row.share / row.cost; });
+    return out;
+  }
+
+ private:
+  double share(Cause cause) const { return round_.estimate->share(cause).value_or(0); }
+
+  Row row_of(Cause cause) const {
+    Row row{.cause = cause, .share = share(cause), .cost = cost_of_vectors};
+    const bool open = is_open(scene_);
+    switch (cause) {
+      case Cause::mesh:
+        row.cost = cost_of_mesh;
+        if (finer_) row.refined = [this](Settings next) { return with_finer_mesh(std::move(next)); };
+        break;
+      case Cause::spacing:
+        if (local_) {
+          row.cost = local_->cost;
+          row.refined = [this](Settings next) { return with_finer_elements_near_contact(std::move(next)); };
+        }
+        break;
+      case Cause::modes:
+        if (open)
+          row.refined = [](Settings next) {
+            next.found.up_to.value *= 2;
+            return next;
+          };
+        break;
+      case Cause::basis:
+        if (open && !scene_.modes.flexibility_error)
+          row.refined = [](Settings next) {
+            next.found.flexibility_error /= 4;
+            return next;
+          };
+        break;
+      case Cause::zone:
+        if (settings_.found.zone)
+          row.refined = [](Settings next) {
+            *next.found.zone *= 4;
+            return next;
+          };
+        break;
+      case Cause::step:
+      case Cause::eigensolver:
+      case Cause::precision:
+        break;
+    }
+    return row;
+  }
+
+  /// Elements near contact reduce the share of the spacing and, unless they were the last to be refined, most
+  /// of that of the mesh. Where they cannot be refined alone, finer elements everywhere also have more
+  /// candidates, unless the scene gives their spacing.
+  void share_elements(std::vector<Row>& rows) const {
+    const auto mesh = std::ranges::find(rows, Cause::mesh, &Row::cause),
+               spacing = std::ranges::find(rows, Cause::spacing, &Row::cause);
+    if (mesh == rows.end() || spacing == rows.end()) return;
+    const auto give = [](Row& from, Row& to) {
+      to.share += std::exchange(from.share, 0);
+      to.unknown |= from.unknown;
+      from.refined = nullptr;
+    };
+    if (local_ && last_change(settings_) != only_near_contact && !mesh->unknown)
+      give(*mesh, *spacing);
+    else if (!local_ && finer_ && !gives_spacing(scene_))
+      give(*spacing, *mesh);
+  }
+
+  /// Why a cause cannot be refined.
+  std::string obstacle(Cause cause) const {
+    const auto given = [](const std::string& key) { return key + " is given"; };
+    switch (cause) {
+      case Cause::mesh:
+        return std::ranges::any_of(scene_.bodies, &scene::Body::order_open)
+                   ? "its elements are the finest that accuracy chooses"
+               : std::ranges::any_of(scene_.bodies, &scene::Body::meshable) ? given("bodies.*.order")
+                                                                            : "the mesh is read as it is";
+      case Cause::modes:
+        return given(scene_.modes.count
+                         ? fmt::format("modes.count = {}", *scene_.modes.count)
+                         : fmt::format("modes.up_to_hz = {:g}", scene_.modes.up_to.value_or(Hertz{0}).value));
+      case Cause::basis:
+        return is_open(scene_) ? given("modes.flexibility_error") : given("modes.basis");
+      case Cause::step:
+        return scene_.time.rate_by_accuracy
+                   ? "shorter steps do not reduce it"
+                   : given(fmt::format("time.{}rate_hz = {:g}", scene_.time.contact_rate ? "contact_" : "",
+                                       1 / scene_.time.step()));
+      case Cause::eigensolver:
+        return "of modes.relative_residual and modes.low_rank";
+      case Cause::precision:
+        return given("time.precision");
+      case Cause::spacing:
+        return gives_spacing(scene_) ? given("contact.spacing")
+                                     : "its elements are the finest that accuracy chooses";
+      case Cause::zone:
+        return given("contact.reach");
+    }
+    return "";
+  }
+
+  const scene::Scene& scene_;
+  const Settings& settings_;
+  const contact::Dialled& round_;
+  const std::vector<BodySize>& sizes_;
+  std::set<std::string> fixed_;
+  bool finer_;                             ///< whether elements can be finer everywhere
+  std::optional<FinerNearContact> local_;  ///< elements near contact, which also have more candidates
+};
+
+/// The largest share of the rows, or an unknown one, with what prevents its refinement.
+std::string hindrance(const std::vector<Row>& rows, double accuracy) {
+  const auto largest = std::ranges::max_element(rows, {}, &Row::share);
+  const auto unknown = std::ranges::find_if(rows, &Row::unknown);
+  if (unknown != rows.end() && (largest->unknown || !(largest->share > accuracy / 2)))
+    return fmt::format("the share of the {} is unknown: {}", name_of(unknown->cause), unknown->obstacle);
+  return fmt::format("{} contributes {:.2g}: {}", name_of(largest->cause), largest->share, largest->obstacle);
 }
 
 }  // namespace
@@ -245,112 +402,106 @@ bool gives_spacing(const scene::Scene& scene) {
                              [](const scene::Pair& pair) { return pair.spacing.has_value(); });
 }
 
+namespace {
+
+Decision after_no_touch(const Table& table, const Settings& settings, const contact::Dialled& round) {
+  if (!round.quantities || !(round.quantities->missed_by < round.quantities->spacing_there))
+    return {{}, "nothing touches, so the settings are those of the start"};
+  // On coarse elements, rounded surfaces and edges lie farther apart than in the drawing.
+  const std::string missed = fmt::format("nothing touches, by {:.2g} m at candidates {:.2g} m apart",
+                                         round.quantities->missed_by, round.quantities->spacing_there);
+  if (!table.has_finer()) return {{}, missed + ", and their elements are the finest that accuracy chooses"};
+  return {following(settings, table.with_finer_mesh(settings), round), "mesh (" + missed + ")"};
+}
+
+/// Few candidates say little of the share of their spacing. Corners and edges may be touched by few, however
+/// close they are, so that their elements do not become smaller more often than this for that reason alone.
+constexpr int most_for_few_candidates = 3;
+
+bool refines_for_few(const Table& table, const Settings& settings, const contact::Dialled& round) {
+  return table.has_local() && settings.for_few_candidates < most_for_few_candidates &&
+         few_pressed(round.model, *round.quantities);
+}
+
+Decision after_pilot(const scene::Scene& scene, const Table& table, const Settings& settings,
+                     const contact::Dialled& round) {
+  const double accuracy = *scene.accuracy;
+  Settings next = settings;
+  if (scene.contact.scheme != Scheme::at_rest) next.found.zone = zone_of(round.model, *round.quantities);
+  if (is_open(scene)) {
+    next.found.basis = cheaper_basis(next.found, round.model);
+    next.found.up_to = band_after_pilot(settings, round, accuracy);
+  }
+  const auto spacing = round.estimate->by_cause.find(Cause::spacing);
+  const bool unknown = spacing != round.estimate->by_cause.end() && !spacing->second;
+  const bool local =
+      table.has_local() && (unknown || refines_for_few(table, settings, round) ||
+                            round.estimate->share(Cause::spacing).value_or(0) > worth_while * accuracy);
+  if (local) next = table.with_finer_elements_near_contact(std::move(next));
+  return {following(settings, table.with_finer_mesh(std::move(next)), round),
+          local ? "mesh, spacing" : "mesh"};
+}
+
+}  // namespace
+
 Decision decide(const scene::Scene& scene, const Settings& settings, const contact::Dialled& round,
                 const std::vector<BodySize>& sizes) {
-  const int level = level_of(scene, settings.found).value_or(0);
-  Settings next = settings;
-  const auto with_finer_mesh = [&](Settings finer) {
-    finer.found = at_level(finer.found, scene, level + 1);
-    return finer;
-  };
-  const auto decided = [&](Settings chosen, std::string reason) {
-    return Decision{following(settings, std::move(chosen), round), std::move(reason)};
-  };
-  if (!round.estimate) {
-    if (!settings.coarser && has_finer(scene, level)) {
-      return decided(with_finer_mesh(next), "nothing touches; the mesh");
-    }
-    return {{}, "nothing touches, so the settings are those of the start"};
-  }
-  const contact::ErrorEstimate& estimate = *round.estimate;
-  const double accuracy = *scene.accuracy;
-  Possible possible;
-  const bool sizes_fixed = size_is_fixed(settings, sizes);
-  possible.finer = has_finer(scene, level) && !sizes_fixed;
-  // The zone of the pilot contains all that might touch, not only what did.
-  const bool concentrated =
-      (settings.coarser && settings.found.zone) ||
-      (!round.quantities->pressed.empty() && zone_of(round.model, *round.quantities).has_value());
-  if (concentrated && !sizes_fixed) possible.local = finer_near_contact(scene, settings, round, sizes);
-  const auto with_finer_elements_near_contact = [&](Settings finer) {
-    finer.found = with_balls(std::move(finer.found), possible.local->balls);
-    if (finer.found.zone && round.quantities->nearer > 0)
-      finer.found.zone = zone_near_contact(*round.quantities);
-    if (is_open(scene)) finer.found.basis = cheaper_basis(finer.found, round.model);
-    return finer;
-  };
-  if (!settings.coarser && has_finer(scene, level)) {
-    if (scene.contact.scheme != Scheme::at_rest) next.found.zone = zone_of(round.model, *round.quantities);
-    if (is_open(scene)) {
-      next.found.basis = cheaper_basis(next.found, round.model);
-      next.found.up_to = band_after_pilot(settings, round, accuracy);
-    }
-    if (!possible.local || estimate.share(Cause::spacing).value_or(0) <= worth_while * accuracy)
-      return decided(with_finer_mesh(next), "mesh");
-    return decided(with_finer_mesh(with_finer_elements_near_contact(next)), "mesh, spacing");
-  }
-  double total = estimate.total();
-  if (total <= accuracy) return {{}, ""};
+  const Table table(scene, settings, round, sizes);
+  if (!round.estimate) return after_no_touch(table, settings, round);
+  if (!settings.coarser && table.has_finer()) return after_pilot(scene, table, settings, round);
 
-  const std::vector<Option> options = options_of(scene, possible, settings, estimate);
-  double refinable = 0;
-  for (const Option& option : options) refinable += option.share;
+  const double accuracy = *scene.accuracy;
+  std::vector<Row> rows = table.rows();
+  Settings next = settings;
+  if (round.quantities && refines_for_few(table, settings, round))
+    if (const auto spacing = std::ranges::find(rows, Cause::spacing, &Row::cause); spacing != rows.end()) {
+      spacing->unknown = true;
+      ++next.for_few_candidates;
+    }
+  double total = round.estimate->total();
+  const bool measured = std::ranges::none_of(rows, &Row::unknown);
+  if (total <= accuracy && measured) return {{}, ""};
+
   // What cannot be reduced may exceed the accuracy. The rest is then refined only until it matters less.
-  double fixed = total - refinable;
+  double fixed = 0;
+  for (const Row& row : rows) fixed += row.refined ? 0 : row.share;
   const auto wanted = [&] { return std::max(accuracy, 2 * fixed); };
   std::set<Cause> chosen;
-  std::map<Cause, std::string> excess;
-  const auto choose = [&](Cause cause) {
-    Settings refined = next;
-    if (cause == Cause::mesh) refined = with_finer_mesh(refined);
-    if (cause == Cause::spacing) refined = with_finer_elements_near_contact(refined);
-    if (cause == Cause::modes) refined.found.up_to.value *= 2;
-    if (cause == Cause::zone) *refined.found.zone *= 4;
-    if (cause == Cause::basis) refined.found.flexibility_error /= 4;
-    if (cause == Cause::modes && !is_resolved(predicted(sizes, settings.found, refined.found))) {
-      if (!possible.finer) {
-        excess[cause] =
-            "its elements have no modes in a wider band, and they are the finest that accuracy chooses";
-        return false;
-      }
-      refined = with_finer_mesh(refined);
-    }
-    const auto sizes_then = predicted(sizes, settings.found, refined.found);
-    if (!is_affordable(sizes_then)) {
-      excess[cause] = too_much(sizes_then);
-      if (cause == Cause::mesh && !possible.local && !gives_spacing(scene))
-        excess[Cause::spacing] = excess[cause];
+  const auto choose = [&](Row& row) {
+    Settings refined = row.refined(next);
+    const bool wider = row.cause == Cause::modes && !is_resolved(predicted(sizes, settings, refined.found));
+    if (wider && !table.has_finer()) {
+      row.obstacle =
+          "its elements have no modes in a wider band, and they are the finest that accuracy chooses";
       return false;
     }
+    if (wider) refined = table.with_finer_mesh(std::move(refined));
+    row.obstacle =
+        excess(predicted(sizes, settings, refined.found), candidates_of(round.model, refined.found));
+    if (!row.obstacle.empty()) return false;
     if (change_between(next.found, refined.found).elsewhere) chosen.insert(Cause::mesh);
-    next = refined;
-    chosen.insert(cause);
+    next = std::move(refined);
+    chosen.insert(row.cause);
     return true;
   };
-  for (const Option& option : options) {
-    if (total <= wanted() || option.share <= worth_while * (total - wanted())) continue;
-    if (choose(option.cause))
-      total -= (1 - expected) * option.share;
+  for (Row& row : rows) {
+    if (!row.refined) continue;
+    const bool matters = total > wanted() && row.share > worth_while * (total - wanted());
+    if (!row.unknown && !matters) continue;
+    if (choose(row))
+      total -= (1 - expected) * row.share;
     else
-      fixed += option.share;
+      fixed += row.share;
   }
   if (chosen.contains(Cause::mesh) || chosen.contains(Cause::spacing))  // new kernels anyway
-    for (const Option& option : options)
-      if (!chosen.contains(option.cause) && option.share > worth_while * accuracy) choose(option.cause);
+    for (Row& row : rows)
+      if (row.refined && !chosen.contains(row.cause) && row.share > worth_while * accuracy) choose(row);
   std::string refined;
   for (const Cause cause : chosen) refined += (refined.empty() ? "" : ", ") + std::string(name_of(cause));
-  if (!refined.empty()) return decided(next, refined);
-  contact::ErrorEstimate hindered = estimate;  // without the causes that were left because others matter more
-  for (const Option& option : options)
-    if (!excess.contains(option.cause)) {
-      hindered.by_cause.erase(option.cause);
-      if (option.cause == Cause::mesh && !possible.local && !gives_spacing(scene))
-        hindered.by_cause.erase(Cause::spacing);
-    }
-  const auto largest = largest_cause(hindered);
-  return {{},
-          fmt::format("{} contributes {:.2g}: {}", name_of(*largest), *estimate.share(*largest),
-                      excess.contains(*largest) ? excess[*largest] : obstacle(scene, *largest))};
+  if (!refined.empty()) return {following(settings, std::move(next), round), refined};
+  // Without the rows that were left because others matter more.
+  std::erase_if(rows, [](const Row& row) { return row.obstacle.empty(); });
+  return {{}, hindrance(rows, accuracy)};
 }
 
 }  // namespace ricochet::accuracy

@@ -19,6 +19,7 @@ struct BodySize {
   std::string body;
   double modes = 0, unknowns = 0;
   double coarser_unknowns = 0;  ///< on the next coarser mesh; 0: unknown
+  int dimension = 3;            ///< 1: a rod
 };
 
 struct Decision {
@@ -35,9 +36,13 @@ struct Decision {
 Decision decide(const scene::Scene& scene, const Settings& settings, const contact::Dialled& round,
                 const std::vector<BodySize>& sizes);
 
-/// Largest sum of modes × unknowns over the bodies that a refinement may lead to. On two cores, kernels of
-/// this size take about half a minute.
+/// Largest sum of (modes + candidates) × unknowns over the bodies that a refinement may lead to, since each
+/// candidate has a static correction. On two cores, kernels of this size take about half a minute.
 inline constexpr double most_work = 6e7;
+
+/// Largest number of unknowns of a body that a refinement may lead to. The factors of a solid of this size
+/// take about 3 GB.
+inline constexpr double most_unknowns = 1.5e5;
 
 /// Largest expected number of candidates in the zone to which smaller elements near contact may lead. The
 /// static correction of as many candidates takes seconds, and so do the steps of the impact.

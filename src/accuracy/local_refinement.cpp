@@ -51,7 +51,7 @@ std::map<std::string, std::vector<scene::FineBall>> balls_near_contact(
     const Model::PairBlock& pair = model.pairs[p];
     int pressed = 0;
     for (int i = 0; i < pair.points; ++i) pressed += is_pressed(pair.first_point + i);
-    const double denser = pressed < few ? 4 : 2, spread = pressed < few ? 1 : 2;
+    const double denser = times_denser(pressed), spread = pressed < few ? 1 : 2;
     for (Eigen::Index i = pair.first_point; i < pair.first_point + pair.points; ++i) {
       if (!is_pressed(i)) continue;
       const double next = two_digits(distance_to_next(model, pair, i));
@@ -80,6 +80,8 @@ std::map<std::string, std::vector<scene::FineBall>> balls_near_contact(
   }
   return out;
 }
+
+double times_denser(int pressed) { return pressed < few ? 4 : 2; }
 
 double unknowns_in(const std::vector<scene::FineBall>& balls, int order) {
   // A regular tetrahedron has the volume size³/8.5 and, as one of many, order³/6 nodes. Half of a ball lies

@@ -20,6 +20,9 @@ std::map<std::string, std::vector<scene::FineBall>> balls_near_contact(
     const scene::Scene& scene, const std::map<std::string, MeshSettings>& mesh,
     const contact::Dialled& round);
 
+/// Factor by which the distance of candidates falls in these balls, for a number of pressed points of a pair.
+double times_denser(int pressed);
+
 /// Estimates the unknowns that tetrahedra of an order have in and near these balls.
 double unknowns_in(const std::vector<scene::FineBall>& balls, int order);
 

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "contact/accuracy/error_report.hpp"
+#include "src/accuracy/contact_zone.hpp"
 #include "src/accuracy/decision.hpp"
 #include "src/accuracy/mesh_levels.hpp"
 #include "src/accuracy/pilot.hpp"
@@ -75,7 +76,8 @@ Judged judge(const scene::Scene& scene, const Settings& settings, const fs::path
     sizes.push_back({.body = closed.bodies[k].name,
                      .modes = static_cast<double>(kernels.kernel[k]->modes.size()),
                      .unknowns = static_cast<double>(kernels.kernel[k]->dofs),
-                     .coarser_unknowns = coarser ? static_cast<double>(coarser->kernels[k]->dofs) : 0});
+                     .coarser_unknowns = coarser ? static_cast<double>(coarser->kernels[k]->dofs) : 0,
+                     .dimension = kernels.kernel[k]->surface.corners() == 1 ? 1 : 3});
   contact::Dialled dialled = dial_of(closed, kernels, prepared, std::move(model), coarser, settings.rate, {});
   return {std::move(kernels), std::move(dialled), std::move(sizes)};
 }
@@ -103,6 +105,11 @@ Outcome outcome_of_round(const scene::Scene& scene, Settings settings, const fs:
     const Decision decision = decide(scene, settings, dialled, sizes);
     if (dialled.estimate) line = "error " + contact::formatted(*dialled.estimate);
     line += line.empty() ? "" : "; ";
+    const auto few = dialled.quantities ? few_pressed(dialled.model, *dialled.quantities) : std::nullopt;
+    if (few && !decision.next)
+      line +=
+          fmt::format("only {} candidate{} touch{}, so peak force and duration depend on their distance; ",
+                      *few, *few > 1 ? "s" : "", *few > 1 ? "" : "es");
     if (decision.next)
       line += "refines " + decision.reason;
     else if (decision.reason.empty())
@@ -135,7 +142,6 @@ scene::Scene close_by_accuracy(const scene::Scene& given, const fs::path& folder
   parallel::broadcast(comm, stored);
   const auto known = parse_settings(stored);
   Settings settings = known ? *known : pilot_settings(scene, comm);
-  if (!level_of(scene, settings.found)) scene = with_own_sizes(std::move(scene));
   std::optional<Settings> last;  // of a round that succeeded
   std::vector<fs::path> written;
   std::string first_error;
@@ -143,11 +149,16 @@ scene::Scene close_by_accuracy(const scene::Scene& given, const fs::path& folder
     const Clock::time_point start = Clock::now();
     std::optional<Outcome> outcome;
     try {
-      if (settings.coarser && round == 1)
-        std::ranges::copy(compute(with_settings(scene, *settings.coarser), true),
-                          std::back_inserter(written));
       std::ranges::copy(compute(with_settings(scene, settings.found), round == 1),
                         std::back_inserter(written));
+      if (settings.coarser) try {
+          std::ranges::copy(compute(with_settings(scene, *settings.coarser), round == 1),
+                            std::back_inserter(written));
+        } catch (const InputError&) {  // the same on every rank
+          // The coarser mesh has no modes in the band of the round.
+          if (!last) throw;
+          settings.coarser = last->found;
+        }
       console.begin(fmt::format("round {}", round));
       outcome = outcome_of_round(scene, settings, folder, comm);
       console.end();
@@ -156,12 +167,12 @@ scene::Scene close_by_accuracy(const scene::Scene& given, const fs::path& folder
         // Elements of the first level may be too coarse for the geometry, and then for the modes.
         const bool first = first_error.empty();
         if (first) first_error = error.what();
-        const int level = level_of(scene, settings.found).value_or(0);
         scene::Scene own = with_own_sizes(scene);
-        const int next = first && own != scene ? 0 : level + 1;
-        if (known || (next > 0 && !has_finer(scene, level))) throw InputError(first_error);
+        const bool larger = first && own != scene;
+        if (known || (!larger && !has_finer(scene, settings.found.mesh))) throw InputError(first_error);
         scene = std::move(own);
-        settings.found.mesh = meshes_at(scene, next);
+        settings.found.mesh =
+            larger ? coarsest_meshes(scene) : finer_meshes(scene, std::move(settings.found.mesh));
         continue;
       }
       console.say(fmt::format("accuracy, round {}: {}; stops: {}", round, text_of(settings.found, scene),

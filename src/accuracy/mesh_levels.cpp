@@ -2,50 +2,71 @@
 #include "src/accuracy/mesh_levels.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <vector>
+#include <array>
+#include <numbers>
 
 namespace ricochet::accuracy {
 namespace {
 
-/// As entries of a list, aggregates with a default member break GCC 13.
-MeshSettings mesh_of(int order, double size_factor) { return {order, size_factor}; }
+constexpr int lowest_order = 2, highest_order = 4, highest_of_given_size = 5, highest_of_rods = 8;
 
-std::vector<MeshSettings> levels_of(const scene::Body& body) {
-  if (!body.meshable()) return {};
-  const double own = body.size_factor;
-  if (!body.order_open) return {mesh_of(body.order > 1 ? body.order - 1 : 2, own), mesh_of(body.order, own)};
-  if (!body.size_open) return {mesh_of(2, own), mesh_of(3, own), mesh_of(4, own), mesh_of(5, own)};
-  const double root = std::sqrt(2.0);
-  return {mesh_of(2, 2), mesh_of(3, 2),        mesh_of(4, 2),  mesh_of(4, root),
-          mesh_of(4, 1), mesh_of(4, 1 / root), mesh_of(4, 0.5)};
-}
+/// Factors of an open size, from the start on: those of solids, and more of rods, which cost nothing.
+constexpr std::array sizes{2.0, std::numbers::sqrt2, 1.0, 1 / std::numbers::sqrt2, 0.5, 0.25, 0.125};
+constexpr double smallest_of_solids = 0.5;
+
+bool is_rod(const scene::Body& body) { return !body.materials.empty() && body.materials[0].area > 0; }
 
 /// The same elements, without those near contact.
-std::map<std::string, MeshSettings> without_balls(std::map<std::string, MeshSettings> meshes) {
+Meshes without_balls(Meshes meshes) {
   for (auto& [body, mesh] : meshes) mesh.refine.clear();
   return meshes;
 }
 
+MeshSettings finer(const scene::Body& body, MeshSettings mesh, bool fixed) {
+  const bool shrinks = body.size_open && !fixed;
+  if (!body.order_open) {
+    mesh.order = body.order;
+  } else if (mesh.order < (shrinks        ? highest_order
+                           : is_rod(body) ? highest_of_rods
+                                          : highest_of_given_size)) {
+    ++mesh.order;
+  } else if (shrinks) {
+    const auto smaller =
+        std::ranges::find_if(sizes, [&](double size) { return size < 0.99 * mesh.size_factor; });
+    if (smaller != sizes.end() && (is_rod(body) || *smaller >= smallest_of_solids))
+      mesh.size_factor = *smaller;
+  }
+  return mesh;
+}
+
 }  // namespace
 
-std::map<std::string, MeshSettings> meshes_at(const scene::Scene& scene, int level) {
-  std::map<std::string, MeshSettings> out;
-  for (const scene::Body& body : scene.bodies)
-    if (const auto levels = levels_of(body); !levels.empty())
-      out[body.name] = levels[std::min(static_cast<std::size_t>(level), levels.size() - 1)];
+Meshes coarsest_meshes(const scene::Scene& scene) {
+  Meshes out;
+  for (const scene::Body& body : scene.bodies) {
+    if (!body.meshable()) continue;
+    MeshSettings& mesh = out[body.name];
+    mesh.order = body.order_open || body.order == 1 ? lowest_order : body.order - 1;
+    mesh.size_factor = body.order_open && body.size_open ? sizes.front() : body.size_factor;
+  }
   return out;
 }
 
-bool has_finer(const scene::Scene& scene, int level) {
-  return meshes_at(scene, level) != meshes_at(scene, level + 1);
+Meshes finer_meshes(const scene::Scene& scene, Meshes meshes, const std::set<std::string>& fixed) {
+  for (const scene::Body& body : scene.bodies)
+    if (const auto mesh = meshes.find(body.name); mesh != meshes.end())
+      mesh->second = finer(body, std::move(mesh->second), fixed.contains(body.name));
+  return meshes;
 }
 
-std::optional<int> level_of(const scene::Scene& scene, const KernelSettings& settings) {
-  for (int level = 0;; ++level) {
-    if (meshes_at(scene, level) == without_balls(settings.mesh)) return level;
-    if (!has_finer(scene, level)) return std::nullopt;
-  }
+bool has_finer(const scene::Scene& scene, const Meshes& meshes, const std::set<std::string>& fixed) {
+  return finer_meshes(scene, meshes, fixed) != meshes;
+}
+
+Meshes meshes_at(const scene::Scene& scene, int level) {
+  Meshes meshes = coarsest_meshes(scene);
+  for (int k = 0; k < level; ++k) meshes = finer_meshes(scene, std::move(meshes));
+  return meshes;
 }
 
 scene::Scene with_own_sizes(scene::Scene scene) {
@@ -53,22 +74,16 @@ scene::Scene with_own_sizes(scene::Scene scene) {
   return scene;
 }
 
-KernelSettings at_level(KernelSettings settings, const scene::Scene& scene, int level) {
-  for (auto& [body, mesh] : meshes_at(scene, level)) {
-    mesh.refine = std::move(settings.mesh[body].refine);
-    settings.mesh[body] = std::move(mesh);
-  }
-  return settings;
-}
-
 MeshChange change_between(const KernelSettings& coarser, const KernelSettings& finer) {
-  const bool elsewhere = without_balls(coarser.mesh) != without_balls(finer.mesh);
-  bool near_contact = false;
+  MeshChange out{.near_contact = false,
+                 .elsewhere = without_balls(coarser.mesh) != without_balls(finer.mesh)};
   for (const auto& [body, mesh] : finer.mesh) {
     const auto was = coarser.mesh.find(body);
-    near_contact = near_contact || was == coarser.mesh.end() || was->second.refine != mesh.refine;
+    if (was == coarser.mesh.end() || was->second.refine != mesh.refine ||
+        (was->second.order != mesh.order && !mesh.refine.empty()))
+      out.near_contact = true;
   }
-  return {near_contact, elsewhere};
+  return out;
 }
 
 MeshChange last_change(const Settings& settings) {

@@ -1,33 +1,37 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Elements of the bodies, round by round of the accuracy loop: levels everywhere, and balls near contact.
+// Elements of the bodies, round by round of the search: finer ones everywhere, and balls near contact.
 #pragma once
 
 #include <map>
-#include <optional>
+#include <set>
 #include <string>
 
 #include "src/accuracy/settings.hpp"
 
 namespace ricochet::accuracy {
 
-/// Elements of the bodies at a level of refinement, from 0 on. A body whose order is open rises from order 2
-/// to 4; if its size is open too, it does so on elements of twice their size, which then shrink. A body of a
-/// given order has the next lower order at level 0. Bodies without further levels keep their last one.
-std::map<std::string, MeshSettings> meshes_at(const scene::Scene& scene, int level);
+/// Elements of bodies, by name.
+using Meshes = std::map<std::string, MeshSettings>;
 
-/// The scene with the sizes of its geometries, which remain as they are at all levels.
+/// The elements with which a search starts. A body whose order is open has order 2; if its size is open too,
+/// it has elements of twice their size. A body of a given order has the next lower order.
+Meshes coarsest_meshes(const scene::Scene& scene);
+
+/// The next finer elements of each body, with the same balls. An open order rises to 4; then elements of open
+/// size shrink, and the others get order 5 (rods: 8). Bodies without finer elements keep theirs.
+/// @param fixed  bodies whose geometry fixes the number of elements, so that only their order can be finer
+Meshes finer_meshes(const scene::Scene& scene, Meshes meshes, const std::set<std::string>& fixed = {});
+
+/// Whether some body has finer elements.
+bool has_finer(const scene::Scene& scene, const Meshes& meshes, const std::set<std::string>& fixed = {});
+
+/// The coarsest elements after `level` refinements.
+Meshes meshes_at(const scene::Scene& scene, int level);
+
+/// The scene with the sizes of its geometries, which remain as they are.
 scene::Scene with_own_sizes(scene::Scene scene);
 
-/// Whether some body has finer elements at the next level.
-bool has_finer(const scene::Scene& scene, int level);
-
-/// The level at which a scene has these elements; no value if there is none.
-std::optional<int> level_of(const scene::Scene& scene, const KernelSettings& settings);
-
-/// Settings with the elements of a level and the same balls.
-KernelSettings at_level(KernelSettings settings, const scene::Scene& scene, int level);
-
-/// Which elements differ between two settings.
+/// Which elements differ between two settings. Another order also changes the elements in balls.
 struct MeshChange {
   bool near_contact = false, elsewhere = false;
   bool operator==(const MeshChange&) const = default;

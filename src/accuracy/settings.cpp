@@ -122,7 +122,8 @@ std::optional<KernelSettings> kernel_settings_of(const toml::table& root, const 
 }  // namespace
 
 std::string to_toml(const Settings& settings) {
-  std::string text = fmt::format("rate_hz = {}\n", scene::toml_number(settings.rate.value));
+  std::string text = fmt::format("rate_hz = {}\nfor_few_candidates = {}\n",
+                                 scene::toml_number(settings.rate.value), settings.for_few_candidates);
   text += toml_of(settings.found, "found");
   if (settings.coarser)
     text += "\n# The next coarser mesh, from which the error of the mesh is estimated." +
@@ -173,7 +174,8 @@ std::optional<Settings> parse_settings(const std::string& text) {
                   .coarser = std::move(coarser),
                   .coarser_change = std::move(*coarser_change),
                   .change_near_contact = std::move(*change_near_contact),
-                  .rate = Hertz{root["rate_hz"].value_or(0.0)}};
+                  .rate = Hertz{root["rate_hz"].value_or(0.0)},
+                  .for_few_candidates = root["for_few_candidates"].value_or(0)};
 }
 
 void write_settings(const Settings& settings, const scene::Scene& scene, const std::filesystem::path& path) {

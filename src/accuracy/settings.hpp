@@ -40,6 +40,8 @@ struct Settings {
   /// The last relative change from elements near contact, if those everywhere were refined since; else empty.
   std::map<Quantity, double> change_near_contact{};
   Hertz rate{0};  ///< rate of contact steps; 0 at rest
+  /// How often elements near contact became smaller only because few candidates were pressed.
+  int for_few_candidates = 0;
   bool operator==(const Settings&) const = default;
 };
 

@@ -138,4 +138,31 @@ TEST(Zone, is_not_for_contact_that_covers_most_of_a_surface) {
   EXPECT_FALSE(zone_of(coarse.model, run));
 }
 
+// A slow ball presses one candidate by far less than the gap of the next ones. On elements of a quarter of
+// the size, the zone holds the circle of candidates around it, and not much more.
+TEST(Zone, with_finer_elements_keeps_candidates_around_a_single_one_that_was_pressed) {
+  constexpr double spacing = 1e-3;
+  const Grid grid(spacing, above_ball);
+  contact::Quantities run;
+  run.pressed.assign(static_cast<std::size_t>(grid.model.gap.size()), false);
+  run.pressed[run.pressed.size() / 2] = true;
+  run.nearer = 1e-9;
+  const double reach = std::sqrt(2 * radius * accuracy::zone_with_finer_elements(grid.model, run));
+  EXPECT_GT(reach, spacing / 4);
+  EXPECT_LT(reach, spacing);
+  run.nearer = 1;
+  EXPECT_EQ(accuracy::zone_with_finer_elements(grid.model, run), 2);
+}
+
+TEST(FewPressed, is_the_number_of_candidates_that_do_not_resolve_a_contact) {
+  const Grid grid(1e-3, above_ball);
+  for (int pressed = 0; pressed < 6; ++pressed) {
+    contact::Quantities run;
+    run.pressed.assign(static_cast<std::size_t>(grid.model.gap.size()), false);
+    std::fill_n(run.pressed.begin(), pressed, true);
+    EXPECT_EQ(accuracy::few_pressed(grid.model, run),
+              pressed > 0 && pressed < 4 ? std::optional(pressed) : std::nullopt);
+  }
+}
+
 }  // namespace contact_zone_test

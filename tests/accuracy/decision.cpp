@@ -7,7 +7,7 @@
 
 #include "src/accuracy/mesh_levels.hpp"
 
-namespace refinement_test {
+namespace decision_test {
 
 using namespace ricochet;
 using accuracy::BodySize;
@@ -127,7 +127,7 @@ TEST(Decision, counts_the_vectors_of_new_candidates_as_work) {
   EXPECT_FALSE(decide(scene, settings, round, {{"part", 750, 2e4, 1e4}}).next);
 }
 
-// 8 · 500 modes are more than 3000 unknowns.
+// 8 · 500 modes are more than half of 3000 unknowns, and 8 · 180 are not.
 TEST(Decision, refines_the_mesh_with_a_band_that_its_elements_do_not_have) {
   const scene::Scene scene = open_scene();
   accuracy::Settings settings = second_round(scene);
@@ -137,26 +137,88 @@ TEST(Decision, refines_the_mesh_with_a_band_that_its_elements_do_not_have) {
   ASSERT_TRUE(found.next);
   EXPECT_EQ(found.reason, "mesh, modes");
   EXPECT_EQ(found.next->found.mesh, accuracy::meshes_at(scene, 2));
-  EXPECT_EQ(decide(scene, settings, round, {{"part", 300, 3000, 1500}}).reason, "modes");
+  EXPECT_EQ(decide(scene, settings, round, {{"part", 180, 3000, 1500}}).reason, "modes");
 }
 
-TEST(Levels, of_own_sizes_are_not_those_of_open_sizes) {
+TEST(Meshes, of_open_sizes_shrink_after_order_4_and_those_of_own_sizes_end_with_order_5) {
   const scene::Scene scene = open_scene(), own = accuracy::with_own_sizes(scene);
-  accuracy::KernelSettings settings;
-  settings.mesh = accuracy::meshes_at(own, 1);
-  EXPECT_FALSE(accuracy::level_of(scene, settings));
-  EXPECT_EQ(accuracy::level_of(own, settings), 1);
+  const auto rise = [](const scene::Scene& of) {
+    std::vector<std::pair<int, double>> out;
+    for (int level = 0; level < 9; ++level) {
+      const accuracy::MeshSettings mesh = accuracy::meshes_at(of, level).at("part");
+      out.emplace_back(mesh.order, mesh.size_factor);
+    }
+    return out;
+  };
+  const double root = std::sqrt(2.0);
+  const std::vector<std::pair<int, double>> shrinking{{2, 2},        {3, 2},   {4, 2},   {4, root}, {4, 1},
+                                                      {4, 1 / root}, {4, 0.5}, {4, 0.5}, {4, 0.5}},
+      rising{{2, 1}, {3, 1}, {4, 1}, {5, 1}, {5, 1}, {5, 1}, {5, 1}, {5, 1}, {5, 1}};
+  EXPECT_EQ(rise(scene), shrinking);
+  EXPECT_EQ(rise(own), rising);
 }
 
-// A transfinite geometry has the same elements whatever the size.
-TEST(Decision, does_not_ask_again_for_smaller_elements_that_were_not_made) {
-  const scene::Scene scene = open_scene();
+// A transfinite geometry has the same elements whatever the size, so that only their order is finer.
+TEST(Decision, raises_the_order_where_smaller_elements_were_not_made) {
+  scene::Scene scene = open_scene();
   accuracy::Settings settings = second_round(scene);
   settings.found.mesh = accuracy::meshes_at(scene, 3);
   settings.coarser->mesh = accuracy::meshes_at(scene, 2);
-  const auto round = round_with({{Cause::mesh, 0.1}});
-  EXPECT_TRUE(decide(scene, settings, round, {{"part", 100, 1e4, 5e3}}).next);
-  EXPECT_FALSE(decide(scene, settings, round, {{"part", 100, 1e4, 1e4}}).next);
+  auto round = round_with({{Cause::modes, 1e-4}});
+  round.estimate->by_cause[Cause::mesh] = std::nullopt;  // nothing has been compared
+  const Decision made = decide(scene, settings, round_with({{Cause::mesh, 0.1}}), {{"part", 100, 1e4, 5e3}});
+  ASSERT_TRUE(made.next);
+  EXPECT_EQ(made.next->found.mesh.at("part").order, 4);
+  const Decision fixed = decide(scene, settings, round, {{"part", 100, 1e4, 1e4}});
+  ASSERT_TRUE(fixed.next);
+  EXPECT_EQ(fixed.reason, "mesh");
+  EXPECT_EQ(fixed.next->found.mesh.at("part").order, 5);
+  EXPECT_EQ(fixed.next->found.mesh.at("part").size_factor, settings.found.mesh.at("part").size_factor);
+  EXPECT_EQ(fixed.next->coarser->mesh, settings.found.mesh);
 }
 
-}  // namespace refinement_test
+TEST(Decision, claims_nothing_while_a_share_is_unknown) {
+  scene::Scene scene = open_scene();
+  scene.bodies[0].mesh = "part.msh";
+  scene.bodies[0].order_open = scene.bodies[0].size_open = false;
+  accuracy::Settings settings = second_round(scene);
+  settings.found.mesh.clear();
+  settings.coarser.reset();
+  auto round = round_with({{Cause::modes, 1e-4}});
+  round.estimate->by_cause[Cause::mesh] = std::nullopt;
+  const Decision found = decide(scene, settings, round, small);
+  EXPECT_FALSE(found.next);
+  EXPECT_EQ(found.reason, "the share of the mesh is unknown: the mesh is read as it is");
+}
+
+// Where the band doubles on the same mesh, the coarser one gets it too, so that they differ in nothing else.
+TEST(Decision, compares_meshes_in_the_same_band_and_basis) {
+  const scene::Scene scene = open_scene();
+  const accuracy::Settings settings = second_round(scene);
+  const Decision band =
+      decide(scene, settings, round_with({{Cause::mesh, 1e-3}, {Cause::modes, 0.1}}), small);
+  ASSERT_TRUE(band.next);
+  EXPECT_EQ(band.next->coarser->up_to, band.next->found.up_to);
+  EXPECT_EQ(band.next->coarser->mesh, settings.coarser->mesh);
+}
+
+// The poles of spheres of coarse elements, and means of patches at edges, lie farther apart than in the
+// drawing.
+TEST(Decision, refines_the_mesh_where_bodies_miss_each_other_by_less_than_a_candidate) {
+  const scene::Scene scene = open_scene();
+  accuracy::Settings settings = second_round(scene);
+  contact::Dialled round;
+  round.quantities.emplace();
+  round.quantities->missed_by = 2e-4;
+  round.quantities->spacing_there = 1e-3;
+  const Decision near = decide(scene, settings, round, small);
+  ASSERT_TRUE(near.next);
+  EXPECT_EQ(near.reason, "mesh (nothing touches, by 0.0002 m at candidates 0.001 m apart)");
+  EXPECT_EQ(near.next->found.mesh, accuracy::meshes_at(scene, 2));
+  round.quantities->missed_by = 2e-3;
+  const Decision far = decide(scene, settings, round, small);
+  EXPECT_FALSE(far.next);
+  EXPECT_THAT(far.reason, HasSubstr("nothing touches"));
+}
+
+}  // namespace decision_test

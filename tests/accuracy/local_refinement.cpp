@@ -155,7 +155,7 @@ TEST(Unknowns, of_balls_are_those_of_tetrahedra) {
 TEST(Decision, makes_elements_smaller_where_a_small_part_is_pressed) {
   const scene::Scene scene = scene_of_two();
   const Decision local =
-      decide(scene, first_round(scene), round_of(3, {{Cause::modes, 1e-4}, {Cause::spacing, 0.1}}), small);
+      decide(scene, first_round(scene), round_of(4, {{Cause::modes, 1e-4}, {Cause::spacing, 0.1}}), small);
   ASSERT_TRUE(local.next);
   EXPECT_EQ(local.reason, "mesh, spacing");
   EXPECT_EQ(local.next->found.mesh.at("upper").refine.size(), 4U);
@@ -169,10 +169,10 @@ TEST(Decision, makes_elements_smaller_where_a_small_part_is_pressed) {
 }
 
 /// Settings of a round whose elements near contact were the last to become smaller.
-accuracy::Settings after_local(const scene::Scene& scene) {
+accuracy::Settings after_local(const scene::Scene& scene, int level = 1) {
   accuracy::Settings settings = first_round(scene);
   settings.found.zone = 2e-5;
-  settings.found.mesh = accuracy::meshes_at(scene, 1);
+  settings.found.mesh = accuracy::meshes_at(scene, level);
   settings.coarser = settings.found;
   for (auto& [body, mesh] : settings.found.mesh) mesh.refine = {{.at = {}, .radius = 1e-2, .size = 5e-3}};
   return settings;
@@ -183,26 +183,27 @@ TEST(Decision, alternates_between_elements_near_contact_and_all_others) {
   const scene::Scene scene = scene_of_two();
   const std::map<Cause, double> shares{{Cause::mesh, 0.1}, {Cause::spacing, 1e-3}};
   const accuracy::Settings local = after_local(scene);
-  const Decision everywhere = decide(scene, local, round_of(3, shares), small);
+  const Decision everywhere = decide(scene, local, round_of(4, shares), small);
   ASSERT_TRUE(everywhere.next);
   EXPECT_EQ(everywhere.reason, "mesh");
   EXPECT_EQ(everywhere.next->found.mesh.at("upper").order, accuracy::meshes_at(scene, 2).at("upper").order);
   EXPECT_EQ(everywhere.next->found.mesh.at("upper").refine, local.found.mesh.at("upper").refine);
   accuracy::Settings global = local;
   global.coarser->mesh = accuracy::meshes_at(scene, 0);
-  const Decision near = decide(scene, global, round_of(3, shares), small);
+  const Decision near = decide(scene, global, round_of(4, shares), small);
   ASSERT_TRUE(near.next);
   EXPECT_EQ(near.reason, "spacing");
   EXPECT_EQ(near.next->found.mesh.at("upper").order, global.found.mesh.at("upper").order);
   EXPECT_EQ(near.next->coarser, global.found);
 }
 
-// The next change of the mesh tells nothing about the elements near contact, so their last change is kept.
+// From level 2 on, elements shrink everywhere but in balls. This change tells nothing about those near
+// contact, so their last change is kept.
 TEST(Decision, keeps_the_change_near_contact_until_elements_there_become_smaller) {
   const scene::Scene scene = scene_of_two();
-  auto round = round_of(3, {{Cause::mesh, 0.1}, {Cause::spacing, 1e-3}});
+  auto round = round_of(4, {{Cause::mesh, 0.1}, {Cause::spacing, 1e-3}});
   round.mesh_change = contact::Errors{{Quantity::impulse, 0.03}};
-  const Decision everywhere = decide(scene, after_local(scene), round, small);
+  const Decision everywhere = decide(scene, after_local(scene, 2), round, small);
   ASSERT_EQ(everywhere.reason, "mesh");
   EXPECT_EQ(everywhere.next->change_near_contact, *round.mesh_change);
   EXPECT_TRUE(everywhere.next->coarser_change.empty());
@@ -221,9 +222,43 @@ TEST(Decision, keeps_the_change_near_contact_until_elements_there_become_smaller
   EXPECT_EQ(again.next->coarser_change, *round.mesh_change);
 }
 
+// Another order changes the elements in balls too, and then the change near contact is measured again.
+TEST(Decision, drops_the_change_near_contact_when_the_order_rises) {
+  const scene::Scene scene = scene_of_two();
+  auto round = round_of(4, {{Cause::mesh, 0.1}, {Cause::spacing, 1e-3}});
+  accuracy::Settings settings = after_local(scene);
+  settings.change_near_contact = {{Quantity::impulse, 0.117}};
+  const Decision raised = decide(scene, settings, round, small);
+  ASSERT_EQ(raised.reason, "mesh");
+  EXPECT_EQ(raised.next->found.mesh.at("upper").order, 4);
+  EXPECT_TRUE(raised.next->change_near_contact.empty());
+}
+
+// Four candidates and more resolve a contact; fewer do not, whatever their share says. At a corner, there are
+// never more.
+TEST(Decision, makes_elements_smaller_until_four_candidates_touch_but_not_for_ever) {
+  const scene::Scene scene = scene_of_two();
+  const auto round = round_of(1, {{Cause::mesh, 1e-4}, {Cause::spacing, 1e-4}});
+  accuracy::Settings settings = after_local(scene);
+  int rounds = 0;
+  for (;; ++rounds) {
+    const Decision found = decide(scene, settings, round, small);
+    if (!found.next) break;
+    EXPECT_EQ(found.reason, "spacing");
+    settings = *found.next;
+    for (auto& [body, mesh] : settings.found.mesh)
+      mesh.refine[0].size *= 3;  // so that other ones are asked for
+    ASSERT_LT(rounds, 9);
+  }
+  EXPECT_EQ(rounds, 3);
+  EXPECT_FALSE(
+      decide(scene, after_local(scene), round_of(4, {{Cause::mesh, 1e-4}, {Cause::spacing, 1e-4}}), small)
+          .next);
+}
+
 TEST(Decision, does_not_ask_for_the_same_elements_again) {
   const scene::Scene scene = scene_of_two();
-  const auto round = round_of(3, {{Cause::mesh, 1e-4}, {Cause::spacing, 0.1}});
+  const auto round = round_of(4, {{Cause::mesh, 1e-4}, {Cause::spacing, 0.1}});
   accuracy::Settings settings = after_local(scene);
   for (auto& [body, balls] : balls_near_contact(scene, settings.found.mesh, round))
     settings.found.mesh[body].refine = balls;
@@ -234,7 +269,7 @@ TEST(Decision, does_not_ask_for_the_same_elements_again) {
 // much.
 TEST(Decision, does_not_ask_for_more_elements_near_contact_than_are_affordable) {
   const scene::Scene scene = scene_of_two();
-  const auto round = round_of(3, {{Cause::mesh, 1e-4}, {Cause::spacing, 0.1}});
+  const auto round = round_of(4, {{Cause::mesh, 1e-4}, {Cause::spacing, 0.1}});
   EXPECT_TRUE(decide(scene, after_local(scene), round, small).next);
   EXPECT_FALSE(
       decide(scene, after_local(scene), round, {{"upper", 1e5, 2e5, 1e5}, {"lower", 1e5, 2e5, 1e5}}).next);
@@ -244,7 +279,7 @@ TEST(Decision, does_not_ask_for_more_elements_near_contact_than_are_affordable) 
 TEST(Decision, does_not_ask_for_more_candidates_than_are_affordable) {
   const scene::Scene scene = scene_of_two();
   accuracy::Settings settings = after_local(scene);
-  auto round = round_of(3, {{Cause::mesh, 1e-4}, {Cause::spacing, 0.1}});
+  auto round = round_of(4, {{Cause::mesh, 1e-4}, {Cause::spacing, 0.1}});
   round.quantities->nearer = 1;
   EXPECT_EQ(decide(scene, settings, round, small).reason, "spacing");
   contact::Model& model = round.model;

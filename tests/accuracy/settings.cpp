@@ -110,12 +110,13 @@ TEST(Settings, survive_text_with_every_member_whatever_its_value) {
   };
   for (int k = 0; k < 200; ++k) {
     Settings settings;
-    auto& [found, coarser, coarser_change, change_near_contact, rate] = settings;
+    auto& [found, coarser, coarser_change, change_near_contact, rate, for_few_candidates] = settings;
     draw_kernels(found);
     if (flip()) draw_kernels(coarser.emplace());
     draw_changes(coarser_change);
     draw_changes(change_near_contact);
     rate = Hertz{draw()};
+    for_few_candidates = static_cast<int>(random() % 5);
     ASSERT_EQ(parse_settings(to_toml(settings)), settings) << to_toml(settings);
   }
 }
