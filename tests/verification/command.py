@@ -16,6 +16,7 @@ OTHERS = {
     "--geometries": "gmsh_demos",
     "--random": "random_scenes",
     "--readings": "readings",
+    "--rods": "random_rods",
     "--kills": "kills",
     "--peers": "peers_table",
     "--tutorials": "walk",

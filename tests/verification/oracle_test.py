@@ -9,9 +9,69 @@ import hertz_theory as hertz
 import mindlin
 import modal_hertz
 import oblique_impact as oblique
+import random_rods as rods
 
 CHI = oblique.chi(0.3)
 SWEEP = np.array([0.05, 0.2, 0.5, 0.9, 1, 1.2, 1.9, 2.7, 3.6, 4.2, 4.6])
+
+
+class RodsTest(unittest.TestCase):
+    """The waves of random_rods.py, against solutions by hand and a leapfrog of masses and springs."""
+
+    def pair(self, length, seed=3):
+        a, b = (rods.Rod(np.random.default_rng(seed)) for _ in range(2))
+        b.length = length * a.length
+        return a, b
+
+    def test_equal_impedances(self):
+        for length, clamped in ((1, False), (2.5, False), (2.5, True)):
+            a, b = self.pair(length)
+            first = rods.touches(rods.waves(a, b, clamped, 2.0, 3 * a.there_and_back), 3 * a.there_and_back)[
+                0
+            ]
+            self.assertAlmostEqual(first[1] / a.there_and_back, 1, 6)  # the moving rod stops
+            self.assertAlmostEqual(first[2] / (2 * a.mass), 1, 6)
+        # A stiff short end is a wall: the rod returns.
+        a, b = self.pair(1e-3)
+        b.area *= 1e3
+        ((_, _, impulse),) = rods.touches(
+            rods.waves(a, b, True, 1.0, 2 * a.there_and_back), 2 * a.there_and_back
+        )
+        self.assertAlmostEqual(impulse / (2 * a.mass), 1, 2)
+
+    def test_masses_and_springs(self):
+        random = np.random.default_rng(11)
+        for _ in range(4):
+            a, b, clamped, speed, duration, impulse = rods.draw(random)
+            found = [self.leapfrog(a, b, clamped, speed, duration, n) for n in (100, 200)]
+            # The lumped chain is of first order at a front.
+            self.assertLess(abs(2 * found[1] - found[0] - impulse) / impulse, 1e-2)
+
+    def leapfrog(self, a, b, clamped, speed, duration, n):
+        """Impulse of two chains of n springs, whose ends meet as one mass while they press."""
+        step = min(rod.there_and_back for rod in (a, b)) / 2 / n * 0.5
+        x = [np.zeros(n + 1) for _ in range(2)]
+        v = [np.full(n + 1, speed), np.zeros(n + 1)]
+        mass = [np.full(n + 1, rod.mass / n) for rod in (a, b)]
+        for m in mass:
+            m[[0, -1]] /= 2
+        impulse = 0.0
+        for _ in range(round(duration / step)):
+            for k, rod in enumerate((a, b)):
+                pull = rod.young * rod.area * n / rod.length * np.diff(x[k])
+                v[k][:-1] += step * pull / mass[k][:-1]
+                v[k][1:] -= step * pull / mass[k][1:]
+            if clamped:
+                v[1][-1] = 0
+            gap = x[1][0] + step * v[1][0] - x[0][-1] - step * v[0][-1]
+            if gap < 0:
+                push = -gap / step / (1 / mass[0][-1] + 1 / mass[1][0])
+                v[0][-1] -= push / mass[0][-1]
+                v[1][0] += push / mass[1][0]
+                impulse += push
+            for k in range(2):
+                x[k] += step * v[k]
+        return impulse
 
 
 class ObliqueImpactTest(unittest.TestCase):
