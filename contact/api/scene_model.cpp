@@ -156,6 +156,7 @@ contact::Model model_of(const Scene& scene) {
   }
   contact::Model model =
       contact::build_model(std::move(bodies), obstacles, pairs, finite(scene.gravity, "gravity"));
+  if (scene.scheme == Scheme::impulse) contact::use_mean_gaps(model);
   add_belts(scene, model);
   contact::refuse_sag(model);
   return model;

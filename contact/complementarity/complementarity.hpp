@@ -72,6 +72,8 @@ class ComplementaritySolver {
 
   /// Discards the warm start and, with `same_matrix`, the matrix.
   void reset() noexcept;
+  /// With `same_matrix`: the next problem has another matrix of the same size. The warm start is kept.
+  void change_matrix() noexcept { known_ = 0; }
   const SolveStatistics& statistics() const { return statistics_; }
   const SolveResidual& residual() const { return residual_; }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The solver of a contact step: complementarity without friction, Coulomb's law with it.
+// The solver of a contact step: complementarity without friction, Coulomb's law with it; and the springs that
+// carry the bulges of patches.
 #pragma once
 
 #include <algorithm>
@@ -7,19 +8,22 @@
 
 #include "contact/complementarity/complementarity.hpp"
 #include "contact/complementarity/friction_solver.hpp"
+#include "contact/complementarity/spring_newton.hpp"
 
 namespace ricochet::contact {
 
 class ContactSolver {
  public:
   /// @param rows  capacity   @param friction  whether problems may have points with friction
+  /// @param springs  whether they may have springs
   ContactSolver(int rows, const SolveOptions& options, bool friction = false,
-                FrictionLaw law = FrictionLaw::coulomb)
+                FrictionLaw law = FrictionLaw::coulomb, bool springs = false)
       : frictionless_(rows, options),
         friction_(friction ? rows : 0,
                   {.law = law,
                    .same_matrix = options.same_matrix,
-                   .max_iterations = std::min(options.max_pivots, FrictionOptions{}.max_iterations)}) {}
+                   .max_iterations = std::min(options.max_pivots, FrictionOptions{}.max_iterations)}),
+        newton_(springs ? rows : 0, options) {}
 
   /// Without friction, as ComplementaritySolver.
   SolveStatus solve(const Symmetric& S, const Eigen::Ref<const Eigen::VectorXd>& r,
@@ -34,21 +38,50 @@ class ContactSolver {
     with_friction_ = true;
     return friction_.solve(S, r, contacts, p);
   }
+  /// With springs, as SpringNewton, which begins from p. Without springs, as above.
+  SolveStatus solve(const Symmetric& S, const Eigen::Ref<const Eigen::VectorXd>& r,
+                    std::span<const PatchSpring> springs, std::span<const FrictionContact> contacts,
+                    Eigen::Ref<Eigen::VectorXd> p) noexcept {
+    stopped_ = {};
+    if (springs.empty()) return solve(S, r, contacts, p);
+    const std::int64_t stopped = newton_.stopped();
+    const SolveStatus status =
+        newton_.solve(S, r, springs, p,
+                      [&](const Symmetric& matrix, const Eigen::Ref<const Eigen::VectorXd>& right,
+                          bool renewed, Eigen::Ref<Eigen::VectorXd> forces) noexcept {
+                        if (renewed) {
+                          frictionless_.change_matrix();
+                          friction_.change_matrix();
+                        }
+                        return solve(matrix, right, contacts, forces);
+                      });
+    if (newton_.stopped() > stopped)
+      stopped_ = {.violation = newton_.misfit(), .scale = r.cwiseAbs().maxCoeff(), .work = 0};
+    return status;
+  }
 
   void reset() noexcept {
     frictionless_.reset();
     friction_.reset();
+    newton_.reset();
   }
   /// Of the last problem.
   const SolveResidual& residual() const {
+    if (stopped_.scale > 0) return stopped_;
     return with_friction_ ? friction_.residual() : frictionless_.residual();
   }
   const FrictionSolver& friction() const { return friction_; }
-  SolveStatistics statistics() const { return frictionless_.statistics() + friction_.statistics(); }
+  /// Of the linear problems; `limited` includes those in which springs did not converge.
+  SolveStatistics statistics() const {
+    return frictionless_.statistics() + friction_.statistics() +
+           SolveStatistics{.limited = newton_.stopped()};
+  }
 
  private:
   ComplementaritySolver frictionless_;
   FrictionSolver friction_;
+  SpringNewton newton_;
+  SolveResidual stopped_;  ///< of springs that did not converge
   bool with_friction_ = false;
 };
 

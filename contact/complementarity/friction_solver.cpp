@@ -56,8 +56,9 @@ bool FrictionSolver::know(const Symmetric& S, std::span<const FrictionContact> c
     for (int i = 0; i < S.rows(); ++i)
       if (taken(i) == 0) points_[point_count_++] = {.normal = i};
   }
-  if (!same_points || !options_.same_matrix) {
+  if (!same_points || !options_.same_matrix || changed_) {
     if (!std::isfinite(S.diagonal().sum())) return false;
+    changed_ = false;
     root_.head(S.rows()) = S.diagonal().cwiseMax(0).cwiseSqrt();
     gathered_ = false;
   }

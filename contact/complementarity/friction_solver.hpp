@@ -63,6 +63,9 @@ class FrictionSolver {
 
   /// Discards what is known of S and of the contacts.
   void reset() noexcept;
+  /// With `same_matrix`: the next problem has another matrix with the same contacts, the states of which are
+  /// kept.
+  void change_matrix() noexcept { changed_ = true; }
 
   /// Here, pivots are rounds that changed states, fallbacks are solves that Newton's method alone did not
   /// end, and renewals are factors, O(p³) each.
@@ -104,6 +107,7 @@ class FrictionSolver {
   Eigen::Index known_ = 0;  ///< size of the matrix that is known
   int point_count_ = 0;
   std::size_t contact_count_ = 0;
+  bool changed_ = false;                         ///< whether the matrix that is known has changed
   bool gathered_ = false;                        ///< whether the system has the matrix of its points
   double largest_r_ = 0, largest_normal_r_ = 0;  ///< |r|_∞, and over normal rows
   std::vector<Point> points_;                    ///< all normal rows, those of contacts first

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "base/format.hpp"
 #include "contact/model/forcing.hpp"
@@ -184,6 +185,22 @@ Eigen::Matrix<double, 2, 3> tangents_of(const Vector3d& normal) {
   return out;
 }
 
+std::vector<PatchSpring> Model::springs() const {
+  std::vector<PatchSpring> out;
+  for (Eigen::Index i = 0; i < bulge.size(); ++i) {
+    if (!(bulge(i) > 0) || !(R(i, i) > 0)) continue;
+    out.resize(static_cast<std::size_t>(points()));
+    out[static_cast<std::size_t>(i)] = PatchSpring::of(bulge(i), R(i, i));
+  }
+  return out;
+}
+
+void use_mean_gaps(Model& model) {
+  if (model.bulge.size() == 0) return;
+  model.gap += model.bulge;
+  model.bulge.setZero();
+}
+
 Vector Model::PairBlock::part_of(const Vector& x) const {
   Vector out = Vector::Zero(x.size());
   out.segment(first_point, points) = x.segment(first_point, points);
@@ -319,6 +336,8 @@ Model build_model(const Placement& placement, const Vector3d& gravity,
       }
     add_forcing(model, static_cast<int>(k), forcing);
   }
+  for (int k = 0; k < points; ++k)
+    if (!(model.R(k, k) > 0)) model.gap(k) += std::exchange(model.bulge(k), 0.0);
   refuse_overlap(model);
   model.q0 = static_coordinates(model);
   for (std::size_t k = 0; k < bodies.size(); ++k) {

@@ -8,6 +8,9 @@
 // Rows of u and p: first the m normal ones, along n_i. There u_i ≤ g_i (impenetrability), u grows when a gap
 // closes, and p_i = λ_i ≥ 0 is the compressive force. Each point with friction has two more rows, along its
 // tangents, of the tangential displacement w and force τ. Without friction, n = m.
+//
+// u includes the springs of points (patch_spring.hpp): in normal rows, u = B q + s − R p − s(λ). The current
+// gap is then g − u everywhere, and s(λ) belongs to the residual displacement, as R p does.
 #pragma once
 
 #include <Eigen/Dense>
@@ -16,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include "contact/complementarity/patch_spring.hpp"
 #include "contact/model/history.hpp"
 #include "contact/pairing/placement.hpp"
 #include "contact/pairing/types.hpp"
@@ -45,8 +49,10 @@ struct Model {
   Matrix B;  ///< (n,N) [kg^-1/2]
   Matrix R;  ///< (n,n) [m/N]; zero if the kernels contain none
   bool has_residual = false;
-  Vector gap;                       ///< (m) g [m]
-  Vector bulge;                     ///< (m) b, by which the patches of a pair bulge beyond their means [m]
+  Vector gap;  ///< (m) g [m]
+  /// (m) b, by which the patches of a pair bulge beyond their means [m]; empty: 0. A point with b > 0 has a
+  /// spring if it has residual flexibility; build_model adds the bulges of other points to their gaps.
+  Vector bulge;
   Vector static_displacement;       ///< (n) constant part of s, due to gravity [m]
   Matrix R_a;                       ///< (n,n) share of body a of each row in R [m/N]
   Vector static_a;                  ///< (n) share of body a in static_displacement [m]
@@ -64,6 +70,8 @@ struct Model {
 
   Eigen::Index points() const { return gap.size(); }  ///< m
   Eigen::Index rows() const { return B.rows(); }      ///< n = m + 2 f
+  /// (m) springs of the points; empty if no point has one.
+  std::vector<PatchSpring> springs() const;
 
   /// The tangential motion of a half-space.
   struct Belt {
@@ -159,6 +167,10 @@ struct Model {
 /// kernel lacks the tangential components.
 Model build_model(const Placement& placement, const Eigen::Vector3d& gravity,
                   const std::vector<ForcingRequest>& forcing = {});
+
+/// Adds the bulges to the gaps, which then are those between the means of patches, for laws without springs
+/// (impulses, tables).
+void use_mean_gaps(Model& model);
 
 /// Sets a half-space in tangential motion: its displacement is `vector` [m], world axes, times a history.
 /// Does nothing unless a pair with friction names the half-space. Throws InputError if the vector is not

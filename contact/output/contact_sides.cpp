@@ -13,6 +13,10 @@ ContactSides::ContactSides(const Model& model, const StepOptions& options)
     x->setZero(m);
   R_a_ = model.R_a.topRows(m);
   R_b_ = R_a_ - model.R.topRows(m);
+  if (options.scheme != Scheme::impulse) springs_ = model.springs();
+  share_a_.setZero(m);
+  for (Eigen::Index i = 0; i < m; ++i)
+    if (model.R(i, i) > 0) share_a_(i) = model.R_a(i, i) / model.R(i, i);
   s_a_ = model.static_a.head(m);
   s_b_ = s_a_ - model.static_displacement.head(m);
   driven_a_.setZero(m, model.forcing.size());
@@ -74,6 +78,13 @@ void ContactSides::displacement(double time, const Vector& q, const Vector& p, V
       a -= p(j) * R_a_.col(j);
       b -= p(j) * R_b_.col(j);
     }
+  for (std::size_t k = 0; k < springs_.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    if (!(springs_[k].bulge > 0) || !(p(i) > 0)) continue;
+    const double s = springs_[k].displacement(p(i));
+    a(i) -= share_a_(i) * s;
+    b(i) += (1 - share_a_(i)) * s;
+  }
   for (std::size_t d = 0; d < model_.forcing.size(); ++d) {
     const double value = model_.forcing[d].history.at(time);
     a += value * driven_a_.col(d);

@@ -3,6 +3,7 @@
 //
 //   u = n·u_a − n·u_b,   n·u_a = B_a q + s_a − R_a p,   n·u_b = B_b q + s_b − R_b p
 //
+// A spring s(λ) is divided between the sides in the ratio of their flexibilities R_ii.
 // Modes above half the step rate are in R and s, as in the steps.
 //
 // The residual moves with the forces p, which the compliant scheme defines only at the ends of its steps. A
@@ -50,7 +51,9 @@ class ContactSides {
 
   const Model& model_;
   StepOptions options_;
-  Eigen::MatrixXd R_a_, R_b_;        ///< (m,n)
+  Eigen::MatrixXd R_a_, R_b_;  ///< (m,n)
+  std::vector<PatchSpring> springs_;
+  Vector share_a_;                   ///< (m) share of a in each spring
   Vector s_a_, s_b_;                 ///< (m) constant part
   Matrix driven_a_, driven_b_;       ///< (m,forcings) displacement for a history of value 1
   State before_;                     ///< at the last `pass`

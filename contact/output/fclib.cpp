@@ -122,6 +122,11 @@ ProblemFiles::Problem ProblemFiles::problem_of(const Stepper& stepper) const {
               .p = stepper.end_force(),
               .mu = Vector::Zero(m)};
   out.u.head(m) += model_.gap;
+  for (std::size_t k = 0; k < system_->springs.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    if (const PatchSpring& spring = system_->springs[k]; spring.bulge > 0 && out.p(i) > 0)
+      out.S(i, i) += spring.slope(out.p(i));
+  }
   if (!model_.friction.empty()) {
     out.u.tail(out.u.size() - m) += displacement_.tail(out.u.size() - m);
     const double end = stepper.time(), begin = end - stepper.options().step;

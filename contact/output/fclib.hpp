@@ -8,7 +8,8 @@
 //
 // A contact has three rows in FCLIB, the normal one first, so W is S in another order, r = p and u = w. At a
 // contact without friction, μ = 0, and the other two rows are not coupled to any row. Their diagonal entry is
-// the mean normal diagonal of S, so that W is as definite as S, and their solution is 0.
+// the mean normal diagonal of S, so that W is as definite as S, and their solution is 0. Springs of points
+// (patch_spring.hpp) are linearised at the solution, so that it also solves the problem in the file.
 #pragma once
 
 #include <filesystem>
@@ -42,7 +43,7 @@ class ProblemFiles {
  private:
   /// A contact problem and its solution, in the rows of the model.
   struct Problem {
-    const Eigen::MatrixXd& S;
+    Eigen::MatrixXd S;
     Vector u, q, p;  ///< (n) [m], [m], [N]
     Vector mu;       ///< (m)
   };

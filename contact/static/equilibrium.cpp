@@ -40,15 +40,18 @@ class ForceSolver {
   ForceSolver(const Model& model, const EquilibriumOptions& options)
       : options_(options),
         area_(model.area),
-        exact_(static_cast<int>(model.rows()), {}, !model.friction.empty(), options.friction_law) {
+        springs_(model.springs()),
+        exact_(static_cast<int>(model.rows()), {}, !model.friction.empty(), options.friction_law,
+               !springs_.empty()),
+        newton_(springs_.empty() ? 0 : static_cast<int>(model.rows()), {}) {
     for (const Model::FrictionPoint& point : model.friction)
       contacts_.push_back({point.point, point.tangential, point.law.static_coefficient});
   }
 
   void solve(const MatrixXd& S, const Vector& r, Vector& lambda) {
-    if (options_.solver == EquilibriumOptions::Solver::uzawa) return uzawa(S, r, lambda);
+    if (options_.solver == EquilibriumOptions::Solver::uzawa) return uzawa_with_springs(S, r, lambda);
     ++iterations_;
-    const SolveStatus status = exact_.solve(S, r, contacts_, lambda);
+    const SolveStatus status = exact_.solve(S, r, springs_, contacts_, lambda);
     if (status == SolveStatus::no_solution)
       throw InputError(
           "contact: no contact forces keep the bodies apart, as there are more contact points than their "
@@ -62,14 +65,25 @@ class ForceSolver {
           residual.violation / residual.scale));
   }
 
+  const std::vector<PatchSpring>& springs() const { return springs_; }
   std::int64_t iterations() const { return iterations_; }
   std::span<const ContactState> states() const { return exact_.friction().states(); }
 
  private:
+  void uzawa_with_springs(const MatrixXd& S, const Vector& r, Vector& lambda) {
+    if (springs_.empty()) return uzawa(S, r, lambda);
+    const auto linear = [&](const Symmetric& matrix, const Eigen::Ref<const Vector>& right, bool /*renewed*/,
+                            Eigen::Ref<Vector> forces) {
+      uzawa(matrix, right, forces);
+      return SolveStatus::solved;
+    };
+    newton_.solve(S, r, springs_, lambda, linear);
+  }
+
   /// p ← max(0, p̄ + τ (r − S λ̄)), λ = A p, starting from the given λ, with τ = 1/‖A S‖_∞. p̄ extrapolates p
   /// by Nesterov's rule (1983) and is restarted whenever it overshoots (O'Donoghue & Candès 2015). Without
   /// extrapolation, p̄ = p, about eighty times as many iterations are needed.
-  void uzawa(const MatrixXd& S, const Vector& r, Vector& lambda) {
+  void uzawa(const MatrixXd& S, const Eigen::Ref<const Vector>& r, Eigen::Ref<Vector> lambda) {
     const double closing = r.size() > 0 ? r.maxCoeff() : 0;
     if (!(closing > 0)) {
       lambda.setZero();
@@ -99,7 +113,9 @@ class ForceSolver {
 
   EquilibriumOptions options_;
   Vector area_;
+  std::vector<PatchSpring> springs_;
   ContactSolver exact_;
+  SpringNewton newton_;  ///< of Uzawa's problems
   std::vector<FrictionContact> contacts_;
   std::int64_t iterations_ = 0;
 };
@@ -211,6 +227,7 @@ class Rest {
     now_.q = (model_.omega.array() > 0).select(f.array() / model_.omega.array().square(), 0.0);
     now_.q(rigid) = rho_;
     now_.displacement = model_.B * now_.q + loads.s - model_.R * now_.force;
+    yield(solver_.springs(), now_.force, now_.displacement);
   }
 
   /// An increment from `from` to `to` with slip, and its work.
@@ -223,7 +240,8 @@ class Rest {
     Energy& energy = now_.energy;
     energy.loads += 0.5 * (from.load + to.load).dot(now_.q - q) + mean.dot(to.s - from.s) - mean.dot(belt);
     energy.friction += now_.force.tail(t).dot(slip);
-    energy.contact += mean.head(m).dot(moved.head(m)) - 0.5 * (now_.force - p).tail(t).dot(slip);
+    energy.contact += mean.head(m).dot(moved.head(m)) - 0.5 * (now_.force - p).tail(t).dot(slip) +
+                      work_of(solver_.springs(), p, now_.force, mean).removed;
   }
 
   Equilibrium result() {
@@ -232,7 +250,7 @@ class Rest {
     out.active = static_cast<int>((out.force.head(model_.points()).array() > 0).count());
     out.states.assign(solver_.states().begin(), solver_.states().end());
     out.energy.strain = 0.5 * (model_.omega.array() * out.q.array()).square().sum();
-    out.energy.residual = 0.5 * out.force.dot(model_.R * out.force);
+    out.energy.residual = 0.5 * out.force.dot(model_.R * out.force) + energy_of(solver_.springs(), out.force);
     return out;
   }
 

@@ -9,6 +9,9 @@
 //
 //   minimise ½ λᵀ S₀ λ − λᵀ (û − g)   over λ ≥ 0 with B_rᵀ λ = f_r;   ρ are the multipliers of the latter
 //
+// Springs s(λ) of the points (patch_spring.hpp) are added to S₀ λ, and ∫ s dλ to the functional. Uzawa's
+// iteration then solves the linear problems of spring_newton.hpp.
+//
 // With friction, rows and p include the tangential ones, and the loads follow a path in increments: first
 // gravity and constant loads grow together (the preload), then the histories of loads, supports and
 // half-spaces from knot to knot (load_path.hpp). In each increment, from w to w⁺ and by the same S₀,
@@ -52,7 +55,8 @@ struct Equilibrium {
   /// the unloaded bodies on, by sums over increments with the mean x̄ of x and x⁺:
   ///   loads     Σ f̄ᵀ (q⁺ − q) + p̄ᵀ (s⁺ − s) − τ̄ᵀ belt
   ///   friction  Σ τ⁺ᵀ d ≥ 0, the heat
-  ///   contact   Σ λ̄ᵀ (u⁺ − u) − ½ (τ⁺ − τ)ᵀ d: what increments err, which vanishes as they shrink
+  ///   contact   Σ λ̄ᵀ (u⁺ − u) − ½ (τ⁺ − τ)ᵀ d: what increments err, which vanishes as they shrink; of
+  ///             springs also Σ λ̄ (s⁺ − s) − (e⁺ − e)
   /// so that the ledger is 0.
   Energy energy;
   int active = 0;        ///< points with λ > 0

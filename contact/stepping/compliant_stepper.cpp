@@ -46,12 +46,13 @@ MeanForce::Trial CompliantStepper::attempt(const MeanWeights& weights) noexcept 
     }
     next_end_ = mean.end();
     ContactSolver& solver = solver_of(weights);
-    out.status = solver.solve(S, rhs_, contacts_, next_end_);
+    out.status = solver.solve(S, rhs_, system.springs, contacts_, next_end_);
     if (!has_forces(out.status)) return out;
     residual_ = solver.residual();
     out.several = slip.any() && solver.friction().several();
   }
-  add(-1, S, next_end_, next_u_);  // B q⁺ + s − R p⁺
+  add(-1, S, next_end_, next_u_);
+  yield(system.springs, next_end_, next_u_);  // B q⁺ + s − R p⁺ − s(λ⁺)
   next_force_ += weights.end * next_end_;
   if (slip.any()) record_slip(closed ? &solver_of(weights).friction() : nullptr, out);
   if (!mean.is_conserving() && !slip.any()) return out;
@@ -60,6 +61,11 @@ MeanForce::Trial CompliantStepper::attempt(const MeanWeights& weights) noexcept 
   out.in_residual = next_end_.dot(rest_end_);
   out.removed = next_force_.dot(next_u_ - u_ + rest_end_ - rest_) - out.belts +
                 0.5 * (mean.end().dot(rest_) - out.in_residual);
+  if (!system.springs.empty()) {
+    const SpringWork springs = work_of(system.springs, mean.end(), next_end_, next_force_);
+    out.in_residual += 2 * springs.stored;
+    out.removed += springs.removed;
+  }
   out.opens = (next_end_.array() == 0).all();
   if (mean.begins() || out.opens)
     for (Eigen::Index j = 0; j < next_force_.size(); ++j)

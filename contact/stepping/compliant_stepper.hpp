@@ -4,7 +4,8 @@
 //   0 ≤ λ⁺ ⟂ S p⁺ − (û − M h − g) ≥ 0,   û = B q̂ + s with q̂ the motion without contact,   S = a M + R
 //   Coulomb's law for τ⁺ and the slip d = û − M h − S p⁺ − u − belt of the tangential rows
 //
-// and drives the modes by its mean with earlier forces (mean_force.hpp).
+// and drives the modes by its mean with earlier forces (mean_force.hpp). Springs of the points add s(λ⁺) to
+// the left side, S p⁺ (patch_spring.hpp).
 //
 // The energy theorem of this scheme requires u ≤ g at the start, where u includes the static displacement s.
 // A step that max_pivots cuts short may end with u > g. From then on, g̃ = max(g, u) at the start of a step

@@ -35,6 +35,7 @@ LookAheadBlock<T>::LookAheadBlock(std::shared_ptr<const BlockSystem<T>> system, 
     x->setZero(system_->points);
   for (std::vector<char>* x : {&was_kept_, &is_predicted_, &has_changed_}) x->assign(m, 0);
   has_force_.assign(static_cast<std::size_t>(system_->contacts), 0);
+  springs_.reserve(system_->plain->springs.empty() ? 0 : m);
   with_friction_.reserve(system_->plain->friction.size());
   law_.reserve(system_->plain->friction.size());
   position_.assign(m, -1);
@@ -149,6 +150,8 @@ double LookAheadBlock<T>::at_start(int point, const MeanForce& mean) const noexc
   const StepSystem& plain = *system_->plain;
   double u = s_(0, point) - plain.R.col(point).dot(mean.end());
   for (Eigen::Index n = 0; n < plain.B.cols(); ++n) u += plain.B(point, n) * q_[n];
+  if (point < system_->contacts && !plain.springs.empty() && mean.end()(point) > 0)
+    u -= plain.springs[point].displacement(mean.end()(point));
   return u;
 }
 
@@ -219,11 +222,11 @@ SolveStatus LookAheadBlock<T>::solve(const Solvers& solvers, const MeanForce& me
   }
   for (Eigen::Index k = 0; k < n; ++k) solution_(k) = mean.end()(kept_[k]);
   const Eigen::MatrixXd& S = backward ? near_.S : near_.S_mean;
-  return solver.solve(S.topLeftCorner(n, n), rhs_.head(n), with_friction_, solution_.head(n));
+  return solver.solve(S.topLeftCorner(n, n), rhs_.head(n), springs_, with_friction_, solution_.head(n));
 }
 
 /// Computes the energies of a trial and the slip of all kept tangential rows. At kept points,
-/// u⁺ − u = u_l + S λ̂ − M λ̄ − R λ⁺ − u, where u_l is still that under λ̂.
+/// u⁺ − u = u_l + S λ̂ − M λ̄ − R λ⁺ − s(λ⁺) − u, where u_l is still that under λ̂.
 template <class T>
 void LookAheadBlock<T>::set_energies(const MeanForce& mean, const Slip* slip,
                                      MeanForce::Trial& trial) noexcept {
@@ -246,10 +249,16 @@ void LookAheadBlock<T>::set_energies(const MeanForce& mean, const Slip* slip,
   trial.in_modes = mean_.head(n).dot(in_modes_.head(n));
   trial.removed = mean_.head(n).dot(rest_.head(n) - start_rest_.head(n)) -
                   0.5 * (trial.in_residual - start_.head(n).dot(start_rest_.head(n)));
+  if (!springs_.empty()) {
+    const SpringWork springs = work_of(springs_, start_, solution_, mean_);
+    trial.in_residual += 2 * springs.stored;
+    trial.removed += springs.removed;
+  }
   for (Eigen::Index k = 0; k < n; ++k) {
     const bool tangential = kept_[k] >= system_->contacts;
     if (mean_(k) == 0 && !tangential) continue;
     double moved = u(k, taken_ + 1) + held_push_(k) - in_modes_(k) - rest_(k) - before(k, mean);
+    if (!springs_.empty() && solution_(k) > 0) moved -= springs_[k].displacement(solution_(k));
     if (tangential) {
       const double belt = slip->belt()(kept_[k]);
       trial.belts += mean_(k) * belt;
@@ -311,6 +320,7 @@ SolveStatus LookAheadBlock<T>::step(Solvers solvers, MeanForce& mean, Vector& fo
   work_ = 0;
   for (Eigen::Index k = 0; k < n; ++k) {
     u(k, l) -= rest_(k);
+    if (!springs_.empty() && solution_(k) > 0) u(k, l) -= springs_[k].displacement(solution_(k));
     if (kept_[k] >= system_->contacts) continue;
     touching_ += solution_(k) > 0 ? 1 : 0;
     if (mean_(k) > 0) work_ += mean_(k) * (u(k, l) - before(k, mean));
@@ -332,7 +342,7 @@ double LookAheadBlock<T>::energy_in_residual() const noexcept {
   double twice = 0;
   for (Eigen::Index k = 0; k < n; ++k)
     if (solution_(k) != 0) twice += solution_(k) * near_.R.col(k).head(n).dot(solution_.head(n));
-  return 0.5 * twice;
+  return 0.5 * twice + energy_of(springs_, solution_);
 }
 
 template <class T>
@@ -497,6 +507,10 @@ void LookAheadBlock<T>::gather() noexcept {
     is_new_ = is_new_mean_ = true;
   }
   if (!same || !near_.holds()) near_.take(*system_, gathered_);
+  springs_.clear();
+  if (!system_->plain->springs.empty())
+    for (int i : kept_)
+      springs_.push_back(i < system_->contacts ? system_->plain->springs[i] : PatchSpring{});
   with_friction_.clear();
   law_.clear();
   for (std::size_t k = 0; k < kept_.size(); ++k)

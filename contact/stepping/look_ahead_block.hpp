@@ -7,8 +7,9 @@
 //
 //   u_l = ū_l − Σ_{k ≤ l} M_{l−k} (λ̄_k − λ̂) − R (λ_l − λ̂),   M_d = B (c((d+1)Δ) − c(dΔ)) Bᵀ, c(0) = 0
 //
-// The far history thus comes from the modes, and the near history from a convolution. Nothing is
-// approximated. Points that provably stay open are skipped (candidate_screening.hpp).
+// Springs of the points add −s(λ_l) to u_l. The far history thus comes from the modes, and the near history
+// from a convolution. Nothing is approximated. Points that provably stay open are skipped
+// (candidate_screening.hpp).
 //
 // Here a point is a row of the system: a contact, that is, a normal row, or a row along a tangent of a
 // contact with friction. Tangential rows have no gap to close; they are kept with their contact.
@@ -71,7 +72,7 @@ class LookAheadBlock {
   double work() const { return work_; }       ///< λ̄ᵀ (u_l − u_{l−1}) of the last step [J]
   const MeanForce::Trial& trial() const { return trial_; }     ///< the last step
   const SolveResidual& residual() const { return residual_; }  ///< of the last step
-  double energy_in_residual() const noexcept;                  ///< ½ λᵀ R λ of the last step
+  double energy_in_residual() const noexcept;  ///< ½ λᵀ R λ and the energy of springs after the last step
   /// Number of points that screening kept in the last step.
   int kept() const { return static_cast<int>(kept_.size()); }
 
@@ -125,6 +126,7 @@ class LookAheadBlock {
   Vector end_rest_, held_at_;  ///< by position: R λ after the last step, if known; R λ̂
   bool knows_end_rest_ = false;
   Vector slip_;                                 ///< by position: d of tangential rows
+  std::vector<PatchSpring> springs_;            ///< by position; empty if the system has none
   std::vector<FrictionContact> with_friction_;  ///< kept contacts with friction, by position
   std::vector<int> law_;                        ///< of these, index in the friction of StepSystem
   Vector ended_;                                ///< (points) u at the end of the previous block

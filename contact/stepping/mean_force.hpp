@@ -22,6 +22,9 @@
 // Any other step that would overdraw the bank is repeated by backward Euler (λ̄ = λ⁺), in which contact cannot
 // gain energy. Contact has therefore never put energy into the bodies, for any Δ, N, m and masses.
 //
+// With springs s(λ) of the points (patch_spring.hpp), R λ + s(λ) takes the place of R λ, and the energy e(λ)
+// that they store is added to ½ λᵀRλ.
+//
 // With friction, λ stands for all forces p (λ and τ), and u at the tangential rows for the slip. Energy that
 // friction turns into heat enters the bank too, and a step in which the heat of a slip would fall below 0 is
 // made by backward Euler (slip.hpp).
@@ -55,7 +58,7 @@ class MeanForce {
     double removed = 0;      ///< energy that contact and friction remove [J]
     double heat = 0;         ///< of friction: part of `removed` [J]
     double belts = 0;        ///< τ̄ᵀ × displacement of moving half-spaces [J]
-    double in_residual = 0;  ///< λ⁺ᵀRλ⁺ [J]
+    double in_residual = 0;  ///< twice the energy in the residual, λ⁺ᵀRλ⁺ + 2 e⁺ [J]
     double in_modes = 0;     ///< λ̄ᵀMλ̄ [J]; needed only if contact begins or opens
   };
 
@@ -103,7 +106,7 @@ class MeanForce {
     bool shock = false;      ///< the step was the first one of a shock
     bool restarts = false;   ///< the history begins anew with the step
     double bank = 0;         ///< [J]
-    double in_residual = 0;  ///< λᵀRλ [J]
+    double in_residual = 0;  ///< λᵀRλ + 2 e [J]
   };
   bool conserving_;
   bool carries_ = false;  ///< whether end_ or before_ differs from 0

@@ -63,7 +63,7 @@ Work ModalState::free_step() noexcept {
   return work();
 }
 
-/// ½ pᵀ R p
+/// ½ pᵀ R p, and the energy of the springs
 double ModalState::residual_energy(const Vector& force) const noexcept {
   double energy = 0;
   for (Eigen::Index j = 0; j < force.size(); ++j) {
@@ -71,7 +71,7 @@ double ModalState::residual_energy(const Vector& force) const noexcept {
     for (Eigen::Index i = 0; i < force.size(); ++i)
       if (force(i) != 0) energy += 0.5 * force(j) * system->R(i, j) * force(i);
   }
-  return energy;
+  return energy + energy_of(system->springs, force);
 }
 
 bool ModalState::step_under(const Vector& mean, const Vector& end, const Work* at_points) noexcept {
@@ -122,6 +122,7 @@ void ModalState::displacement(const Vector& force, Vector& u) const noexcept {
   u.noalias() += system->B * q;
   for (Eigen::Index i = 0; i < force.size(); ++i)
     if (force(i) != 0) u -= force(i) * system->R.col(i);
+  yield(system->springs, force, u);
 }
 
 }  // namespace ricochet::contact

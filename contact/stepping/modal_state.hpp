@@ -35,7 +35,7 @@ struct ModalState {
   int strike(const Vector& impulse, Work& work) noexcept;
   /// Makes next_q, next_v the state. Returns false and changes nothing if they are not finite.
   bool commit(const Work& work, double residual) noexcept;
-  /// Computes u = B q + s − R p (n).
+  /// Computes u = B q + s − R p − s(λ) (n).
   void displacement(const Vector& force, Vector& u) const noexcept;
 
   std::shared_ptr<const StepSystem> system;

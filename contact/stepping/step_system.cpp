@@ -80,6 +80,10 @@ std::shared_ptr<const StepSystem> make_step_system(const Model& model, const Ste
   out.v0 = model.v0;
   out.B = model.B;
   out.gap = model.gap;
+  if (compliant)
+    out.springs = model.springs();
+  else if (model.bulge.size() > 0)
+    out.gap += model.bulge;
   out.R = model.R;
   out.friction = model.friction;
   out.belts = model.belts;

@@ -34,13 +34,14 @@ struct StepSystem : ModeConstants {
   Vector omega, decay;  ///< (N)
   Vector v0;            ///< (N) q̇ at t = 0
   // Rows (n) as in Model: m normal ones, then the tangential ones of points with friction.
-  Matrix B;                ///< (n,N)
-  Vector s;                ///< (n) s of constant loads
-  Vector gap;              ///< (m) g
-  Eigen::MatrixXd R;       ///< (n,n) residual flexibility, including modes moved into it
-  Eigen::MatrixXd M;       ///< (n,n) compliant: B c Bᵀ
-  Eigen::MatrixXd S;       ///< (n,n) compliant: M + R; impulse: A
-  Eigen::MatrixXd S_mean;  ///< (n,n) a M + R of conserving steps; empty if steps are not conserving
+  Matrix B;                          ///< (n,N)
+  Vector s;                          ///< (n) s of constant loads
+  Vector gap;                        ///< (m) g; impulse: of the means of patches
+  Eigen::MatrixXd R;                 ///< (n,n) residual flexibility, including modes moved into it
+  Eigen::MatrixXd M;                 ///< (n,n) compliant: B c Bᵀ
+  Eigen::MatrixXd S;                 ///< (n,n) compliant: M + R; impulse: A
+  Eigen::MatrixXd S_mean;            ///< (n,n) a M + R of conserving steps; empty if steps are not conserving
+  std::vector<PatchSpring> springs;  ///< (m), or empty; of R without the modes moved into it
   std::vector<Model::FrictionPoint> friction;
   std::vector<Model::Belt> belts;
   Vector norm;  ///< (m) |B_i|, of the impulse scheme

@@ -23,9 +23,9 @@ Stepper::Stepper(const StepOptions& options, const Model& model)
     : options_(options),
       points_(model.points()),
       solver_(static_cast<int>(model.rows()), {.same_matrix = true, .max_pivots = options.max_pivots},
-              !model.friction.empty(), options.friction_law),
+              !model.friction.empty(), options.friction_law, !model.springs().empty()),
       mean_solver_(static_cast<int>(model.rows()), {.same_matrix = true, .max_pivots = options.max_pivots},
-                   !model.friction.empty(), options.friction_law),
+                   !model.friction.empty(), options.friction_law, !model.springs().empty()),
       contact_{.mean = {model.rows(), conserves(model, options)},
                .slip = {std::ssize(model.friction), model.rows(), options.step}} {
   for (Vector* x : {&contact_.force, &u_, &next_force_, &next_end_, &next_u_}) x->setZero(model.rows());

@@ -35,6 +35,7 @@ Table table_from_modes(const Model& model, const StepOptions& options, std::int6
   Table table;
   table.step = options.step;
   table.gap = model.gap;
+  if (model.bulge.size() > 0) table.gap += model.bulge;  // no springs
   table.area = model.area;
 
   // The motion without contact is that of the same bodies out of reach of each other.

@@ -129,6 +129,8 @@ contact::Model model_of(const scene::Scene& scene, const contact::Placement& pla
                         const Driven& driven) {
   refuse_rods(scene, placement);
   contact::Model model = contact::build_model(placement, vector(scene.loads.gravity), driven.forcing);
+  if (scene.contact.scheme == Scheme::impulse || scene.contact.kernel == scene::ContactKernel::table)
+    contact::use_mean_gaps(model);
   for (const BeltRequest& belt : driven.belts)
     contact::add_belt(model, belt.obstacle, belt.vector, belt.history);
   return model;

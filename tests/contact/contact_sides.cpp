@@ -71,6 +71,34 @@ TEST(SideVelocities, of_rods_are_those_of_d_Alembert) {
   EXPECT_LT(std::sqrt(square / count), 0.05);
 }
 
+/// The bulge of the ends is flattened on both sides, in the ratio of their R, so that their points stay
+/// together.
+TEST(SideDisplacements, of_bulging_rods_differ_by_the_gap_while_they_touch) {
+  const Kernel striker = rod(60, 10), struck = rod(40, 10);
+  Model model = rods(striker, struck);
+  model.bulge = Vector::Constant(1, 0.02);
+  const StepOptions options{.step = 0.02};
+  const auto stepper = make_stepper(model, options);
+  ContactSides sides(model, options);
+  int partial = 0;
+  for (int k = 1; k <= 300; ++k) {
+    ASSERT_EQ(stepper->step(), StepStatus::ok);
+    const SidesMotion& now = sides.after(*stepper);
+    EXPECT_NEAR(now.displacement_a(0) - now.displacement_b(0), stepper->displacement()(0), 1e-12);
+    const double force = stepper->end_force()(0);
+    if (force > 0) {
+      const auto spring = model.springs()[0];
+      partial += force < spring.limit ? 1 : 0;
+      double modes = 0;
+      for (int n = 0; n < 60; ++n) modes += model.B(0, n) * stepper->modal()->q(n);
+      EXPECT_NEAR(modes - now.displacement_a(0),
+                  model.R_a(0, 0) * (force + spring.displacement(force) / model.R(0, 0)), 1e-12);
+    }
+    sides.pass(*stepper);
+  }
+  EXPECT_GT(partial, 100);
+}
+
 TEST(SideVelocities, of_a_point_pressed_on_a_rigid_wall_are_zero) {
   const Kernel kernel = rod(12, 10);
   for (const double step : {0.02, 0.6}) {  // 0.6: the modes above n = 16 would be quasi-static

@@ -269,6 +269,63 @@ Kernel post(int modes) {
   return kernel;
 }
 
+// ---- Springs of patches ----
+
+// The law of the spring, tabulated and inverted by bisection; its energy by quadrature.
+TEST(Equilibrium, of_a_bulging_point_meets_the_law_of_its_spring) {
+  const double weight = 3, c = 0.5, gap = 0.1, bulge = 2;  // x = 3 · 0.5/4
+  Model model;
+  model.omega = Vector::Zero(1);
+  model.load = Vector::Constant(1, weight);
+  model.B = Matrix::Ones(1, 1);
+  model.R = Matrix::Constant(1, 1, c);
+  model.gap = Vector::Constant(1, gap);
+  model.bulge = Vector::Constant(1, bulge);
+  model.area = Vector::Ones(1);
+  model.static_displacement = Vector::Zero(1);
+  const auto law = [&](double force) {
+    const double x = force * c / (2 * bulge);
+    return 3 * bulge * std::pow(x, 2.0 / 3) - force * c;
+  };
+  double stored = 0;
+  const int parts = 100'000;
+  for (int k = 0; k < parts; ++k)
+    stored += weight * (k + 0.5) / parts * (law(weight * (k + 1) / parts) - law(weight * k / parts));
+  for (const auto solver : {EquilibriumOptions::Solver::exact, uzawa}) {
+    const Equilibrium at_rest = find_equilibrium(model, {.solver = solver});
+    const double fine = solver == uzawa ? 1e-6 : 1e-10;  // Uzawa balances forces to 1e-7
+    EXPECT_NEAR(at_rest.force(0), weight, fine);
+    EXPECT_NEAR(at_rest.q(0), gap + law(weight) + c * weight, 10 * fine);
+    EXPECT_NEAR(at_rest.displacement(0), gap, 10 * fine);
+    EXPECT_NEAR(at_rest.energy.residual, c * weight * weight / 2 + stored, 1e-5);
+  }
+}
+
+TEST(Equilibrium, of_many_bulging_points_meets_its_conditions) {
+  Statics statics = random_statics(60, 20, 3, 7);
+  Model& model = statics.model;
+  const double typical = find_equilibrium(model).force.maxCoeff() * model.R.diagonal().mean();
+  model.bulge = Vector::LinSpaced(60, 0, 0.5 * typical);
+  const auto springs = model.springs();
+  const Equilibrium at_rest = find_equilibrium(model), slow = find_equilibrium(model, {.solver = uzawa});
+  const VectorXd open = model.gap - at_rest.displacement;
+  const double scale = statics.S.cwiseAbs().rowwise().sum().maxCoeff() * at_rest.force.maxCoeff();
+  int partial = 0;
+  for (int i = 0; i < 60; ++i) {
+    const double f = at_rest.force(i);
+    partial += f > 0 && f < springs[i].limit ? 1 : 0;
+    const double s = f > 0 && springs[i].bulge > 0 ? springs[i].displacement(f) : 0;
+    const double u =
+        model.B.row(i).dot(at_rest.q) + model.static_displacement(i) - model.R.row(i).dot(at_rest.force);
+    EXPECT_NEAR(open(i), model.gap(i) - u + s, 1e-12 * scale);
+  }
+  EXPECT_GT(partial, 3);
+  EXPECT_GT(open.minCoeff(), -1e-10 * scale);
+  EXPECT_LT(at_rest.force.cwiseProduct(open).cwiseAbs().maxCoeff(), 1e-10 * scale * at_rest.force.maxCoeff());
+  EXPECT_LT((statics.B.transpose() * at_rest.force - statics.f).norm(), 1e-9 * statics.f.norm());
+  EXPECT_LT((slow.force - at_rest.force).cwiseAbs().maxCoeff(), 1e-4 * at_rest.force.maxCoeff());
+}
+
 /// A mass on a spring of stiffness k, with a pad of flexibility c on the wall side, at a distance `gap` from
 /// a wall, and a force f towards the wall.
 Model on_spring(double k, double c, double gap, double f) {

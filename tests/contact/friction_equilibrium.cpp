@@ -89,6 +89,27 @@ TEST(FrictionEquilibrium, of_a_block_on_an_incline_carries_its_weight_by_frictio
   }
 }
 
+// 1e-10: the work of feet that yield by 1e-7 m is a difference of sums.
+TEST(FrictionEquilibrium, of_a_block_on_bulging_feet_closes_the_ledger) {
+  const Kernel kernel = block();
+  const double angle = 0.3;
+  Model model = on_incline(kernel, angle, 1.2 * std::tan(angle), 1e-8);
+  model.bulge = Vector::Constant(4, 1e-7);
+  const Equilibrium at_rest = find_equilibrium(model);
+  const double level = mass * gravity * std::cos(angle) / 4;
+  const auto springs = model.springs();
+  double flattened = 0;
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_GT(at_rest.force(i), 0.1 * level);
+    EXPECT_LT(at_rest.force(i), springs[i].limit);
+    flattened += springs[i].energy(at_rest.force(i));
+  }
+  EXPECT_NEAR(at_rest.energy.residual - 0.5 * at_rest.force.dot(model.R * at_rest.force), flattened,
+              1e-12 * flattened);
+  EXPECT_NEAR(at_rest.energy.ledger(), 0, 1e-10 * at_rest.energy.loads);
+  EXPECT_LT(std::abs(at_rest.energy.contact), 0.05 * flattened);
+}
+
 TEST(FrictionEquilibrium, that_needs_more_friction_is_refused_with_the_force_that_is_missing) {
   const Kernel kernel = block();
   const double angle = 0.3;
