@@ -16,6 +16,9 @@ using Eigen::Index;
 /// on either side on a line, and the six around a point of a surface of equal triangles.
 constexpr double reach = 1.4;
 
+/// Weight of a curvature against a slope where the parts of a patch do not tell them apart, as at an edge.
+constexpr double weight = 1e-3;
+
 double reach_of(const Matrix& at, Index i, Index first, Index count) {
   double nearest = std::numeric_limits<double>::infinity(), second = nearest;
   for (Index j = first; j < first + count; ++j) {
@@ -30,8 +33,9 @@ double reach_of(const Matrix& at, Index i, Index first, Index count) {
 }
 
 struct Shares {
-  Matrix T;     ///< (fewer, m); in `rows_of` (fewer n, n)
-  Vector area;  ///< (fewer) A_I [m²]
+  Matrix T;                   ///< (fewer, m); in `rows_of` (fewer n, n)
+  Vector area;                ///< (fewer) A_I [m²]
+  std::vector<Index> centre;  ///< (fewer) the points that were kept
 };
 
 Shares shares(const Model& model) {
@@ -39,6 +43,7 @@ Shares shares(const Model& model) {
   const Index m = model.gap.size();
   Matrix c = Matrix::Zero(m, m);  // (kept, m); rows in use first
   Index kept = 0;
+  std::vector<Index> all;
   for (const Model::PairBlock& pair : model.pairs) {
     const Index first = pair.first_point, count = pair.points;
     std::vector<double> near;
@@ -61,8 +66,9 @@ Shares shares(const Model& model) {
       c.col(i) /= sum;
     }
     kept += static_cast<Index>(centre.size());
+    all.insert(all.end(), centre.begin(), centre.end());
   }
-  Shares out{c.topRows(kept) * model.area.asDiagonal(), {}};
+  Shares out{c.topRows(kept) * model.area.asDiagonal(), {}, std::move(all)};
   out.area = out.T.rowwise().sum();
   out.T = (out.area.cwiseInverse().asDiagonal() * out.T).eval();
   return out;
@@ -98,11 +104,42 @@ Matrix rows_of(const Model& model, const Matrix& T, Model& out) {
   return all;
 }
 
+/// By how much the gaps of the parts of a wide patch exceed, on average, those of a linear function, because
+/// they curve away from the point at its centre [m]; at least 0.
+double curve_of(const Model& model, const Eigen::Ref<const Vector>& share, Index centre) {
+  std::vector<Index> parts;
+  for (Index i = 0; i < share.size(); ++i)
+    if (share(i) > 0 && i != centre) parts.push_back(i);
+  if (parts.empty()) return 0;
+  const auto count = static_cast<Index>(parts.size());
+  const Matrix d = model.point_a(parts, Eigen::all).rowwise() - model.point_a.row(centre);
+  const Vector square = 0.5 * d.rowwise().squaredNorm();
+  const double size = std::sqrt(2 * square.maxCoeff());
+  if (!(size > 0)) return 0;
+  Eigen::MatrixXd features(count, 4);
+  features << d / size, weight / (size * size) * square;
+  const Vector rise = model.gap(parts).array() - model.gap(centre);
+  const double curvature = features.completeOrthogonalDecomposition().solve(rise)(3) * weight / (size * size);
+  return std::max(0.0, curvature) * share(parts).dot(square);
+}
+
+/// Sets the gaps and bulges of wide patches.
+void set_gaps(const Model& model, const Shares& shares, Model& out) {
+  out.gap = shares.T * model.gap;
+  out.bulge = shares.T.leftCols(model.bulge.size()) * model.bulge;
+  if (model.bulge.size() == 0 || model.bulge.isZero(0)) return;
+  for (Index I = 0; I < out.gap.size(); ++I) {
+    out.gap(I) = model.gap(shares.centre[I]);
+    out.bulge(I) += curve_of(model, shares.T.row(I).transpose(), shares.centre[I]);
+  }
+}
+
 }  // namespace
 
 Model coarsened(const Model& model) {
   Model out = model;
-  const auto [means, area] = shares(model);
+  const Shares wide = shares(model);
+  const Matrix& means = wide.T;
   Index first = 0;
   for (Model::PairBlock& pair : out.pairs) {
     const auto columns = means.middleCols(pair.first_point, pair.points).array();
@@ -110,11 +147,11 @@ Model coarsened(const Model& model) {
     pair.first_point = static_cast<int>(std::exchange(first, first + count));
     pair.points = count;
   }
-  out.gap = means * model.gap;
+  set_gaps(model, wide, out);
   out.point_a = means * model.point_a;
   out.point_b = means * model.point_b;
   out.normal = means * model.normal;
-  out.area = area;
+  out.area = wide.area;
   const Matrix T = rows_of(model, means, out);
   out.B = T * model.B;
   out.R = T * model.R * T.transpose();

@@ -12,9 +12,17 @@ namespace ricochet::contact {
 ///
 ///   w_I = Σ_i c_Ii w_i,   A_I = Σ_i c_Ii A_i,   u_I = Σ_i T_Ii u_i  with  T_Ii = c_Ii A_i/A_I
 ///
-/// B, R, gaps and static displacements follow with T, so only the choice of patches differs. On a curved
-/// surface, the normals of wide patches are means and slightly shorter than 1. Pairs with one point do not
-/// change.
+/// B, R, static displacements and, without bulges, gaps follow with T, so only the choice of patches differs.
+/// On a curved surface, the normals of wide patches are means and slightly shorter than 1. Pairs with one
+/// point do not change.
+///
+/// In models with bulges, the gap of a wide patch is that of the point that was kept, g_I. A linear function
+/// plus ½ κ |d|² is fitted to the gaps of its parts, at distances d from that point. The bulge is
+///
+///   b_I = Σ_i T_Ii (b_i + max(0, κ) |d_i|²/2)
+///
+/// so that on a smooth surface g_I + b_I is the mean gap of the parts, and the edge of a flat face, where
+/// gaps are linear on either side, has no bulge.
 Model coarsened(const Model& model);
 
 /// Returns the model coarsened `times` times.

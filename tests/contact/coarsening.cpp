@@ -81,6 +81,46 @@ TEST(Coarsened, points_know_the_candidates_that_they_are_made_of) {
   EXPECT_LT((P * R * P.transpose() - wide.R).cwiseAbs().maxCoeff(), 1e-13);
 }
 
+// A paraboloid above a floor. The bulge of a fine patch is what its hat makes of the curvature, h²/3 · κ/2
+// for h = 1/16. Wide patches have the mean gap of their parts, which does not depend on the choice of
+// patches.
+TEST(Coarsened, smooth_surface_keeps_its_mean_gaps_and_bulges_more) {
+  ricochet::kernels::Kernel kernel;
+  Model fine = sheet_on_floor(square(16, 16), kernel);
+  const double curvature = 0.02, h = 1.0 / 16;
+  for (Eigen::Index i = 0; i < fine.gap.size(); ++i) {
+    const Eigen::RowVector2d d = fine.point_a.row(i).head<2>() - Eigen::RowVector2d(0.4, 0.55);
+    fine.gap(i) = 1 + 0.5 * curvature * d.squaredNorm() + 0.1 * d.x();
+  }
+  fine.bulge = Vector::Constant(fine.gap.size(), curvature * h * h / 6);
+  const Model wide = coarsened(fine);
+  Model mean = fine;
+  use_mean_gaps(mean);
+  const Model expected = coarsened(mean);
+  int inside = 0;
+  for (Eigen::Index i = 0; i < wide.gap.size(); ++i) {
+    const Vector3d at = wide.point_a.row(i);
+    if ((at.head<2>().array() < 2 * h).any() || (at.head<2>().array() > 1 - 2 * h).any()) continue;
+    ++inside;
+    EXPECT_GT(wide.bulge(i), 2 * fine.bulge(0));
+    EXPECT_LT(wide.bulge(i), 8 * fine.bulge(0));
+    // Parts lie on either side of the point, unless it has fewer neighbours on one of them.
+    EXPECT_NEAR(wide.gap(i) + wide.bulge(i), expected.gap(i), 0.1 * h * 0.5);
+  }
+  EXPECT_GT(inside, 20);
+}
+
+TEST(Coarsened, tilted_face_has_no_bulge_at_its_edges) {
+  ricochet::kernels::Kernel kernel;
+  Model fine = sheet_on_floor(square(9, 7), kernel);
+  for (Eigen::Index i = 0; i < fine.gap.size(); ++i) fine.gap(i) = 1 + 0.3 * fine.point_a(i, 0);
+  fine.bulge = Vector::Zero(fine.gap.size());
+  fine.bulge(0) = 1e-9;  // otherwise, gaps are those of means
+  const Model wide = coarsened(fine);
+  EXPECT_LT(wide.bulge.maxCoeff(), 1e-6);
+  EXPECT_NEAR(wide.gap.minCoeff(), 1 + 0.3 * fine.point_a.col(0).minCoeff(), 1e-12) << "the edge itself";
+}
+
 TEST(Coarsened, point_that_stands_alone_stays) {
   const ricochet::kernels::Kernel one = rod(3, 10), other = rod(3, 10);
   const Model model = build_model(
