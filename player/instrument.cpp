@@ -64,8 +64,8 @@ Instrument load(std::span<const std::byte> block, const std::string& origin) {
   if (block.size() < head || std::memcmp(block.data(), "ricochet", 8) != 0)
     refuse(origin, "is not a block of an instrument.");
   Reader in(block.subspan(8), origin);
-  if (const std::uint32_t version = in.number(); version != 1)
-    refuse(origin, "has version " + std::to_string(version) + ", but this player reads version 1.");
+  if (const std::uint32_t version = in.number(); version != 2)
+    refuse(origin, "has version " + std::to_string(version) + ", but this player reads version 2.");
   const std::uint32_t N = in.number(), P = in.number(), K = in.number(), Z = in.number(), text = in.number(),
                       length = in.number();
   if (length != block.size()) refuse(origin, "is not as long as its header announces.");
@@ -105,6 +105,7 @@ Instrument load(std::span<const std::byte> block, const std::string& origin) {
     in.take(place.normal.data(), 3);
     place.rate = in.vector(P, "velocity of the mallet");
     place.gap = in.vector(m, "gaps");
+    place.bulge = in.vector(m, "bulges", 0);
     place.area = in.vector(m, "areas", 0);
     place.B = in.array<contact::Matrix>(m, N + P, "contact rows", Reader::any);
     place.flexibility = in.array<contact::Matrix>(m, m, "residual flexibility", Reader::any);

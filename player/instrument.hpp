@@ -6,7 +6,7 @@
 // little-endian; N modes of the body, P of the mallet, K mallets, Z places, m contact points of a place.
 //
 //   8 bytes      "ricochet"
-//   u32 (7)      version 1, N, P, K, Z, length of the text in bytes, length of the block in bytes
+//   u32 (7)      version 2, N, P, K, Z, length of the text in bytes, length of the block in bytes
 //   u32 (Z)      m of each place
 //   bytes        text: names of the mallets, each followed by a newline, then bytes up to a multiple of 8
 //   f64          contact steps per second, at least
@@ -17,7 +17,7 @@
 //   then for each place:
 //   f64 (3),(3)  its point [m] and outward unit normal, in the axes of the body
 //   f64 (P)      modal velocity of the mallet that moves towards it at 1 m/s [kg^1/2]
-//   f64 (m),(m)  initial gaps g [m], areas A [m²]
+//   f64 (m) × 3  initial gaps g [m], bulges b [m], areas A [m²]
 //   f64 (m,N+P)  rows of B of the body and of the mallet [kg^-1/2]
 //   f64 (m,m)    residual flexibility R of both [m/N]
 #pragma once
@@ -45,6 +45,7 @@ struct Place {
   Vector3 point{}, normal{};
   contact::Vector rate;         ///< (P) modal velocity of the kernel's mallet at 1 m/s
   contact::Vector gap, area;    ///< (m)
+  contact::Vector bulge;        ///< (m) b of patch_spring.hpp [m]
   contact::Matrix B;            ///< (m,N+P)
   contact::Matrix flexibility;  ///< (m,m) R
 };

@@ -28,6 +28,10 @@ Eigen::Index most_points(const Instrument& instrument) {
   return most;
 }
 
+bool has_bulges(const Instrument& instrument) {
+  return std::ranges::any_of(instrument.places, [](const Place& place) { return !place.bulge.isZero(0); });
+}
+
 bool has_residual(const Instrument& instrument) {
   bool any = false;
   for (const Place& place : instrument.places) any = any || !place.flexibility.isZero(0);
@@ -53,8 +57,11 @@ StruckBody::StruckBody(const Instrument& instrument, int mallets, double step, d
       points_(most_points(instrument)),
       modes_(N_),
       count_(static_cast<std::size_t>(mallets), 0),
-      solver_(static_cast<int>(mallets * points_), same_matrix),
-      mean_solver_(static_cast<int>(mallets * points_), same_matrix),
+      springs_(static_cast<std::size_t>(has_bulges(instrument) ? mallets * points_ : 0)),
+      solver_(static_cast<int>(mallets * points_), same_matrix, false, FrictionLaw::coulomb,
+              !springs_.empty()),
+      mean_solver_(static_cast<int>(mallets * points_), same_matrix, false, FrictionLaw::coulomb,
+                   !springs_.empty()),
       mean_(mallets * points_, has_residual(instrument)) {
   const Eigen::Index modes = N_ + mallets * P_, rows = mallets * points_;
   for (Vector* x : {&contact_.S, &contact_.c, &contact_.rate, &stiffness_, &q_, &v_, &g_, &dq_, &push_})
@@ -108,6 +115,13 @@ void StruckBody::bring(int slot, const Place& place, int mallet, double speed) n
     overlap = std::max(overlap, u_(row + i) - place.gap(i));
   }
   gap_.segment(row, m) = place.gap.array() + overlap;
+  for (Eigen::Index i = 0; i < m && !springs_.empty(); ++i) {
+    const double yields = R_(row + i, row + i);
+    if (yields > 0)
+      springs_[row + i] = contact::PatchSpring::of(place.bulge(i), yields);
+    else
+      gap_(row + i) += place.bulge(i);
+  }
   couple(slot);
 }
 
@@ -123,6 +137,7 @@ void StruckBody::take(int slot) noexcept {
     x->middleCols(row, points_).setZero();
   }
   gap_.segment(row, points_).setConstant(absent);
+  if (!springs_.empty()) std::fill_n(springs_.begin() + row, points_, contact::PatchSpring{});
   for (Vector* x : {&u_, &free_u_, &rest_, &next_end_, &next_force_, &next_u_, &next_rest_})
     x->segment(row, points_).setZero();
   renumber();
@@ -156,6 +171,8 @@ void StruckBody::couple(int slot) noexcept {
 MeanForce::Trial StruckBody::attempt(const MeanWeights& weights) noexcept {
   const Eigen::Index n = rows_;
   const bool euler = weights == backward_euler;
+  const std::span<const contact::PatchSpring> springs(springs_.data(),
+                                                      springs_.empty() ? 0 : static_cast<std::size_t>(n));
   const Eigen::MatrixXd& S = euler ? S_ : S_mean_;
   auto force = next_force_.head(n), end = next_end_.head(n), u = next_u_.head(n), rest = next_rest_.head(n);
   const auto now = mean_.end().head(n);
@@ -170,16 +187,24 @@ MeanForce::Trial StruckBody::attempt(const MeanWeights& weights) noexcept {
   end.setZero();
   MeanForce::Trial out;
   if (!(rhs_.head(n).array() < 0).all()) {  // NaN included
-    out.status = (euler ? solver_ : mean_solver_).solve(S.topLeftCorner(n, n), rhs_.head(n), end);
+    end = now;
+    out.status =
+        (euler ? solver_ : mean_solver_).solve(S.topLeftCorner(n, n), rhs_.head(n), springs, {}, end);
     if (out.status != SolveStatus::solved) return out;
   }
-  add(-1, S, end, u);  // B q⁺ − R λ⁺
+  add(-1, S, end, u);
+  contact::yield(springs, end, u);  // B q⁺ − R λ⁺ − s(λ⁺)
   force += weights.end * end;
   rest.setZero();
   add(1, R_, end, rest);
   out.in_residual = end.dot(rest);
   out.removed =
       force.dot(u - u_.head(n) + rest - rest_.head(n)) + 0.5 * (now.dot(rest_.head(n)) - out.in_residual);
+  if (!springs.empty()) {
+    const contact::SpringWork work = contact::work_of(springs, now, end, force);
+    out.in_residual += 2 * work.stored;
+    out.removed += work.removed;
+  }
   out.opens = (end.array() == 0).all();
   if (mean_.begins() || out.opens)
     for (Eigen::Index j = 0; j < n; ++j)

@@ -4,8 +4,9 @@
 //
 //   0 ≤ λ⁺ ⟂ S λ⁺ − (û − M h − g) ≥ 0,   û = B q̂ with q̂ the motion without contact,   S = a M + R
 //
-// with the conserving mean of mean_force.hpp. All contact points of all mallets enter one problem, so mallets
-// that touch at the same time feel each other through the modes of the body. They do not feel each other's
+// with the conserving mean of mean_force.hpp and springs of the points (patch_spring.hpp), whose R_ii
+// includes the layer of the mallet. All contact points of all mallets enter one problem, so mallets that
+// touch at the same time feel each other through the modes of the body. They do not feel each other's
 // residual flexibility, which decays away from a contact. Mallet k has the modes N + kP … and the rows km ….
 #pragma once
 
@@ -13,7 +14,7 @@
 #include <cmath>
 #include <vector>
 
-#include "contact/complementarity/complementarity.hpp"
+#include "contact/complementarity/contact_solver.hpp"
 #include "contact/stepping/mean_force.hpp"
 #include "player/instrument.hpp"
 #include "player/loops.hpp"
@@ -90,7 +91,8 @@ class StruckBody {
   Eigen::MatrixXd M_, R_, S_, S_mean_;
   Vector gap_, u_, free_u_, rhs_, rest_, next_rest_, next_u_, next_end_, next_force_;  ///< (rows)
   Vector g_, dq_, push_;                                                               ///< (modes)
-  contact::ComplementaritySolver solver_, mean_solver_;
+  std::vector<contact::PatchSpring> springs_;  ///< (rows); empty if no place has bulges
+  contact::ContactSolver solver_, mean_solver_;
   contact::MeanForce mean_;
   double force_ = 0, residual_ = 0, removed_ = 0;
 };

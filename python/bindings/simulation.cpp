@@ -174,6 +174,7 @@ py::dict contact_system(const scene::Scene& scene, const std::vector<Kernel>& ke
   out["B"] = array(model.B);
   out["R"] = array(model.R);
   out["gap"] = array(model.gap);
+  out["bulge"] = array(model.bulge);
   out["area"] = array(model.area);
   out["point_a"] = array(model.point_a);
   out["point_b"] = array(model.point_b);

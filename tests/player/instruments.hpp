@@ -43,6 +43,7 @@ inline Place place_of(const Scene& scene) {
   place.normal = {0, 0, -1};
   place.rate = model.v0.segment(mallet.first_mode, mallet.modes) / std::hypot(v[0], v[1], v[2]);
   place.gap = model.gap;
+  place.bulge = model.bulge;
   place.area = model.area;
   place.B.resize(model.points(), bell.modes + mallet.modes);
   place.B << model.B.middleCols(bell.first_mode, bell.modes),
@@ -89,7 +90,7 @@ inline std::vector<std::byte> block_of(const Instrument& instrument) {
   std::string names;
   for (const Mallet& mallet : instrument.mallets) names += mallet.name + "\n";
   put("ricochet", 8);
-  number(1);
+  number(2);
   for (const std::size_t count :
        {static_cast<std::size_t>(instrument.omega.size()),
         static_cast<std::size_t>(instrument.mallet_omega.size()), instrument.mallets.size(),
@@ -108,6 +109,7 @@ inline std::vector<std::byte> block_of(const Instrument& instrument) {
     doubles(place.normal);
     doubles(place.rate);
     doubles(place.gap);
+    doubles(place.bulge);
     doubles(place.area);
     doubles(place.B);
     doubles(place.flexibility);

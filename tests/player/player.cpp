@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "contact/stepping/stepper.hpp"
 #include "ricochet/ricochet.hpp"
 #include "tests/contact/heap_counter.hpp"
 #include "tests/player/instruments.hpp"
@@ -77,6 +78,33 @@ TEST(Player, has_the_forces_and_the_sound_of_the_library) {
     EXPECT_EQ(player.mallets(), 0);
     EXPECT_EQ(player.failures(), 0);
   }
+}
+
+// As above, with the bulges of a rounded tip, which an instrument from a scene of flat plates lacks.
+TEST(Player, flattens_bulges_as_the_library_does) {
+  const double speed = 0.3;
+  const Scene scene = plates(speed, 2);
+  Instrument instrument = instrument_of({scene});
+  contact::Model model = model_of(scene);
+  model.bulge = instrument.places[0].bulge = contact::Vector::LinSpaced(model.points(), 0, 4e-6);
+  Player player(instrument, rate);
+  ASSERT_TRUE(player.strike({.speed = speed}));
+  render(player, 400);
+  const auto stepper = contact::make_stepper(model, {.step = 1 / player.contact_rate_hz(), .block = 1});
+  const auto springs = model.springs();
+  std::vector<double> expected;
+  int partial = 0;
+  for (std::size_t k = 0; k < player.forces().size(); ++k) {
+    ASSERT_EQ(stepper->step(), StepStatus::ok);
+    expected.push_back(stepper->force().sum());
+    for (Eigen::Index i = 0; i < model.points(); ++i)
+      partial += stepper->end_force()(i) > 0 && stepper->end_force()(i) < springs[i].limit ? 1 : 0;
+  }
+  const double peak = *std::ranges::max_element(expected);
+  ASSERT_GT(peak, 0);
+  EXPECT_GT(partial, 10);
+  for (std::size_t k = 0; k < expected.size(); ++k)
+    ASSERT_NEAR(player.forces()[k], expected[k], 1e-11 * peak) << k;
 }
 
 // The library sees both mallets from the start: the second one flies until the first one has left. The player
@@ -152,7 +180,7 @@ TEST(Player, meets_a_soft_layer_as_a_mass_on_a_spring) {
   instrument.omega *= 100;
   instrument.contact_rate_hz = 0;
   instrument.places[0].B = instrument.places[0].B.topRows(1).eval();
-  instrument.places[0].gap = contact::Vector::Zero(1);
+  instrument.places[0].gap = instrument.places[0].bulge = contact::Vector::Zero(1);
   instrument.places[0].area = contact::Vector::Constant(1, 0.5);
   instrument.places[0].flexibility = contact::Matrix::Zero(1, 1);
   instrument.places[0].B.rightCols(5).setZero();  // a rigid mallet

@@ -19,7 +19,7 @@ from ricochet.kernel import Kernel
 from ricochet.progress import Progress
 from ricochet.scene import Scene
 
-VERSION = 1
+VERSION = 2
 MOST_PLACES = 128
 MOST_POINTS = 8  # of a place other than that of the scene, those of smallest gap
 OWN_POINTS = 64  # of the place of the scene
@@ -43,6 +43,7 @@ class Place:
     normal: Array  #: (3) out of the body, world
     rate: Array  #: (P) modal velocity of the mallet at 1 m/s
     gap: Array  #: (m) [m]
+    bulge: Array  #: (m) by which patches bulge beyond their means [m]
     area: Array  #: (m) [m²]
     rows: Array  #: (m,N+P) of B
     flexibility: Array  #: (m,m) R [m/N]
@@ -72,8 +73,8 @@ class Instrument:
         numbers: list[Any] = [self.contact_rate_hz, self.omega, self.decay, self.sound, self.mallet_omega]
         numbers += [self.mallet_decay, [[mallet.mass, mallet.layer] for mallet in self.mallets]]
         for place in self.places:
-            numbers += [place.point, place.normal, place.rate, place.gap, place.area, place.rows]
-            numbers.append(place.flexibility)
+            numbers += [place.point, place.normal, place.rate, place.gap, place.bulge, place.area]
+            numbers += [place.rows, place.flexibility]
         data = b"".join(np.asarray(values, "<f8").tobytes() for values in numbers)
         length = 36 + len(text) + len(data)
         return struct.pack("<8s7I", b"ricochet", VERSION, *counts, length) + text + data
@@ -146,6 +147,7 @@ class Striking:
             normal=normal,
             rate=system["rate"][mallet],
             gap=system["gap"][chosen],
+            bulge=system["bulge"][chosen],
             area=system["area"][chosen],
             rows=np.hstack([rows[:, body], rows[:, mallet]]),
             flexibility=system["R"][np.ix_(chosen, chosen)],
