@@ -10,6 +10,7 @@ from ricochet import errors
 OTHERS = {
     "--errors": "errors_caught",
     "--extremes": "extremes_table",
+    "--balls": "hertz_balls",
     "--bodies": "random_bodies",
     "--estimates": "true_errors",
     "--friction": "friction_energy",
