@@ -59,7 +59,8 @@ struct StepOptions {
   /// Number of contact steps Δ per output sample. In free flight, the compliant scheme jumps from sample to
   /// sample; it makes contact steps only where a point could close.
   int steps_per_sample = 1;
-  /// Bound on the work of a step: the number of changes of the active set in its solve.
+  /// Bound on the work of a step: the number of changes of the active set in its solve. Where points have
+  /// springs (contact/complementarity/patch_spring.hpp), it bounds each of at most 8 linear problems.
   int max_pivots = std::numeric_limits<int>::max();
   /// Length of a look-ahead block: the number of steps of the compliant scheme computed by one matrix
   /// product. 1 turns blocks off; 0 chooses the length from the number of points. The result is the same to
@@ -85,12 +86,13 @@ enum class StepStatus {
 struct Energy {
   double kinetic = 0;   ///< ½ |q̇|²; with moving supports ½ |q̇ + Γ dū/dt|²
   double strain = 0;    ///< ½ Σ ω² q²
-  double residual = 0;  ///< ½ pᵀ R p, with p the forces λ and τ at the end of the step
+  double residual = 0;  ///< ½ pᵀ R p, with p the forces λ and τ at the end of the step, and the energy of
+                        ///< springs (contact/complementarity/patch_spring.hpp)
   double loads = 0;  ///< work so far of gravity, fᵀ (q − q0), of loads and of supports, including ∫ λᵀ ds,
                      ///< and of moving obstacles
   double damping = 0;  ///< ∫ 2 δ q̇², so far
   double contact = 0;  ///< removed by contact so far; compliant: λ̄ᵀ(B(q⁺ − q) + s⁺ − s) minus the growth of
-                       ///< ½ λᵀRλ; impulse: Pᵀ (B q̇ + ṡ) − ½ |BᵀP|²; with friction: energy_ledger.hpp
+                       ///< `residual`; impulse: Pᵀ (B q̇ + ṡ) − ½ |BᵀP|²; with friction: energy_ledger.hpp
   double friction = 0;  ///< heat of friction so far, Σ τ̄ᵀ d with the slip d of a step
   double total() const { return kinetic + strain + residual - loads; }
   double ledger() const { return total() + damping + contact + friction; }
