@@ -317,21 +317,22 @@ Model build_model(const Placement& placement, const Vector3d& gravity,
     const auto& flexibility = kernel.surface.residual_flexibility;
     const auto& settling = kernel.loads.body_force_residual;
     model.has_residual = model.has_residual && !flexibility.empty();
-    Matrix R = Matrix::Zero(rows, rows);
+    Matrix R;
     Vector s = Vector::Zero(rows);
     if (!flexibility.empty()) {
-      const Matrix PR = P * Eigen::Map<const Matrix>(flexibility.data(), held, held);
-      R = PR * P.transpose();
-      R = (0.5 * (R + R.transpose())).eval();
+      R.noalias() = Matrix(P * Eigen::Map<const Matrix>(flexibility.data(), held, held)) * P.transpose();
+      for (Eigen::Index row = 1; row < rows; ++row)  // ½ (R + Rᵀ) in place
+        for (Eigen::Index column = 0; column < row; ++column)
+          R(row, column) = R(column, row) = 0.5 * (R(row, column) + R(column, row));
+      model.R += R;
     }
     if (!settling.empty())
       s = P * (Eigen::Map<const Matrix>(settling.data(), held, 3) * (block.rotation.transpose() * gravity))
                   .eval();
-    model.R += R;
     model.static_displacement += s;
     for (const Model::PairBlock& pair : model.pairs)
       if (pair.a == static_cast<int>(k)) {
-        model.R_a += pair.part_of(Vector::Ones(rows)).asDiagonal() * R;
+        if (R.size() > 0) model.R_a += pair.part_of(Vector::Ones(rows)).asDiagonal() * R;
         model.static_a += pair.part_of(s);
       }
     add_forcing(model, static_cast<int>(k), forcing);

@@ -9,17 +9,17 @@ namespace {
 constexpr Eigen::Index few_points = 64;
 constexpr int long_block = 24, short_block = 8;
 
-int length_of(const StepOptions& options, Eigen::Index points) {
+}  // namespace
+
+int look_ahead_length(const StepOptions& options, Eigen::Index points) {
   return options.block > 0 ? options.block : points <= few_points ? long_block : short_block;
 }
-
-}  // namespace
 
 template <class T>
 LookAheadStepper<T>::LookAheadStepper(const Model& model, const StepOptions& options)
     : Stepper(options, model),
       state_(model, options),
-      block_(std::make_shared<const BlockSystem<T>>(state_.system, length_of(options, model.points()),
+      block_(std::make_shared<const BlockSystem<T>>(state_.system, look_ahead_length(options, model.points()),
                                                     options.step),
              state_.forcing.any()),
       flight_(*state_.system, options),

@@ -9,6 +9,9 @@
 
 namespace ricochet::contact {
 
+/// Number of steps in a block.
+int look_ahead_length(const StepOptions& options, Eigen::Index points);
+
 /// @tparam T  type of the products of a block
 template <class T>
 class LookAheadStepper final : public Stepper {

@@ -22,6 +22,7 @@
 #include "src/accuracy/scene_dial.hpp"
 #include "src/accuracy/settings.hpp"
 #include "src/parallel/parallel.hpp"
+#include "src/store/memory.hpp"
 
 namespace ricochet::accuracy {
 namespace {
@@ -68,6 +69,7 @@ Judged judge(const scene::Scene& scene, const Settings& settings, const fs::path
   Prepared prepared;
   prepared.forcing = store::in_scene(closed, [&] { return store::forcing_of(closed); });
   prepared.placement = store.placements.place(closed, kernels.pointers());
+  store::check_impact(closed, kernels.pointers(), prepared.placement);
   contact::Model model =
       store::in_scene(closed, [&] { return store::model_of(closed, prepared.placement, prepared.forcing); });
   const auto coarser = read_coarser(scene, settings, folder);

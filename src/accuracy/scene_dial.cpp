@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "kernels/band.hpp"
@@ -35,19 +34,6 @@ bool leaves_points_open(const scene::Scene& scene) {
 }
 
 }  // namespace
-
-StepOptions step_options(const scene::Scene& scene) {
-  return {.scheme = scene.contact.scheme,
-          .admittance = scene.contact.admittance,
-          .instant = scene.contact.instant,
-          .restitution = scene.contact.restitution,
-          .contact_step = scene.contact.integration,
-          .friction_law = scene.contact.friction_law,
-          .step = scene.time.step(),
-          .steps_per_sample = scene.time.steps_per_sample(),
-          .max_pivots = scene.contact.max_pivots.value_or(std::numeric_limits<int>::max()),
-          .precision = scene.time.precision.value_or(Precision::float64)};
-}
 
 ClosedScene closed(scene::Scene scene, const std::filesystem::path& folder, store::KernelStore& store) {
   if (!scene.accuracy) return {std::move(scene)};
@@ -129,7 +115,7 @@ contact::Dialled dial_of(const scene::Scene& scene, const store::Kernels& kernel
   return store::in_scene(scene, [&] {
     return contact::dial(subject, std::move(model),
                          {.accuracy = *scene.accuracy,
-                          .options = step_options(scene),
+                          .options = store::step_options(scene),
                           .choose_rate = scene.time.rate_by_accuracy,
                           .choose_precision = !scene.time.precision,
                           .choose_points = leaves_points_open(scene),

@@ -14,9 +14,6 @@
 
 namespace ricochet::accuracy {
 
-/// Options of the scene's steps. If the scene leaves the precision open, it is double.
-StepOptions step_options(const scene::Scene& scene);
-
 /// A scene with the settings that its kernels need.
 struct ClosedScene {
   scene::Scene scene;

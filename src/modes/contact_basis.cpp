@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "src/modes/contact_basis.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,6 +10,7 @@
 #include "kernels/band.hpp"
 #include "src/modes/certify.hpp"
 #include "src/modes/symmetric.hpp"
+#include "src/parallel/memory.hpp"
 
 namespace ricochet::modes {
 
@@ -118,15 +121,19 @@ struct Seen {
 /// Returns the loads without their rigid part. Loads after the first `seen` that are entirely rigid, such as
 /// gravity on a free body, are removed.
 MatrixXd elastic(const Operators& operators, const MatrixXd& loads, Index seen) {
-  MatrixXd rest = loads - operators.rigid_momentum * inner(operators.comm, operators.rigid, loads);
+  MatrixXd rest = loads;
+  rest.noalias() -= operators.rigid_momentum * inner(operators.comm, operators.rigid, loads);
   const VectorXd size = operators.norms(loads), left = operators.norms(rest);
-  std::vector<Index> kept;
+  Index kept = 0;  // in place, because the matrix may be the largest of all
   for (Index j = 0; j < loads.cols(); ++j) {
     const bool nothing = left[j] <= 1e-9 * size[j];
     if (nothing) rest.col(j).setZero();
-    if (j < seen || !nothing) kept.push_back(j);
+    if (j >= seen && nothing) continue;
+    if (kept != j) rest.col(kept) = rest.col(j);
+    ++kept;
   }
-  return rest(Eigen::all, kept);
+  rest.conservativeResize(Eigen::NoChange, kept);
+  return rest;
 }
 
 /// Scales the response to each load after the first `seen` to the size of the largest response to the first
@@ -136,6 +143,20 @@ void balance(const Operators& operators, MatrixXd& response, Index seen) {
       inner(operators.comm, response, operators.mass(response)).diagonal().cwiseMax(1e-300);
   const double largest = square.head(seen).maxCoeff();
   for (Index j = seen; j < response.cols(); ++j) response.col(j) *= std::sqrt(largest / square[j]);
+}
+
+/// Throws InputError on every rank if the next block, of at most `columns` vectors, does not fit into memory:
+/// its momenta, the responses, their momenta and a product, and the space, which doubles. Collective.
+void refuse_to_grow(const parallel::Teams& teams, const Operators& operators, Index size, Index columns) {
+  const double mib =
+      static_cast<double>(operators.local_rows * (4 * columns + 2 * size)) * sizeof(double) / (1 << 20);
+  const double need = parallel::largest(teams.world(), mib), room = parallel::available_mib(teams.world());
+  if (need > 0.9 * room)
+    throw InputError(
+        fmt::format("the contact-adapted basis of {} vectors would need {:.0f} MiB a rank more, {:.0f} "
+                    "are free: name a smaller contact surface, set contact.reach or contact.spacing, or "
+                    "raise modes.flexibility_error",
+                    size + columns, need, room));
 }
 
 }  // namespace
@@ -168,6 +189,7 @@ ModeSet contact_basis(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
       progress.begin(turn ? "contact basis, second shift" : "contact basis");
       factor.factor(turn ? -square : shift_near_zero(request.band));
     }
+    refuse_to_grow(teams, operators, space.size(), number == 0 || turn ? elastic_loads.cols() : block.cols());
     MatrixXd next = shared_solve(teams, factor, number == 0 || turn ? elastic_loads : operators.mass(block));
     if (number == 0 || turn) balance(operators, next, seen);
     // Directions may be omitted only if the residual flexibility represents them.
@@ -175,8 +197,10 @@ ModeSet contact_basis(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
       const double flexibility = inner(operators.comm, loads.leftCols(seen), next.leftCols(seen)).norm();
       bound = compression * request.flexibility_error * flexibility / square;
     }
-    block = space.extend(next, number == 0 ? bound : turn ? 1e-3 * bound : 0, most - space.size());
-    if (turn && block.cols() == 0) block = space.extend(std::move(next), 0, most - space.size());
+    block = {};
+    MatrixXd again = turn ? next : MatrixXd();
+    block = space.extend(std::move(next), number == 0 ? bound : turn ? 1e-3 * bound : 0, most - space.size());
+    if (turn && block.cols() == 0) block = space.extend(std::move(again), 0, most - space.size());
     // Without new vectors, the space is complete: it contains everything that the loads can excite, or
     // everything that moves within the band.
     const bool exhausted = block.cols() == 0;
@@ -216,6 +240,17 @@ ModeSet contact_basis(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
   if (bound > 0) error += compression * request.flexibility_error;
   certify_basis(teams, operators, request.band, error, set);
   return set;
+}
+
+double expected_basis_mib(const Factorisation& factor, std::int64_t local_rows, std::int64_t loads,
+                          std::int64_t count) {
+  // The elastic loads, and in the first block the responses, their momenta and a product of both.
+  constexpr double first_block = 4;
+  // The space, which grows by doubling, the Ritz vectors and their copies.
+  constexpr double space = 5;
+  const auto b = static_cast<double>(loads), vectors = static_cast<double>(count);
+  const double column = static_cast<double>(local_rows) * sizeof(double) / (1 << 20);
+  return factor.expected_mib() + column * std::max(first_block * b, b + space * vectors);
 }
 
 Hertz needed_up_to(const parallel::Teams& teams, const mesh::Mesh& mesh, const ModeSet& basis,

@@ -35,6 +35,13 @@ ModeSet contact_basis(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
                       Factorisation& factor, const Eigen::MatrixXd& loads, Eigen::Index seen,
                       const ContactRequest& request, const Progress& progress = {});
 
+/// Peak memory of contact_basis on this rank, in addition to K, M and the loads [MiB]: factors, and several
+/// copies of the block of responses to all loads, or the space with its Ritz vectors. If their number is
+/// unknown, the space is left out; contact_basis then refuses to grow beyond the memory.
+/// @param loads  b   @param count  number of vectors; 0: unknown
+double expected_basis_mib(const Factorisation& factor, std::int64_t local_rows, std::int64_t loads,
+                          std::int64_t count);
+
 /// Returns the frequency above which the residual flexibility can replace modes: the error in the flexibility
 /// over the band is then less than `error`.
 /// @param basis  result of contact_basis for that band

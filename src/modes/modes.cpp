@@ -38,6 +38,13 @@ ExpectedCount expected_count(const elasticity::Body& body) {
 
 }  // namespace
 
+std::int64_t expected_modes(const elasticity::Body& body, Hertz up_to) {
+  // A mode that a mesh resolves takes at least this many displacements.
+  constexpr std::int64_t per_mode = 6;
+  const double omega = RadPerSecond(up_to).value, count = expected_count(body)(omega * omega);
+  return std::min(body.free_rows / per_mode, static_cast<std::int64_t>(std::min(count, 1e15))) + 6;
+}
+
 void refuse_more_than_there_are(std::optional<std::int64_t> count, const elasticity::Body& body) {
   if (body.free_rows == 0)
     throw InputError("the supports hold every node of the mesh: hold fewer, or refine the mesh");

@@ -63,6 +63,10 @@ struct Progress {
   parallel::Progress at = [](std::int64_t, std::int64_t) {};
 };
 
+/// Number of modes up to a frequency, estimated by Weyl's law from mass, inertia and wave speed, and at most
+/// what the mesh resolves.
+std::int64_t expected_modes(const elasticity::Body& body, Hertz up_to);
+
 /// Throws InputError if a body has fewer modes than `count`, or none.
 void refuse_more_than_there_are(std::optional<std::int64_t> count, const elasticity::Body& body);
 

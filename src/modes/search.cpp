@@ -386,8 +386,6 @@ class Searcher {
 
 double expected_mib(const Factorisation& factor, std::int64_t local_rows, std::int64_t modes,
                     std::int64_t modes_per_shift, int teams) {
-  // The number is unknown for a search by frequency; the modes of one slice are assumed.
-  if (modes == 0) modes = modes_per_shift;
   // A Lanczos basis grows to about three vectors per mode.
   const auto column = static_cast<double>(local_rows) * sizeof(double) / (1 << 20);
   const double basis = 3.2 * static_cast<double>(std::min(modes, modes_per_shift)) * column;

@@ -19,7 +19,7 @@ struct Search {
 };
 
 /// Peak memory of the search on this rank, in addition to K and M [MiB]: factors, the Lanczos basis, and its
-/// share of `modes` shapes, which exist twice while they are collected. `modes` is 0 if unknown.
+/// share of `modes` shapes, which exist twice while they are collected.
 double expected_mib(const Factorisation& factor, std::int64_t local_rows, std::int64_t modes,
                     std::int64_t modes_per_shift, int teams);
 

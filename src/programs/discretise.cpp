@@ -3,8 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
+#include "base/memory.hpp"
 #include "src/elasticity/assemble.hpp"
 #include "src/elasticity/expected_size.hpp"
 #include "src/elasticity/matrix_file.hpp"
@@ -12,6 +14,7 @@
 #include "src/mesh/partition.hpp"
 #include "src/mesh/parts.hpp"
 #include "src/modes/approximate.hpp"
+#include "src/modes/contact_basis.hpp"
 #include "src/modes/eps_solve.hpp"
 #include "src/modes/modes.hpp"
 #include "src/modes/search.hpp"
@@ -27,11 +30,37 @@ mesh::Mesh hand_out(mesh::GlobalMesh whole, const parallel::Teams& teams) {
   return mesh::distribute(std::move(whole), teams.team());
 }
 
+/// Buffers of BLAS and MUMPS, and code that the search touches for the first time. They are stated, and part
+/// of what is not usable.
+constexpr double buffers_mib = 24;
+
+/// Number of modes or vectors that the search will find, as far as this is known before it; 0: unknown.
+std::int64_t expected_count(const scene::Modes& wanted, const Discretised& made) {
+  if (wanted.count) return *wanted.count;
+  if (wanted.basis == scene::Basis::contact || made.mesh.total_elements == 0) return 0;
+  return modes::expected_modes(made.matrices, *wanted.up_to);
+}
+
+/// Columns of the loads from which a contact-adapted basis starts.
+std::int64_t starting_loads(const Discretised& made) {
+  return made.pressed.cols() + 3 + made.sources.receiver.cols() + made.sources.load.cols();
+}
+
 /// Memory that the search for modes needs on this rank [MiB].
 double expected_mib(const scene::Modes& wanted, const Discretised& made, std::int64_t per_shift, int teams) {
-  const std::int64_t count = wanted.count.value_or(0), rows = made.matrices.local_rows;
-  if (wanted.approximate > 0) return modes::expected_approximate_mib(*made.factor, rows, count, teams);
-  return modes::expected_mib(*made.factor, rows, count, per_shift, teams);
+  const std::int64_t count = expected_count(wanted, made), rows = made.matrices.local_rows;
+  const bool fitted = wanted.basis == scene::Basis::contact;
+  double loads = 0, adapted = 0;
+  if (fitted || wanted.flexibility_error) {
+    loads = sizeof(double) * static_cast<double>(rows * starting_loads(made)) / base::mib;
+    adapted = loads + modes::expected_basis_mib(*made.factor, rows, starting_loads(made), fitted ? count : 0);
+  }
+  if (fitted) return adapted;
+  const double search =
+      wanted.approximate > 0
+          ? modes::expected_approximate_mib(*made.factor, rows, count, teams)
+          : modes::expected_mib(*made.factor, rows, count > 0 ? count : per_shift, per_shift, teams);
+  return std::max(adapted, loads + search);
 }
 
 /// Whether the kernel contains a residual flexibility.
@@ -46,13 +75,21 @@ double residual_mib(const scene::KernelRequest& request, const Discretised& made
   const modes::Loads border =
       modes::beside({made.pressed, made.sources.receiver.sparseView(), made.matrices.rigid_load.sparseView(),
                      made.sources.load.sparseView()});
+  const auto mib_of = [](double numbers) { return sizeof(double) * numbers / base::mib; };
+  const auto loads = static_cast<double>(border.cols()), rows = static_cast<double>(made.matrices.local_rows);
   // The matrix itself exists three times while it is stored in the kernel.
-  const double size = 8.0 * static_cast<double>(border.cols() * border.cols()) / (1 << 20);
-  const double shapes = 8.0 *
-                        static_cast<double>(made.matrices.local_rows * request.modes.count.value_or(0)) /
-                        (1 << 20) / made.teams->count();
-  return shapes +
-         std::max(modes::BorderedStiffness(*made.teams, *made.factor, {}, border).expected_mib(), 3 * size);
+  const double size = mib_of(loads * loads),
+               shapes = mib_of(rows * static_cast<double>(expected_count(request.modes, made))) /
+                        made.teams->count();
+  // Row, column and value of each entry of K. MUMPS estimates less than it reaches: counted in runs, its
+  // front of the border has one and a half copies more.
+  const double entries = mib_of(2.0 * static_cast<double>(made.factor->entries().row.size()));
+  const double complement =
+      entries + 1.5 * size + modes::BorderedStiffness(*made.teams, *made.factor, {}, border).expected_mib();
+  // With a picture: factors again, and the response of its nodes, as they come, gathered and stored.
+  const auto seen = 3 * static_cast<double>(made.mesh.visualisation.node.size());
+  const double picture = request.view ? made.factor->expected_mib() + size + mib_of(seen * loads * 2.5) : 0;
+  return shapes + std::max({complement, 3 * size, picture});
 }
 
 /// Reads the mesh of a body on `count` teams of ranks and assembles the matrices. Collective; throws
@@ -135,6 +172,7 @@ Discretised discretise(const scene::KernelRequest& request, OpenedMeshes& meshes
     made.factor = std::make_unique<modes::Factorisation>(made.matrices.stiffness, made.matrices.mass,
                                                          request.modes.low_rank);
     const double room = parallel::available_mib(comm);
+    const double there = parallel::largest(comm, base::resident_bytes() / base::mib);
     double need = 0;
     for (const std::int64_t per_shift : {260, 130, 65}) {
       made.modes_per_shift = per_shift;
@@ -144,7 +182,7 @@ Discretised discretise(const scene::KernelRequest& request, OpenedMeshes& meshes
     const double residual = parallel::largest(comm, residual_mib(request, made)),
                  most_needed = std::max(need, residual);
     console.end(fmt::format("{} unknowns; {:.0f} MiB needed of {:.0f} a rank", made.matrices.total_rows,
-                            most_needed, room));
+                            there + most_needed + buffers_mib, there + room));
     if (most_needed <= usable * room) return made;
     if (count == 1 && residual > need)
       throw InputError(

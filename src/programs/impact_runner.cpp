@@ -16,9 +16,9 @@
 #include "ricochet/error.hpp"
 #include "src/accuracy/scene_dial.hpp"
 #include "src/programs/impact_warnings.hpp"
-#include "src/programs/memory.hpp"
 #include "src/programs/motion.hpp"
 #include "src/programs/table_kernels.hpp"
+#include "src/store/memory.hpp"
 
 namespace ricochet::programs {
 namespace {
@@ -41,12 +41,13 @@ accuracy::Prepared prepare(Impact& impact, const ImpactRequest& request, store::
   accuracy::Prepared out;
   out.forcing = store::in_scene(scene, [&] { return store::forcing_of(scene); });
   out.placement = store.placements.place(scene, impact.kernels.pointers());
+  const std::string memory = store::check_impact(scene, impact.kernels.pointers(), out.placement);
   impact.model = store::in_scene(scene, [&] { return store::model_of(scene, out.placement, out.forcing); });
   store::in_scene(scene, [&] { store::refuse_early_contact(scene, *impact.model); });
   if (scene.contact.scheme != Scheme::at_rest)
     store::in_scene(scene, [&] { contact::refuse_sag(*impact.model); });
-  console.end(
-      fmt::format("{} contact points, {} modes", impact.model->gap.size(), impact.model->omega.size()));
+  console.end(fmt::format("{} contact points, {} modes; {}", impact.model->gap.size(),
+                          impact.model->omega.size(), memory));
   return out;
 }
 
@@ -127,26 +128,10 @@ double slowest_wave(const scene::Scene& scene) {
   return std::isfinite(slowest) ? slowest : 0;
 }
 
-/// Throws InputError if the matrices of the steps do not fit into memory beside the kernels.
-void check_steps(const Impact& impact) {
-  const contact::Model& model = *impact.model;
-  const bool rubs = !model.friction.empty();
-  // Counted in runs: look-ahead blocks keep a matrix for each step of a block.
-  const double matrices = impact.options.scheme != Scheme::compliant ? 8 : rubs ? 36 : 22;
-  const auto rows = static_cast<double>(model.rows());
-  double numbers = matrices * rows * rows;
-  for (const contact::Model::BodyBlock& body : model.bodies)
-    numbers += static_cast<double>(body.kernel->surface.residual_flexibility.size());
-  check_memory(impact.scene,
-               fmt::format("{} contact points{}", model.gap.size(), rubs ? " with friction" : ""),
-               8 * numbers, "fewer candidates: contact.spacing, contact.reach or contact.zone");
-}
-
 contact::Summary steps(const Impact& impact, console::Console& console, ImpactObserver& observer) {
   const double step = impact.options.step;
   console.begin("steps", impact.steps);
   const Clock::time_point started = Clock::now();
-  if (!impact.table) check_steps(impact);
   const std::unique_ptr<contact::Stepper> stepper =
       impact.table ? table_stepper(impact) : store::in_scene(impact.scene, [&] {
         return contact::make_stepper(*impact.model, impact.options);
@@ -184,7 +169,7 @@ ImpactResult run_impact(ImpactRequest request, store::KernelStore& store, consol
   observer.prepared(impact);
   const ErrorReport report =
       choose(impact, prepared, request.scene, closed.settings, request.folder, console);
-  impact.options = accuracy::step_options(impact.scene);
+  impact.options = store::step_options(impact.scene);
 
   ImpactSummary summary;
   if (impact.scene.contact.scheme == Scheme::at_rest) {

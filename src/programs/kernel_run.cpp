@@ -47,15 +47,20 @@ modes::ModeSet find_modes(const scene::KernelRequest& request, Discretised& made
   const modes::Progress progress{
       .begin = [&](const std::string& phase) { console.begin(request.body.name + ": " + phase); },
       .at = [&](std::int64_t done, std::int64_t total) { console.advance(done, total); }};
-  const Eigen::MatrixXd loads = fitted ? Eigen::MatrixXd(made.pressed) : Eigen::MatrixXd();
-  const auto contact_basis = [&](double error, std::optional<std::int64_t> count) {
+  const Eigen::Index pressed = made.pressed.cols();
+  Eigen::MatrixXd loads;
+  if (fitted) {
     // Gravity also moves the surface of a supported body. A moving support acts through the inertia of its
     // lift.
     const surface::Sources& sources = made.sources;
-    Eigen::MatrixXd all(loads.rows(), loads.cols() + 3 + sources.receiver.cols() + sources.load.cols() +
-                                          sources.lift.inertia.cols());
-    all << loads, made.matrices.rigid_load.leftCols(3), sources.receiver, sources.load, sources.lift.inertia;
-    return modes::contact_basis(*made.teams, made.mesh, made.matrices, *made.factor, all, loads.cols(),
+    loads.resize(made.pressed.rows(),
+                 pressed + 3 + sources.receiver.cols() + sources.load.cols() + sources.lift.inertia.cols());
+    loads.leftCols(pressed) = made.pressed;
+    loads.rightCols(loads.cols() - pressed) << made.matrices.rigid_load.leftCols(3), sources.receiver,
+        sources.load, sources.lift.inertia;
+  }
+  const auto contact_basis = [&](double error, std::optional<std::int64_t> count) {
+    return modes::contact_basis(*made.teams, made.mesh, made.matrices, *made.factor, loads, pressed,
                                 {.band = *wanted.up_to,
                                  .flexibility_error = error,
                                  .count = count,
@@ -68,7 +73,7 @@ modes::ModeSet find_modes(const scene::KernelRequest& request, Discretised& made
   if (wanted.flexibility_error) {
     // A contact-adapted basis determines up to which frequency modes are needed.
     const double error = beyond_search * *wanted.flexibility_error;
-    up_to = modes::needed_up_to(*made.teams, made.mesh, contact_basis(error, {}), loads, loads.cols(),
+    up_to = modes::needed_up_to(*made.teams, made.mesh, contact_basis(error, {}), loads, pressed,
                                 *wanted.up_to, error);
   }
   if (wanted.approximate > 0) {

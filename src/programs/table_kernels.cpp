@@ -6,7 +6,7 @@
 #include "contact/input/table_file.hpp"
 #include "contact/table/modal_table.hpp"
 #include "contact/table/table_stepper.hpp"
-#include "src/programs/memory.hpp"
+#include "src/store/memory.hpp"
 
 namespace ricochet::programs {
 namespace {
@@ -16,7 +16,7 @@ namespace {
 void check_table(const Impact& impact) {
   const auto points = impact.model->gap.size();
   const double kernels = impact.options.scheme == Scheme::impulse ? 2 : 1;
-  check_memory(
+  store::check_memory(
       impact.scene,
       fmt::format("contact.kernel = \"table\": {} steps of {} x {} points", impact.steps, points, points),
       4 * kernels * 8 * static_cast<double>(impact.steps) * static_cast<double>(points * points),

@@ -75,6 +75,19 @@ void refuse_rods(const scene::Scene& scene, const contact::Placement& placement)
 
 }  // namespace
 
+StepOptions step_options(const scene::Scene& scene) {
+  return {.scheme = scene.contact.scheme,
+          .admittance = scene.contact.admittance,
+          .instant = scene.contact.instant,
+          .restitution = scene.contact.restitution,
+          .contact_step = scene.contact.integration,
+          .friction_law = scene.contact.friction_law,
+          .step = scene.time.step(),
+          .steps_per_sample = scene.time.steps_per_sample(),
+          .max_pivots = scene.contact.max_pivots.value_or(std::numeric_limits<int>::max()),
+          .precision = scene.time.precision.value_or(Precision::float64)};
+}
+
 void refuse_early_contact(const scene::Scene& scene, const contact::Model& model) {
   const contact::Vector u = model.initial_displacement();
   for (const contact::Model::PairBlock& pair : model.pairs) {

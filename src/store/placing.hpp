@@ -60,6 +60,9 @@ Driven forcing_of(const scene::Scene& scene);
 /// contact::build_model and contact::add_belt, and if a rod has friction.
 contact::Model model_of(const scene::Scene& scene, const contact::Placement& placement, const Driven& driven);
 
+/// Options of the scene's steps. If the scene leaves the precision open, it is double.
+StepOptions step_options(const scene::Scene& scene);
+
 /// Throws InputError if a mallet would start inside a body that it strikes later, because gravity turns it on
 /// its way.
 void refuse_early_contact(const scene::Scene& scene, const contact::Model& model);

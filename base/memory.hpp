@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Memory of this process and of its machine.
+#pragma once
+
+namespace ricochet::base {
+
+inline constexpr double mib = 1 << 20;
+
+/// Resident memory of this process now [bytes]; 0 if unknown.
+double resident_bytes();
+
+/// Memory that this process may still allocate [bytes]: the least of what is available on the machine, of
+/// what its control groups (version 2) leave, and of what `ulimit -v` leaves.
+double available_bytes();
+
+}  // namespace ricochet::base

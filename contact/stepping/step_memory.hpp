@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Memory of the steps of an impact, before they are made.
+#pragma once
+
+#include "contact/model/model.hpp"
+#include "ricochet/step_options.hpp"
+
+namespace ricochet::contact {
+
+/// Sizes of a model that need not exist yet.
+struct ModelSize {
+  Eigen::Index rows = 0, points = 0, modes = 0;  ///< n, m, N
+  Eigen::Index near = 0;  ///< rows of points that may touch; the matrices of blocks hold them again
+  Eigen::Index held = 0;  ///< rows of the largest static correction of a kernel
+  bool has_residual = false;
+};
+
+/// Memory of a model [bytes]: of B, R and R_a.
+double model_bytes(const ModelSize& size);
+
+/// Memory that build_model needs at its peak, besides that of the model [bytes].
+double building_bytes(const ModelSize& size);
+
+/// Memory of the stepper that make_stepper returns, in use [bytes]. All that has fewer than two large
+/// dimensions is left out.
+double stepper_bytes(const ModelSize& size, const StepOptions& options);
+
+}  // namespace ricochet::contact
