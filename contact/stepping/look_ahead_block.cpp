@@ -253,12 +253,13 @@ void LookAheadBlock<T>::set_energies(const MeanForce& mean, const Slip* slip,
     const SpringWork springs = work_of(springs_, start_, solution_, mean_);
     trial.in_residual += 2 * springs.stored;
     trial.removed += springs.removed;
+    for (Eigen::Index k = 0; k < n; ++k)  // part of u⁺ − u
+      if (solution_(k) > 0) trial.removed -= mean_(k) * springs_[k].displacement(solution_(k));
   }
   for (Eigen::Index k = 0; k < n; ++k) {
     const bool tangential = kept_[k] >= system_->contacts;
     if (mean_(k) == 0 && !tangential) continue;
     double moved = u(k, taken_ + 1) + held_push_(k) - in_modes_(k) - rest_(k) - before(k, mean);
-    if (!springs_.empty() && solution_(k) > 0) moved -= springs_[k].displacement(solution_(k));
     if (tangential) {
       const double belt = slip->belt()(kept_[k]);
       trial.belts += mean_(k) * belt;
@@ -316,11 +317,13 @@ SolveStatus LookAheadBlock<T>::step(Solvers solvers, MeanForce& mean, Vector& fo
   if (!changed_.empty())
     system_->loops->near(near_.width, near_.lag.get(), length(), changed_.data(), changed_.size(),
                          change_.data(), length() - taken_, &u(0, l), system_->width);
+  if (!springs_.empty())
+    for (Eigen::Index k = 0; k < n; ++k)
+      if (solution_(k) > 0) rest_(k) += springs_[k].displacement(solution_(k));
   touching_ = 0;
   work_ = 0;
   for (Eigen::Index k = 0; k < n; ++k) {
     u(k, l) -= rest_(k);
-    if (!springs_.empty() && solution_(k) > 0) u(k, l) -= springs_[k].displacement(solution_(k));
     if (kept_[k] >= system_->contacts) continue;
     touching_ += solution_(k) > 0 ? 1 : 0;
     if (mean_(k) > 0) work_ += mean_(k) * (u(k, l) - before(k, mean));
