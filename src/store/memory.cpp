@@ -99,7 +99,12 @@ Need need_of(const scene::Scene& scene, const KernelPointers& kernels, const con
   const StepOptions options = step_options(scene);
   const double model = contact::model_bytes(size), building = contact::building_bytes(size);
   Need out{.now = base::resident_bytes(), .more = model + building + buffers};
-  if (options.scheme == Scheme::at_rest) return out;
+  if (options.scheme == Scheme::at_rest) {
+    // The static flexibility, with and without springs, and the solver; with friction, counted in runs.
+    const bool rubs = size.rows > size.points;
+    out.more += (rubs ? 6.0 : 3.0) * sizeof(double) * static_cast<double>(size.rows * size.rows);
+    return out;
+  }
   const double steps = contact::stepper_bytes(size, options);
   // The sides of the contact in the result: R of body a and of body b.
   const double sides =
