@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Pictures and pages, without a run: surfaces of a drawing, viewpoints, skins of bodies, tubes and planes, filtered forces."""
+"""Pictures and pages, without a run: surfaces of a drawing, viewpoints, skins, tubes and planes, filtered forces."""
 
 import base64
 import itertools
