@@ -67,17 +67,21 @@ void take_rows(std::vector<double>& matrix, std::size_t width, const std::vector
 }
 
 /// Keeps the elements whose corners are all among `points`, renumbered. If there are none, each point becomes
-/// an element.
+/// an element, and the curvature is lost.
 void take_elements(Surface& surface, const std::vector<std::int64_t>& points) {
-  std::vector<std::int64_t> number(surface.size(), -1), element;
+  std::vector<std::int64_t> number(surface.size(), -1), element, kept;
   for (std::size_t i = 0; i < points.size(); ++i) number[points[i]] = static_cast<std::int64_t>(i);
   const auto k = static_cast<std::size_t>(surface.element_corners);
   for (std::size_t e = 0; e + k <= surface.element.size(); e += k) {
     std::vector<std::int64_t> corners;
     for (std::size_t j = 0; j < k; ++j) corners.push_back(number[surface.element[e + j]]);
-    if (std::ranges::count(corners, -1) == 0) element.insert(element.end(), corners.begin(), corners.end());
+    if (std::ranges::count(corners, -1) > 0) continue;
+    element.insert(element.end(), corners.begin(), corners.end());
+    kept.push_back(static_cast<std::int64_t>(e / k));
   }
+  if (!surface.element_normal.empty()) take_rows(surface.element_normal, 3, kept, k);
   if (element.empty() || k == 1) {
+    surface.element_normal.clear();
     surface.element_corners = 1;
     element.resize(points.size());
     std::iota(element.begin(), element.end(), std::int64_t{0});
@@ -124,17 +128,20 @@ Kernel rescaled(Kernel kernel, const Similarity& factors, const Damping& damping
     multiply(shift, frequency * frequency);
   }
   {
-    auto& [components, direction, node, centroid, group, normal, area, corners, element, shape, flexibility,
-           normal_residual, whole] = surface;
+    auto& [components, direction, node, centroid, bulge, group, normal, area, corners, element,
+           element_normal, shape, flexibility, normal_residual, whole] = surface;
     multiply(node, s);
     multiply(centroid, s);
+    multiply(bulge, s);
     multiply(area, factors.area.value_or(s * s));
     multiply(shape, 1 / root);
     multiply(flexibility, 1 / k);
     if (whole) {
-      auto& [all_node, all_centroid, all_normal, all_area, all_corners, all_element, held] = *whole;
+      auto& [all_node, all_centroid, all_bulge, all_normal, all_area, all_corners, all_element,
+             all_element_normal, held] = *whole;
       multiply(all_node, s);
       multiply(all_centroid, s);
+      multiply(all_bulge, s);
       multiply(all_area, factors.area.value_or(s * s));
     }
   }
@@ -221,6 +228,7 @@ void restrict_candidates(Surface& surface, const std::vector<std::int64_t>& poin
   surface.group = std::move(group);
   take_rows(surface.node, 3, points);
   if (!surface.centroid.empty()) take_rows(surface.centroid, 3, points);
+  if (!surface.bulge.empty()) take_rows(surface.bulge, 1, points);
   take_rows(surface.normal, 3, points);
   take_rows(surface.area, 1, points);
 }

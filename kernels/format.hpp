@@ -3,6 +3,7 @@
 // validation.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -12,7 +13,7 @@
 namespace ricochet::kernels {
 
 inline constexpr const char* kFormat = "ricochet-kernel";
-inline constexpr std::int64_t kVersion = 1;
+inline constexpr std::int64_t kVersion = 2;
 
 /// Unit of the participation of a load, from which the reader recognises the kind of load.
 inline constexpr const char* kTractionUnit = "kg^-1/2 m^2";
@@ -99,10 +100,14 @@ void list_candidates(auto& file, const std::string& group, auto& surface) {
   const std::size_t m = file.rows(group + "/area", surface.area, 1);
   file.dataset(group + "/node", surface.node, {m, 3}, "m");
   file.optional_dataset(group + "/centroid", surface.centroid, {m, 3}, "m");
+  file.optional_dataset(group + "/bulge", surface.bulge, {m}, "m");
   if constexpr (requires { surface.group; }) file.strings(group + "/group", surface.group, m);
   file.dataset(group + "/normal", surface.normal, {m, 3}, "1");
   file.dataset(group + "/area", surface.area, {m}, "m^2");
   file.elements(group + "/element", surface.element, surface.element_corners, 1, m);
+  const auto corners = static_cast<std::size_t>(std::max(surface.element_corners, 1));
+  file.optional_dataset(group + "/element_normal", surface.element_normal,
+                        {surface.element.size() / corners, corners, 3}, "1");
 }
 
 void list_surface(auto& file, auto& surface, std::size_t n) {

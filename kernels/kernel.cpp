@@ -146,6 +146,7 @@ void validate_candidates(const auto& surface, const std::string& group, const Va
   check.each(
       group + "/area", surface.area, [](double a) { return a > 0; }, "positive");
   check.unit("dataset \"" + group + "/normal\"", surface.normal);
+  check.unit("dataset \"" + group + "/element_normal\"", surface.element_normal);
 }
 
 void validate_whole(const Surface& surface, const Validator& check) {
@@ -203,13 +204,9 @@ void validate_sources(const Kernel& kernel, const Validator& check) {
 
 WholeSurface whole_surface(const Surface& surface) {
   if (surface.whole) return *surface.whole;
-  WholeSurface out{surface.node,
-                   surface.centroid,
-                   surface.normal,
-                   surface.area,
-                   surface.element_corners,
-                   surface.element,
-                   {}};
+  WholeSurface out{surface.node,    surface.centroid,       surface.bulge,
+                   surface.normal,  surface.area,           surface.element_corners,
+                   surface.element, surface.element_normal, {}};
   out.held.resize(surface.size());
   std::iota(out.held.begin(), out.held.end(), std::int64_t{0});
   return out;

@@ -57,26 +57,39 @@ struct Modes {
 /// All candidates of a surface, for a kernel that contains only some of them. Contact pairs are found among
 /// all of them. There are W candidates and T elements of k corners.
 struct WholeSurface {
-  std::vector<double> node, centroid, normal;  ///< (W,3) as in Surface
-  std::vector<double> area;                    ///< (W) [m²]
-  int element_corners = 3;                     ///< k
-  std::vector<std::int64_t> element;           ///< (T,k)
-  std::vector<std::int64_t> held;              ///< (M) the candidates that the kernel contains, ascending
+  std::vector<double> node, centroid;  ///< (W,3) as in Surface
+  std::vector<double> bulge;           ///< (W) as in Surface
+  std::vector<double> normal;          ///< (W,3)
+  std::vector<double> area;            ///< (W) [m²]
+  int element_corners = 3;             ///< k
+  std::vector<std::int64_t> element;   ///< (T,k)
+  std::vector<double> element_normal;  ///< (T,k,3) as in Surface
+  std::vector<std::int64_t> held;      ///< (M) the candidates that the kernel contains, ascending
   bool operator==(const WholeSurface&) const = default;
 };
 
 /// Candidate contact patches (hats w_i ≥ 0 with Σ w_i = 1, A_i = ∫ w_i ds).
 struct Surface {
-  int components = 3;                 ///< c
-  std::optional<Vector3> direction;   ///< unit vector of the stored component when c = 1
-  std::vector<double> node;           ///< (M,3) vertex of each hat [m]
-  std::vector<double> centroid;       ///< (M,3) (1/A_i) ∫ w_i x ds [m]; empty: equal to node
+  int components = 3;                ///< c
+  std::optional<Vector3> direction;  ///< unit vector of the stored component when c = 1
+  std::vector<double> node;          ///< (M,3) vertex of each hat [m]
+  /// (M,3) x̂_i [m], from which gaps are measured: the centroid of the patch on its smooth surface; on a
+  /// crease or at the end of the contact surface, the centroid of the hat's trace there; at a corner, the
+  /// vertex. Empty: equal to node.
+  std::vector<double> centroid;
+  /// (M) b_i = (1/A_i) ∫ w_i n·(x̂_i − x) ds with the normal n of each smooth face at x̂_i [m]: the height of
+  /// x̂_i over the mean of the patch, < 0 on hollow surfaces. Empty: `centroid` is the mean (1/A_i) ∫ w_i x
+  /// ds, as in files of version 1.
+  std::vector<double> bulge;
   std::vector<std::string> group;     ///< (M) physical surface to which each belongs
   std::vector<double> normal;         ///< (M,3) outward unit normal
   std::vector<double> area;           ///< (M) A_i [m²]
   int element_corners = 3;            ///< k: 1 point (rods), 2 segments (`along`), 3 triangles
   std::vector<std::int64_t> element;  ///< (T,k) by candidate index
-  std::vector<double> shape;          ///< (M,c,N) φ_i = (1/A_i) ∫ w_i φ ds [kg^-1/2]
+  /// (T,k,3) outward unit normals of the surface at the corners of each element, from which its curvature and
+  /// creases follow. Empty: elements are flat, and creases are not known.
+  std::vector<double> element_normal;
+  std::vector<double> shape;  ///< (M,c,N) φ_i = (1/A_i) ∫ w_i φ ds [kg^-1/2]
   std::vector<double>
       residual_flexibility;      ///< (rM,rM) R [m/N], index r·i + component; empty if not requested
   bool normal_residual = false;  ///< r = 1: R acts along the normal of each candidate alone; otherwise r = c

@@ -113,7 +113,7 @@ class Kernel:
 
     node: Floats = of_core("node", "(M,3) candidate points [m]")
     centroid: Floats = of_core(
-        "centroid", "(M,3) means of the candidates' patches, from which gaps are measured [m]"
+        "centroid", "(M,3) points of the candidates' patches from which gaps are measured [m]"
     )
     normal: Floats = of_core("normal", "(M,3) outward unit normals")
     area: Floats = of_core("area", "(M) areas of the patches [m²]")

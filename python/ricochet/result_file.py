@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ricochet.errors import InputError
 
 
-VERSION = 1
+NEWEST = {"ricochet-kernel": 2}  # version that is read, of each kind of file; otherwise 1
 
 
 def is_there(path: Path) -> bool:
@@ -62,9 +62,10 @@ class File:
         version = self.attribute("/", "version")
         if not isinstance(version, (int, np.integer)):
             raise InputError(f"{path}: has no valid format version. Compute it again.")
-        if not 1 <= version <= VERSION:
+        newest = NEWEST.get(kind, 1)
+        if not 1 <= version <= newest:
             raise InputError(
-                f"{path}: has format version {version}, and this program reads {VERSION}. Use a newer Ricochet."
+                f"{path}: has format version {version}, and this program reads {newest}. Use a newer Ricochet."
             )
 
     def text(self, where: str, name: str) -> str | None:

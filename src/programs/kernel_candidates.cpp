@@ -83,10 +83,12 @@ kernels::Surface surface_alone(kernels::WholeSurface from) {
   kernels::Surface to;
   to.node = std::move(from.node);
   to.centroid = std::move(from.centroid);
+  to.bulge = std::move(from.bulge);
   to.normal = std::move(from.normal);
   to.area = std::move(from.area);
   to.element_corners = from.element_corners;
   to.element = std::move(from.element);
+  to.element_normal = std::move(from.element_normal);
   return to;
 }
 

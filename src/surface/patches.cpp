@@ -11,128 +11,30 @@
 #include <set>
 
 #include "kernels/algebra.hpp"
-#include "src/mesh/lattice.hpp"
+#include "src/surface/fine_surface.hpp"
 #include "src/surface/grid.hpp"
 
 namespace ricochet::surface {
 
 namespace {
 
-using mesh::Block;
-using mesh::FacetMesh;
-
-/// Hats on every vertex of the subdivided surface, before merging.
-struct Fine {
-  std::vector<Eigen::Vector3d> position, normal;  ///< normal: ∫ w n ds
-  std::vector<double> area;
-  std::vector<std::int64_t> group;
-  std::vector<std::map<std::int64_t, double>> load;  ///< per vertex: node index → ∫ w N ds
-  std::vector<std::int64_t> simplex;                 ///< flat list of vertices
-  int corners = 3;
-};
-
-/// Linear or bilinear hats of a cell at the reference point (u, v): triangle on [0,1], quadrangle on [−1,1].
-std::array<double, 4> hats(int corners, double u, double v) {
-  if (corners == 3) return {1 - u - v, u, v, 0};
-  return {(1 - u) * (1 - v) / 4, (1 + u) * (1 - v) / 4, (1 + u) * (1 + v) / 4, (1 - u) * (1 + v) / 4};
-}
-
-/// Adds the hats of one block of surface facets. The lattice divides the reference facet into p² equal cells,
-/// each with its own quadrature points.
-void add_facets(const Block& block, Fine& fine) {
-  const auto reference = mesh::reference_element(block.gmsh_type);
-  const auto lattice = mesh::lattice_of(reference);
-  const int p = reference.order, n = reference.nodes;
-  // The integrand is hat × shape function × surface measure, of degree 1 + p + 2(p − 1).
-  const auto rule = mesh::quadrature_of(reference.family, 3 * p + 1);
-  struct CellTable {
-    std::vector<std::array<double, 4>> hat;
-    mesh::Basis basis;
-  };
-  std::vector<CellTable> tables;
-  for (const auto& cell : lattice.cells) {
-    CellTable table;
-    std::vector<double> local;
-    for (std::size_t q = 0; q < rule.size(); ++q) {
-      table.hat.push_back(hats(lattice.corners, rule.local[3 * q], rule.local[3 * q + 1]));
-      std::array<double, 2> at{};
-      for (int k = 0; k < lattice.corners; ++k)
-        for (int d = 0; d < 2; ++d)
-          at[d] += table.hat.back()[k] * reference.node[2 * static_cast<std::size_t>(cell[k]) + d];
-      local.insert(local.end(), {at[0], at[1], 0});
-    }
-    table.basis = mesh::basis_at(reference, local);
-    tables.push_back(std::move(table));
-  }
-  const double share = 1.0 / (static_cast<double>(p) * p);
-  const std::vector<int> triangles = lattice.triangles();
-  for (std::size_t e = 0; e < block.size(); ++e) {
-    const std::int64_t* nodes = &block.node[e * static_cast<std::size_t>(n)];
-    for (std::size_t t = 0; t < lattice.cells.size(); ++t)
-      for (std::size_t q = 0; q < rule.size(); ++q) {
-        Eigen::Vector3d along_u = Eigen::Vector3d::Zero(), along_v = along_u;
-        const double* gradient = &tables[t].basis.gradient[q * static_cast<std::size_t>(n) * 3];
-        for (int a = 0; a < n; ++a) {
-          const Eigen::Vector3d& x = fine.position[static_cast<std::size_t>(nodes[a])];
-          along_u += gradient[3 * a] * x;
-          along_v += gradient[3 * a + 1] * x;
-        }
-        const Eigen::Vector3d normal = along_u.cross(along_v) * rule.weight[q] * share;
-        const double measure = normal.norm();
-        for (int k = 0; k < lattice.corners; ++k) {
-          const auto vertex = static_cast<std::size_t>(nodes[lattice.cells[t][static_cast<std::size_t>(k)]]);
-          const double w = tables[t].hat[q][static_cast<std::size_t>(k)];
-          fine.area[vertex] += w * measure;
-          fine.normal[vertex] += w * normal;
-          fine.group[vertex] = block.label[e];
-          for (int a = 0; a < n; ++a)
-            fine.load[vertex][nodes[a]] +=
-                w * measure *
-                tables[t].basis.value[q * static_cast<std::size_t>(n) + static_cast<std::size_t>(a)];
-        }
-      }
-    for (int k : triangles) fine.simplex.push_back(nodes[k]);
-  }
-}
-
-Fine fine_hats(const FacetMesh& facets) {
-  Fine fine;
-  const std::size_t n = facets.node.size();
-  for (std::size_t i = 0; i < n; ++i)
-    fine.position.emplace_back(facets.position[3 * i], facets.position[3 * i + 1],
-                               facets.position[3 * i + 2]);
-  fine.normal.assign(n, Eigen::Vector3d::Zero());
-  fine.area.assign(n, 0);
-  fine.group.assign(n, 0);
-  fine.load.resize(n);
-  for (const Block& block : facets.blocks) {
-    if (block.nodes_per_element > 1) {
-      add_facets(block, fine);
-      continue;
-    }
-    fine.corners = 1;
-    for (std::size_t e = 0; e < block.size(); ++e) {
-      const auto i = static_cast<std::size_t>(block.node[e]);
-      fine.normal[i] = Eigen::Map<const Eigen::Vector3d>(&facets.end_normal[3 * i]);
-      fine.area[i] = fine.normal[i].norm();
-      fine.load[i][block.node[e]] = fine.area[i];
-      fine.group[i] = block.label[e];
-      fine.simplex.push_back(block.node[e]);
-    }
-  }
-  return fine;
-}
+using Eigen::Vector3d;
+using Fine = FineSurface;
 
 /// Merges fine vertices into coarser candidates. Each vertex has a list of (candidate, share); its shares sum
 /// to 1.
 struct Merge {
   std::vector<Eigen::Vector3d> centre;
   std::vector<std::vector<std::pair<int, double>>> share;  ///< per fine vertex
+  std::vector<std::vector<std::int64_t>> home;  ///< per candidate: the vertices at its centre or on its line
 };
 
 Merge one_each(const Fine& fine) {
-  Merge merge{fine.position, {}};
-  for (std::size_t i = 0; i < fine.position.size(); ++i) merge.share.push_back({{static_cast<int>(i), 1.0}});
+  Merge merge{fine.position, {}, {}};
+  for (std::size_t i = 0; i < fine.position.size(); ++i) {
+    merge.share.push_back({{static_cast<int>(i), 1.0}});
+    merge.home.push_back({static_cast<std::int64_t>(i)});
+  }
   return merge;
 }
 
@@ -165,7 +67,11 @@ Merge merge_lines(const Fine& fine, const Eigen::Vector3d& along) {
   }
   for (std::size_t k = 0; k < foot.size(); ++k)
     merge.centre.push_back(foot[k] + (range[k].first + range[k].second) / 2 * along);
-  for (int k : line) merge.share.push_back({{k, 1.0}});
+  merge.home.resize(foot.size());
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    merge.share.push_back({{line[i], 1.0}});
+    merge.home[static_cast<std::size_t>(line[i])].push_back(static_cast<std::int64_t>(i));
+  }
   return merge;
 }
 
@@ -278,6 +184,7 @@ Merge coarsen(const Merge& points, const std::vector<Eigen::Vector3d>& normal, d
   Grid centres(spacing);
   for (std::size_t c = 0; c < chosen.size(); ++c) {
     merge.centre.push_back(points.centre[chosen[c]]);
+    merge.home.push_back(points.home[chosen[c]]);
     centres.add(c, merge.centre.back());
   }
   std::vector<std::vector<std::pair<int, double>>> share(points.centre.size());
@@ -295,8 +202,48 @@ Merge coarsen(const Merge& points, const std::vector<Eigen::Vector3d>& normal, d
   return merge;
 }
 
+/// A smooth sheet of the surface around the centre of a candidate.
+struct Sheet {
+  std::size_t part = 0;  ///< as in FineSurface::Part::sheet
+  Vector3d normal;       ///< mean over the sheet around this vertex, unit
+};
+
+/// The sheets around all home vertices of a candidate.
+std::vector<Sheet> sheets_of(const Fine& fine, const std::vector<std::int64_t>& home) {
+  std::vector<Sheet> out;
+  for (const std::int64_t vertex : home) {
+    const std::size_t first = out.size();
+    for (const std::size_t p : fine.parts_at[static_cast<std::size_t>(vertex)]) {
+      const Fine::Part& part = fine.part[p];
+      auto sheet = std::find_if(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
+                                [&](const Sheet& s) { return s.part == part.sheet; });
+      if (sheet == out.end()) sheet = out.insert(out.end(), {part.sheet, Vector3d::Zero()});
+      sheet->normal += part.area * part.normal;
+    }
+  }
+  // The vertices of a line see the same sheets.
+  std::vector<Sheet> distinct;
+  for (const Sheet& sheet : out) {
+    const auto like = std::ranges::find_if(distinct, [&](const Sheet& other) {
+      return sheet.normal.normalized().dot(other.normal.normalized()) > std::cos(crease_angle);
+    });
+    if (home.size() > 1 && like != distinct.end())
+      like->normal += sheet.normal;
+    else
+      distinct.push_back(sheet);
+  }
+  for (Sheet& sheet : distinct) sheet.normal.normalize();
+  return distinct;
+}
+
+/// The sheet whose normal is closest to a direction.
+const Sheet& sheet_facing(const std::vector<Sheet>& sheets, const Vector3d& direction) {
+  return *std::ranges::max_element(sheets, {}, [&](const Sheet& s) { return s.normal.dot(direction); });
+}
+
 /// Builds the mesh of the candidates. In the fine simplices, each vertex is replaced by the candidate that
-/// has its largest share. Only elements of the highest remaining dimension are kept.
+/// has its largest share. Only elements of the highest remaining dimension are kept. The normal at a corner
+/// is that of the candidate's sheet that faces most like the sheet of the fine simplex.
 void quotient(const Fine& fine, const Merge& merge, kernels::Surface& surface) {
   const auto holder = [&](std::int64_t vertex) {
     const auto& share = merge.share[static_cast<std::size_t>(vertex)];
@@ -305,31 +252,185 @@ void quotient(const Fine& fine, const Merge& merge, kernels::Surface& surface) {
         ->first;
   };
   const int corners = fine.corners;
+  std::vector<std::vector<Sheet>> sheets, around;  // per candidate, per fine vertex
+  if (corners == 3) {
+    for (const auto& home : merge.home) sheets.push_back(sheets_of(fine, home));
+    for (std::size_t i = 0; i < fine.position.size(); ++i)
+      around.push_back(sheets_of(fine, {static_cast<std::int64_t>(i)}));
+  }
   std::array<std::set<std::vector<std::int64_t>>, 4> seen;
   std::array<std::vector<std::int64_t>, 4> elements;
+  std::array<std::vector<double>, 4> normals;
   for (std::size_t s = 0; s + static_cast<std::size_t>(corners) <= fine.simplex.size();
        s += static_cast<std::size_t>(corners)) {
     std::vector<std::int64_t> distinct;
-    for (int k = 0; k < corners; ++k) {
-      const std::int64_t c = holder(fine.simplex[s + static_cast<std::size_t>(k)]);
-      if (std::find(distinct.begin(), distinct.end(), c) == distinct.end()) distinct.push_back(c);
+    std::vector<double> normal;
+    for (std::size_t k = s; k < s + static_cast<std::size_t>(corners); ++k) {
+      const std::int64_t c = holder(fine.simplex[k]);
+      if (std::find(distinct.begin(), distinct.end(), c) != distinct.end()) continue;
+      distinct.push_back(c);
+      if (corners < 3) continue;
+      const Fine::Part& part = fine.part[fine.simplex_part[k]];
+      const Vector3d& own = sheet_facing(around[static_cast<std::size_t>(part.vertex)], part.normal).normal;
+      const Vector3d& n = sheet_facing(sheets[static_cast<std::size_t>(c)], own).normal;
+      normal.insert(normal.end(), n.begin(), n.end());
     }
     std::vector<std::int64_t> key = distinct;
     std::sort(key.begin(), key.end());
-    if (seen[distinct.size()].insert(key).second)
-      elements[distinct.size()].insert(elements[distinct.size()].end(), distinct.begin(), distinct.end());
+    if (!seen[distinct.size()].insert(key).second) continue;
+    auto& to = elements[distinct.size()];
+    to.insert(to.end(), distinct.begin(), distinct.end());
+    normals[distinct.size()].insert(normals[distinct.size()].end(), normal.begin(), normal.end());
   }
   int k = 3;
   while (k > 1 && elements[static_cast<std::size_t>(k)].empty()) --k;
   surface.element_corners = k;
   surface.element = elements[static_cast<std::size_t>(k)];
+  if (k > 1) surface.element_normal = normals[static_cast<std::size_t>(k)];
 }
+
+/// The point of a patch from which gaps are measured, and its height over the mean of the patch.
+struct Crest {
+  Vector3d point;
+  double bulge = 0;
+};
+
+/// Finds the crests of patches.
+class Crests {
+ public:
+  Crests(const Fine& fine, const Merge& merge) : fine_(fine), merge_(merge), facets_(fine) {}
+
+  /// @param share  of the candidate in each vertex
+  Crest of(std::size_t candidate, const std::map<std::int64_t, double>& share) const {
+    const std::vector<std::int64_t>& home = merge_.home[candidate];
+    if (fine_.corners == 1) return {merge_.centre[candidate], 0};
+    if (has_line(home)) {
+      const Vector3d at = home.size() == 1 ? on_line(home.front(), share) : merge_.centre[candidate];
+      std::vector<Sheet> sheets = sheets_of(fine_, home);
+      if (home.size() > 1) {
+        // The sheets at the ends of a line do not bulge beside it.
+        const auto end = [&](std::int64_t vertex) {
+          return fine_.position[static_cast<std::size_t>(vertex)];
+        };
+        const Vector3d along = (end(home.back()) - end(home.front())).normalized();
+        std::erase_if(sheets,
+                      [&](const Sheet& sheet) { return std::abs(sheet.normal.dot(along)) > same_face; });
+      }
+      return {at, bulge(at, sheets, share)};
+    }
+    Vector3d normal = Vector3d::Zero();
+    for (const std::int64_t vertex : home) normal += fine_.normal[static_cast<std::size_t>(vertex)];
+    normal.normalize();
+    const auto [mean, within] = mean_facing(normal, share);
+    std::vector<std::size_t> near;
+    for (const auto& [vertex, s] : share)
+      for (const std::size_t simplex : fine_.simplices_at[static_cast<std::size_t>(vertex)])
+        near.push_back(simplex);
+    mesh::sort_once(near);
+    const auto found = facets_.along(mean, normal, near);
+    const SurfacePoint at = found.value_or(SurfacePoint{merge_.centre[candidate], normal});
+    return {at.point, within * at.normal.dot(at.point - mean)};
+  }
+
+ private:
+  /// Parts of a patch whose normals are farther apart than 60 degrees from that of its centre lie on another
+  /// face.
+  static constexpr double same_face = 0.5;
+
+  /// Whether the centre of a candidate lies on a crease, at a corner, or at the end of the surface. A merged
+  /// line does if it runs along one; lines that only end there do not.
+  bool has_line(const std::vector<std::int64_t>& home) const {
+    if (home.size() == 1)
+      return !fine_.lines_at[static_cast<std::size_t>(home[0])].empty() || fine_.sheets(home[0]) > 1;
+    return std::ranges::any_of(home, [&](std::int64_t vertex) {
+      return std::ranges::any_of(
+          fine_.lines_at[static_cast<std::size_t>(vertex)],
+          [&](const Fine::Line& line) { return std::ranges::count(home, line.to) > 0; });
+    });
+  }
+
+  /// Mean of the part of a patch that faces like `normal`, and the share of its area.
+  std::pair<Vector3d, double> mean_facing(const Vector3d& normal,
+                                          const std::map<std::int64_t, double>& share) const {
+    Vector3d moment = Vector3d::Zero();
+    double area = 0, all = 0;
+    for (const auto& [vertex, s] : share)
+      for (const std::size_t p : fine_.parts_at[static_cast<std::size_t>(vertex)]) {
+        const Fine::Part& part = fine_.part[p];
+        all += s * part.area;
+        if (part.normal.dot(normal) < same_face) continue;
+        moment += s * part.moment;
+        area += s * part.area;
+      }
+    return {moment / area, area / all};
+  }
+
+  /// (1/A) ∫ w n·(x̂ − x) ds with the normal n of each sheet around the centre
+  double bulge(const Vector3d& at, const std::vector<Sheet>& sheets,
+               const std::map<std::int64_t, double>& share) const {
+    double sum = 0, area = 0;
+    for (const auto& [vertex, s] : share)
+      for (const std::size_t p : fine_.parts_at[static_cast<std::size_t>(vertex)]) {
+        const Fine::Part& part = fine_.part[p];
+        area += s * part.area;
+        const Vector3d& n = sheet_facing(sheets, part.normal).normal;
+        if (part.normal.dot(n) >= same_face) sum += s * n.dot(part.area * at - part.moment);
+      }
+    return sum / area;
+  }
+
+  /// Centroid of the trace of the hat on the line through its centre; the centre itself at corners.
+  Vector3d on_line(std::int64_t centre, const std::map<std::int64_t, double>& share) const {
+    const Vector3d& x = fine_.position[static_cast<std::size_t>(centre)];
+    if (!fine_.on_line(centre)) return x;
+    const auto& ways = fine_.lines_at[static_cast<std::size_t>(centre)];
+    const auto share_of = [&](std::int64_t vertex) {
+      const auto found = share.find(vertex);
+      return found == share.end() ? 0 : found->second;
+    };
+    struct Piece {
+      Fine::Line line;
+      double from, length;  // along the way
+    };
+    std::array<std::vector<Piece>, 2> pieces;
+    double weight = 0, moment = 0;  // ∫ w dl, ∫ w l dl with l < 0 on the second way
+    for (const std::size_t way : {0, 1}) {
+      const double sense = way == 0 ? 1 : -1;
+      double l = 0;
+      std::int64_t from = centre;
+      for (Fine::Line line = ways[way];;) {
+        const std::int64_t to = line.to;
+        const double length = (fine_.position[static_cast<std::size_t>(to)] -
+                               fine_.position[static_cast<std::size_t>(from)])
+                                  .norm(),
+                     a = share_of(from), b = share_of(to);
+        weight += length * (a + b) / 2;
+        moment += sense * length * (l * (a + b) / 2 + length * (a / 6 + b / 3));
+        pieces[way].push_back({line, l, length});
+        l += length;
+        if (b == 0 || to == centre || !fine_.on_line(to)) break;
+        const auto& next = fine_.lines_at[static_cast<std::size_t>(to)];
+        line = next[next[0].to == from ? 1 : 0];
+        from = to;
+      }
+    }
+    const double at = moment / weight, distance = std::abs(at);
+    const std::vector<Piece>& way = pieces[at > 0 ? 0 : 1];
+    const Piece& piece = *std::ranges::find_if(
+        way, [&](const Piece& one) { return distance <= one.from + one.length || &one == &way.back(); });
+    return facets_.on_line(piece.line, (distance - piece.from) / piece.length);
+  }
+
+  const Fine& fine_;
+  const Merge& merge_;
+  CurvedFacets facets_;
+};
 
 }  // namespace
 
 Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& groups,
                      const PatchOptions& options) {
-  const Fine fine = fine_hats(mesh.contact);
+  const Fine fine = fine_surface(mesh.contact);
   if (fine.position.empty())
     throw InputError(
         "the contact groups hold no facets: give them a physical surface (a physical point for rods)");
@@ -345,9 +446,8 @@ Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& gro
   Patches patches;
   kernels::Surface& surface = patches.geometry;
   const std::size_t m = merge.centre.size();
-  std::vector<Eigen::Vector3d> normal(m, Eigen::Vector3d::Zero());
-  std::vector<Eigen::Vector3d> centroid(m, Eigen::Vector3d::Zero());
-  std::vector<std::map<std::int64_t, double>> load(m);
+  std::vector<Vector3d> normal(m, Vector3d::Zero());
+  std::vector<std::map<std::int64_t, double>> load(m), shares(m);
   surface.area.assign(m, 0);
   surface.group.assign(m, "");
   for (std::size_t i = 0; i < fine.position.size(); ++i)
@@ -357,14 +457,21 @@ Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& gro
       normal[k] += s * fine.normal[i];
       surface.group[k] = groups[static_cast<std::size_t>(fine.group[i])];
       for (const auto& [node, w] : fine.load[i]) load[k][node] += s * w;
+      if (s > 0) shares[k][static_cast<std::int64_t>(i)] += s;
     }
+  const Crests crests(fine, merge);
   for (std::size_t k = 0; k < m; ++k) {
     normal[k].normalize();
-    for (const auto& [node, w] : load[k]) centroid[k] += w * fine.position[static_cast<std::size_t>(node)];
+    Vector3d mean = Vector3d::Zero();
+    for (const auto& [node, w] : load[k]) mean += w * fine.position[static_cast<std::size_t>(node)];
+    mean /= surface.area[k];
+    const Crest crest = crests.of(k, shares[k]);
+    surface.bulge.push_back(crest.bulge);
     for (int d = 0; d < 3; ++d) {
       surface.node.push_back(merge.centre[k][d]);
-      surface.centroid.push_back(centroid[k][d] / surface.area[k]);
+      surface.centroid.push_back(crest.point[d]);
       surface.normal.push_back(normal[k][d]);
+      patches.arm.push_back(crest.point[d] - mean[d]);
     }
     for (const auto& [node, w] : load[k])
       patches.weights.push_back(
@@ -397,6 +504,10 @@ void restrict_to(Patches& patches, const std::vector<std::int64_t>& points) {
                 [&](const Weight& weight) { return number[static_cast<std::size_t>(weight.candidate)] < 0; });
   for (Weight& weight : patches.weights)
     weight.candidate = number[static_cast<std::size_t>(weight.candidate)];
+  std::vector<double> arm;
+  for (const std::int64_t i : points)
+    for (std::size_t d = 0; d < 3; ++d) arm.push_back(patches.arm[3 * static_cast<std::size_t>(i) + d]);
+  patches.arm = std::move(arm);
   kernels::restrict_candidates(patches.geometry, points);
   whole.held = points;
   patches.geometry.whole = std::move(whole);

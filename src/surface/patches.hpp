@@ -12,6 +12,7 @@ namespace ricochet::surface {
 struct Patches {
   kernels::Surface geometry;  ///< all except shape and residual flexibility
   std::vector<Weight> weights;
+  std::vector<double> arm;  ///< (M,3) from the mean (1/A_i) ∫ w_i x ds of each patch to its centroid x̂_i [m]
 };
 
 struct PatchOptions {
@@ -22,7 +23,8 @@ struct PatchOptions {
 };
 
 /// Makes patches with hats w_i ≥ 0, Σ w_i = 1, on the vertices of the surface, which is subdivided to the
-/// element order. On request, they are merged along a direction and coarsened to a spacing. Needs a
+/// element order. On request, they are merged along a direction and coarsened to a spacing. The ends of the
+/// contact surface are treated like creases, because an edge or a plane of symmetry is there. Needs a
 /// GmshSession. Throws InputError if the mesh has no contact facets.
 Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& groups,
                      const PatchOptions& options);

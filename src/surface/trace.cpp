@@ -108,12 +108,42 @@ void take_residuals(const Eigen::Ref<const Eigen::MatrixXd>& response, Eigen::In
   }
 }
 
+namespace {
+
+/// Moves the traces of rigid modes from the means of the patches to x̂_i, so that the lever arm of a force is
+/// that of the point from which its gap is measured. With the momentum p_n = φ_nᵀ M e and the angular
+/// momentum L_n about the origin, a rigid mode turns by θ_n = J⁻¹ (L_n − c × p_n).
+void move_rigid_traces(const std::vector<double>& arm, kernels::Kernel& kernel) {
+  const std::size_t n = kernel.modes.size(), c = static_cast<std::size_t>(kernel.surface.components);
+  const Eigen::Matrix3d inertia = Eigen::Map<const Eigen::Matrix3d>(kernel.inertia.data());
+  // Parts of a body that are not joined turn separately, and rods do not turn.
+  if (kernel.parts > 1 || !(inertia.determinant() > 0)) return;
+  const auto three = [&](const std::vector<double>& rows, std::size_t mode) {
+    return Eigen::Vector3d(rows[mode], rows[n + mode], rows[2 * n + mode]);
+  };
+  for (std::size_t k = 0; k < n && kernel.modes.angular_frequency[k] == 0; ++k) {
+    const Eigen::Vector3d momentum = three(kernel.loads.body_force, k),
+                          about = Eigen::Map<const Eigen::Vector3d>(kernel.centre.data()).cross(momentum),
+                          turn = inertia.ldlt().solve(three(kernel.loads.rotation, k) - about);
+    for (std::size_t i = 0; i < kernel.surface.size(); ++i) {
+      const Eigen::Vector3d moved = turn.cross(Eigen::Map<const Eigen::Vector3d>(&arm[3 * i]));
+      for (std::size_t d = 0; d < c; ++d)
+        kernel.surface.shape[(c * i + d) * n + k] +=
+            c == 3 ? moved[static_cast<Eigen::Index>(d)]
+                   : moved.dot(Eigen::Map<const Eigen::Vector3d>(kernel.surface.direction->data()));
+    }
+  }
+}
+
+}  // namespace
+
 void take_traces(const Patches& patches, const Traces& traces, const Sources& sources,
                  kernels::Kernel& kernel) {
   kernel.surface = patches.geometry;
   kernel.surface.shape = flat(traces.shape);
   kernel.loads.body_force = flat(traces.participation.topRows(3));
   kernel.loads.rotation = flat(traces.participation.bottomRows(3));
+  move_rigid_traces(patches.arm, kernel);
   kernel.applied = sources.loads;
   kernel.receivers = sources.receivers;
   for (std::size_t l = 0; l < kernel.applied.size(); ++l)

@@ -13,7 +13,8 @@ struct Traces {
   Eigen::MatrixXd shape, participation, applied, at_receivers;
 };
 
-/// Stores the traces in a kernel, together with all data that do not depend on the modes.
+/// Stores the traces in a kernel, together with all data that do not depend on the modes. The kernel must
+/// have its modes, centre and inertia. Rigid modes are stored at the centroids x̂_i, elastic ones as means.
 void take_traces(const Patches& patches, const Traces& traces, const Sources& sources,
                  kernels::Kernel& kernel);
 

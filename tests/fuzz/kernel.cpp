@@ -21,11 +21,11 @@ void check_numbers(const kernels::Kernel& kernel) {
   const auto finite = [](const std::vector<double>& values) {
     for (double value : values) require(std::isfinite(value), "a number that is not finite was accepted");
   };
-  for (const auto* values :
-       {&kernel.modes.angular_frequency, &kernel.modes.decay_rate, &kernel.surface.node,
-        &kernel.surface.centroid, &kernel.surface.normal, &kernel.surface.area, &kernel.surface.shape,
-        &kernel.surface.residual_flexibility, &kernel.loads.body_force, &kernel.loads.rotation,
-        &kernel.loads.body_force_residual})
+  for (const auto* values : {&kernel.modes.angular_frequency, &kernel.modes.decay_rate, &kernel.surface.node,
+                             &kernel.surface.centroid, &kernel.surface.bulge, &kernel.surface.element_normal,
+                             &kernel.surface.normal, &kernel.surface.area, &kernel.surface.shape,
+                             &kernel.surface.residual_flexibility, &kernel.loads.body_force,
+                             &kernel.loads.rotation, &kernel.loads.body_force_residual})
     finite(*values);
   require(kernel.mass > 0, "a body without mass was accepted");
   const std::size_t m = kernel.surface.size(), n = kernel.modes.size();

@@ -387,6 +387,8 @@ TEST(Rescaling, gives_each_datum_the_factor_of_its_unit) {
   expect_unit(made.outline, had.outline, {0, 1, 0}, "outline");
   expect_unit(made.modes.angular_frequency, had.modes.angular_frequency, {0, 0, -1}, "omega");
   expect_unit(made.surface.centroid, had.surface.centroid, {0, 1, 0}, "centroid");
+  expect_unit(made.surface.bulge, had.surface.bulge, {0, 1, 0}, "bulge");
+  EXPECT_EQ(made.surface.element_normal, had.surface.element_normal);
   expect_unit(made.surface.area, had.surface.area, {0, 2, 0}, "area");
   expect_unit(made.surface.shape, had.surface.shape, {-0.5, 0, 0}, "shape");
   expect_unit(made.surface.residual_flexibility, had.surface.residual_flexibility, flexibility, "R");

@@ -66,11 +66,13 @@ void expect_same(const Kernel& a, const Kernel& b) {
   EXPECT_EQ(a.surface.direction, b.surface.direction);
   EXPECT_TRUE(same_bits(a.surface.node, b.surface.node));
   EXPECT_TRUE(same_bits(a.surface.centroid, b.surface.centroid));
+  EXPECT_TRUE(same_bits(a.surface.bulge, b.surface.bulge));
   EXPECT_EQ(a.surface.group, b.surface.group);
   EXPECT_TRUE(same_bits(a.surface.normal, b.surface.normal));
   EXPECT_TRUE(same_bits(a.surface.area, b.surface.area));
   EXPECT_EQ(a.surface.element_corners, b.surface.element_corners);
   EXPECT_EQ(a.surface.element, b.surface.element);
+  EXPECT_TRUE(same_bits(a.surface.element_normal, b.surface.element_normal));
   EXPECT_TRUE(same_bits(a.surface.shape, b.surface.shape));
   EXPECT_TRUE(same_bits(a.surface.residual_flexibility, b.surface.residual_flexibility));
   EXPECT_TRUE(same_bits(a.loads.body_force, b.loads.body_force));
@@ -169,6 +171,7 @@ TEST(KernelFile, a_kernel_of_points_without_elements_and_without_modes_comes_bac
   const Folder folder;
   Kernel kernel = sample_kernel(3, 0, 2);
   kernel.surface.element.clear();
+  kernel.surface.element_normal.clear();
   write(kernel, folder / "body.kernel.h5");
   expect_same(kernel, read(folder / "body.kernel.h5"));
 }
@@ -215,9 +218,9 @@ TEST(KernelFile, every_dataset_of_numbers_has_a_unit_and_no_object_a_time) {
   int seen = 0;
   H5Ovisit(file, H5_INDEX_NAME, H5_ITER_NATIVE, check_object, &seen);
   H5Fclose(file);
-  // The datasets of FORMAT.md without names: 25, plus 4 for each load,
+  // The datasets of FORMAT.md without names: 27, plus 4 for each load,
   // 3 for a motion and 6 for each receiver.
-  EXPECT_EQ(seen, 25 + 2 * 4 + 3 + 2 * 6);
+  EXPECT_EQ(seen, 27 + 2 * 4 + 3 + 2 * 6);
 }
 
 TEST(KernelFile, another_program_finds_the_shape_as_points_by_components_by_modes) {

@@ -79,6 +79,7 @@ inline Kernel sample_kernel(int components, std::size_t n = 5, std::size_t m = 4
   if (components == 1) surface.direction = Vector3{0, -0.6, 0.8};
   fill(surface.node, 3 * m);
   fill(surface.centroid, 3 * m);
+  fill(surface.bulge, m);
   for (std::size_t i = 0; i < m; ++i) {
     surface.group.push_back(i % 2 == 0 ? "rim" : "upper face");
     surface.normal.insert(surface.normal.end(), {std::cos(double(i)), -0.0, std::sin(double(i))});
@@ -88,6 +89,8 @@ inline Kernel sample_kernel(int components, std::size_t n = 5, std::size_t m = 4
   for (std::size_t i = 0; i + 1 < m; ++i) {
     surface.element.push_back(static_cast<std::int64_t>(i));
     surface.element.push_back(static_cast<std::int64_t>(i + 1));
+    for (const double angle : {double(i), double(i) + 0.5})
+      surface.element_normal.insert(surface.element_normal.end(), {std::cos(angle), std::sin(angle), 0});
   }
   fill(surface.shape, m * c * n);
   surface.residual_flexibility.resize(c * m * c * m);

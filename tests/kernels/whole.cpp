@@ -44,6 +44,8 @@ TEST(WholeSurface, is_written_and_read) {
   const WholeSurface &found = *surface.whole, &expected = *kernel.surface.whole;
   EXPECT_EQ(found.node, expected.node);
   EXPECT_EQ(found.centroid, expected.centroid);
+  EXPECT_EQ(found.bulge, expected.bulge);
+  EXPECT_EQ(found.element_normal, expected.element_normal);
   EXPECT_EQ(found.normal, expected.normal);
   EXPECT_EQ(found.area, expected.area);
   EXPECT_EQ(found.element_corners, expected.element_corners);
@@ -61,12 +63,25 @@ TEST(WholeSurface, grows_with_the_body) {
   const WholeSurface &before = *kernel.surface.whole, &after = *grown.surface.whole;
   EXPECT_EQ(after.node[5], 2 * before.node[5]);
   EXPECT_EQ(after.centroid[5], 2 * before.centroid[5]);
+  EXPECT_EQ(after.bulge[3], 2 * before.bulge[3]);
+  EXPECT_EQ(after.element_normal, before.element_normal);
   EXPECT_EQ(after.area[5], 4 * before.area[5]);
   EXPECT_EQ(after.normal, before.normal);
 }
 
 TEST(WholeSurface, is_dropped_if_points_are_chosen) {
   EXPECT_FALSE(restricted_to_points(partial_kernel(), {0, 2}).surface.whole);
+}
+
+TEST(Surface, keeps_bulges_and_normals_of_the_remaining_points_and_elements) {
+  const Surface all = plain_kernel().surface, two = restricted_to_points(plain_kernel(), {1, 2}).surface,
+                apart = restricted_to_points(plain_kernel(), {0, 2}).surface;
+  EXPECT_EQ(two.bulge, (std::vector<double>{all.bulge[1], all.bulge[2]}));
+  // The element between points 1 and 2 is the second one.
+  EXPECT_EQ(two.element_normal,
+            std::vector<double>(all.element_normal.begin() + 6, all.element_normal.begin() + 12));
+  EXPECT_EQ(apart.element_corners, 1);
+  EXPECT_TRUE(apart.element_normal.empty());
 }
 
 TEST(WholeSurface, must_fit_the_candidates) {
@@ -81,6 +96,9 @@ TEST(WholeSurface, must_fit_the_candidates) {
             "a candidate that differs"},
            {[](WholeSurface& w) { w.node.pop_back(); }, "whole/node"},
            {[](WholeSurface& w) { w.centroid.resize(9); }, "whole/centroid"},
+           {[](WholeSurface& w) { w.bulge.pop_back(); }, "whole/bulge"},
+           {[](WholeSurface& w) { w.element_normal.pop_back(); }, "whole/element_normal"},
+           {[](WholeSurface& w) { w.element_normal[0] = 2; }, "whole/element_normal"},
            {[](WholeSurface& w) { w.area[0] = 0; }, "whole/area"},
            {[](WholeSurface& w) { w.normal[0] = 2; }, "whole/normal"},
            {[](WholeSurface& w) { w.element[0] = 6; }, "whole/element"}}) {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Contact patches compared with values derived by hand and with closed forms of hats on flat triangles.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -38,7 +40,9 @@ Made make(const std::string& geo, int order, const std::vector<std::string>& con
   const Patches same = surface::make_patches(alone, contact, options);
   EXPECT_EQ(made.patches.geometry.node, same.geometry.node);
   EXPECT_EQ(made.patches.geometry.centroid, same.geometry.centroid);
+  EXPECT_EQ(made.patches.geometry.bulge, same.geometry.bulge);
   EXPECT_EQ(made.patches.geometry.normal, same.geometry.normal);
+  EXPECT_EQ(made.patches.geometry.element_normal, same.geometry.element_normal);
   EXPECT_EQ(made.patches.geometry.area, same.geometry.area);
   EXPECT_EQ(made.patches.geometry.group, same.geometry.group);
   EXPECT_EQ(made.patches.geometry.element, same.geometry.element);
@@ -110,7 +114,16 @@ TEST(Patches, of_flat_triangles_have_the_mean_of_a_linear_field_at_their_centroi
     for (std::size_t i = 0; i < area.size(); ++i) {
       EXPECT_NEAR(geometry.area[i], area[i], 1e-14);
       EXPECT_NEAR(ones[i], 1, 1e-13);
-      EXPECT_NEAR((row(geometry.centroid, i) - centroid[i]).norm(), 0, 1e-13);
+      // The patches at the ends are measured there, the others at their means.
+      const Point at = row(geometry.centroid, i);
+      const auto end = [](double x) { return std::min(std::abs(x - 0.2), std::abs(x - 0.8)) < placed; };
+      const Point node = row(geometry.node, i);
+      if (end(node[0]) || end(node[1])) {
+        EXPECT_TRUE(end(at[0]) || end(at[1])) << at.transpose();
+      } else {
+        EXPECT_NEAR((at - centroid[i]).norm(), 0, 1e-12);
+      }
+      EXPECT_NEAR(geometry.bulge[i], 0, 1e-13);
       EXPECT_NEAR(linear[i], 0.3 - 2 * centroid[i][0] + 5 * centroid[i][1] + centroid[i][2], 1e-12);
       // Gradients of order 4 sum to zero within about 1e-13.
       EXPECT_NEAR((row(geometry.normal, i) - Point(0, 0, 1)).norm(), 0, 1e-12);
@@ -280,6 +293,156 @@ TEST(Spacing, keeps_centres_apart_covers_the_surface_and_its_linear_fields) {
   }
 }
 
+TEST(Crests, of_a_box_lie_on_its_faces_edges_and_corners_and_do_not_bulge) {
+  const mesh::GmshSession gmsh;
+  const std::vector<std::string> all{"bottom", "top", "sides"};
+  for (const auto& [kind, divisions, order, spacing] :
+       {std::tuple("tet", 3, 1, 0.0), std::tuple("tet", 2, 2, 0.0), std::tuple("hex", 2, 3, 0.0),
+        std::tuple("tet", 5, 1, 0.4)}) {
+    PatchOptions options;
+    if (spacing > 0) options.spacing = spacing;
+    const auto& geometry = make(test::block_geo(kind, divisions, 0), order, all, options).patches.geometry;
+    std::array<int, 4> places{};
+    for (std::size_t i = 0; i < geometry.size(); ++i) {
+      const Point node = row(geometry.node, i), at = row(geometry.centroid, i);
+      int faces = 0;
+      for (int d = 0; d < 3; ++d) {
+        if (std::min(node[d], 1 - node[d]) > placed) continue;
+        ++faces;
+        EXPECT_NEAR(at[d], node[d], placed);
+      }
+      ++places[static_cast<std::size_t>(faces)];
+      EXPECT_NEAR(geometry.bulge[i], 0, 1e-12);
+    }
+    EXPECT_EQ(places[0], 0);
+    if (spacing == 0) {
+      EXPECT_EQ(places[3], 8);
+    }
+    ASSERT_EQ(geometry.element_normal.size(), 3 * geometry.element.size());
+    for (std::size_t k = 0; k < geometry.element.size(); ++k)  // along an axis, on each face its own
+      EXPECT_NEAR(row(geometry.element_normal, k).cwiseAbs().maxCoeff(), 1, 1e-12);
+  }
+}
+
+// On an edge whose pieces have the lengths l and m, the mean of the hat is (m − l)/3 from its vertex.
+TEST(Crests, of_an_edge_lie_at_the_centroid_of_the_hat_on_it) {
+  const mesh::GmshSession gmsh;
+  std::string geo = test::block_geo("hex", 4, 0);
+  geo.replace(geo.find("Transfinite Curve{1:12} = 5;"), 28, "Transfinite Curve{1:12} = 5 Using Bump 0.4;");
+  const auto& geometry = make(geo, 1, {"bottom", "top", "sides"}).patches.geometry;
+  std::vector<double> along;  // x of the nodes on the edge y = z = 0
+  std::vector<double> crest;
+  for (std::size_t i = 0; i < geometry.size(); ++i)
+    if (row(geometry.node, i).tail<2>().norm() < placed) {
+      along.push_back(geometry.node[3 * i]);
+      crest.push_back(geometry.centroid[3 * i]);
+    }
+  std::ranges::sort(along);
+  std::ranges::sort(crest);
+  ASSERT_EQ(along.size(), 5U);
+  EXPECT_GT(std::abs(along[2] - along[1] - (along[1] - along[0])), 0.05);
+  for (std::size_t i = 1; i < 4; ++i)
+    EXPECT_NEAR(crest[i], along[i] + (along[i + 1] - 2 * along[i] + along[i - 1]) / 3, placed);
+}
+
+std::string ball_geo(double size) {
+  return fmt::format(
+      "SetFactory(\"OpenCASCADE\");\nSphere(1) = {{0,0,0, 1}};\nMeshSize{{:}} = {};\n"
+      "Physical Volume(\"body\") = {{1}};\nPhysical Surface(\"skin\") = {{1}};\n",
+      size);
+}
+
+// On a sphere of radius 1, n·(x̂ − x) = |x − x̂|²/2 for every point x of it.
+TEST(Crests, of_a_ball_lie_on_it_and_bulge_by_the_mean_height_over_the_patch) {
+  const mesh::GmshSession gmsh;
+  for (const auto& [order, size] : {std::pair(2, 0.4), std::pair(3, 0.5), std::pair(4, 0.5)}) {
+    // Meshed once, because gmsh places the nodes inside a sphere differently by round-off every time.
+    const test::SharedFile file(".geo", ball_geo(size));
+    scene::Body body = test::body_of(file.path(), order);
+    body.contact = {"skin"};
+    Made made{test::mesh_of(body), {}};
+    made.patches = surface::make_patches(made.mesh, body.contact, {});
+    const auto& geometry = made.patches.geometry;
+    std::array<std::vector<double>, 3> mean;
+    for (int d = 0; d < 3; ++d) mean[d] = means(made, [d](const Point& x) { return x[d]; });
+    constexpr double off = 1e-3;  // of elements from the sphere
+    int on_sphere = 0;
+    double bulges = 0, heights = 0;
+    const auto square = means(made, [](const Point& x) { return x.squaredNorm(); });
+    for (std::size_t i = 0; i < geometry.size(); ++i) {
+      const Point at = row(geometry.centroid, i), of_patch(mean[0][i], mean[1][i], mean[2][i]);
+      const double bulge = geometry.bulge[i],
+                   height = (square[i] - 2 * at.dot(of_patch) + at.squaredNorm()) / 2;
+      // The gap to a tangential plane plus the bulge is the gap of the mean. 1.5 %: the normal of an element.
+      EXPECT_NEAR(at.norm() - bulge, of_patch.dot(at) / at.norm(), 0.015 * bulge);
+      EXPECT_GT(bulge, 5e-4);
+      if (std::abs(at.norm() - 1) > off) continue;
+      ++on_sphere;
+      bulges += bulge;
+      heights += height;
+    }
+    // The others lie on elements of this coarse mesh that have been straightened.
+    EXPECT_GT(on_sphere, 0.8 * static_cast<double>(geometry.size()));
+    // Single elements of order 2 have curvatures of their own.
+    EXPECT_NEAR(bulges, heights, 0.03 * heights);
+    ASSERT_EQ(geometry.element_normal.size(), 3 * geometry.element.size());
+    for (std::size_t k = 0; k < geometry.element.size(); ++k) {
+      const Point x = row(geometry.node, static_cast<std::size_t>(geometry.element[k]));
+      EXPECT_GT(row(geometry.element_normal, k).dot(x), 0.98);
+    }
+  }
+}
+
+TEST(Crests, of_a_cylinder_with_its_ends_lie_on_the_rims) {
+  const mesh::GmshSession gmsh;
+  const std::string geo =
+      "SetFactory(\"OpenCASCADE\");\nCylinder(1) = {0,0,0, 0,0,2, 1};\nMeshSize{:} = 0.5;\n"
+      "Physical Volume(\"body\") = {1};\nPhysical Surface(\"skin\") = {1:3};\n";
+  const auto& geometry = make(geo, 2, {"skin"}).patches.geometry;
+  int rims = 0;
+  for (std::size_t i = 0; i < geometry.size(); ++i) {
+    const Point node = row(geometry.node, i), at = row(geometry.centroid, i);
+    const bool end = std::min(node[2], 2 - node[2])<1e-9, mantle = node.head<2>().norm()> 1 - 1e-6;
+    if (end) {
+      EXPECT_NEAR(at[2], node[2], 1e-9);
+    }
+    if (mantle) {
+      EXPECT_NEAR(at.head<2>().norm(), 1, 1e-3);
+    }
+    rims += end && mantle;
+    // Patches of the mantle bulge by h²/12 with h from 0.2 to 0.3, those of the ends do not.
+    if (end && !mantle) {
+      EXPECT_NEAR(geometry.bulge[i], 0, 1e-12);
+    } else {
+      EXPECT_THAT(geometry.bulge[i], testing::AllOf(testing::Gt(5e-4), testing::Lt(1.2e-2)));
+    }
+  }
+  EXPECT_GT(rims, 40);
+}
+
+TEST(Crests, of_strips_across_a_cylinder_lie_on_it_and_have_one_normal) {
+  const mesh::GmshSession gmsh;
+  const std::string geo =
+      "SetFactory(\"OpenCASCADE\");\nDisk(1) = {0,0,0, 1};\nMeshSize{:} = 0.3;\n"
+      "out[] = Extrude {0, 0, 0.3} { Surface{1}; Layers{2}; };\nPhysical Volume(\"body\") = {out[1]};\n"
+      "Physical Surface(\"mantle\") = {out[2]};\n";
+  const auto& geometry = make(geo, 2, {"mantle"}, {.along = Vector3{0, 0, 1}}).patches.geometry;
+  ASSERT_EQ(geometry.element_corners, 2);
+  ASSERT_EQ(geometry.element_normal.size(), 3 * geometry.element.size());
+  std::map<std::int64_t, Point> normal;
+  for (std::size_t i = 0; i < geometry.size(); ++i) {
+    const Point at = row(geometry.centroid, i);
+    EXPECT_NEAR(at.head<2>().norm(), 1, 1e-4);
+    EXPECT_NEAR(at[2], 0.15, 1e-3);
+    EXPECT_GT(geometry.bulge[i], 1e-3);
+    EXPECT_LT(geometry.bulge[i], 1e-2);
+  }
+  for (std::size_t k = 0; k < geometry.element.size(); ++k) {
+    const auto [known, first] = normal.try_emplace(geometry.element[k], row(geometry.element_normal, k));
+    EXPECT_EQ(known->second, row(geometry.element_normal, k));
+  }
+}
+
 TEST(Restriction, keeps_patches_and_loads_of_the_remaining_candidates) {
   const mesh::GmshSession gmsh;
   for (const PatchOptions& options :
@@ -301,6 +464,7 @@ TEST(Restriction, keeps_patches_and_loads_of_the_remaining_candidates) {
       const auto i = static_cast<std::size_t>(points[k]);
       EXPECT_EQ(geometry.area[k], before.area[i]);
       EXPECT_EQ(row(geometry.centroid, k), row(before.centroid, i));
+      EXPECT_EQ(geometry.bulge[k], before.bulge[i]);
       EXPECT_EQ(row(geometry.normal, k), row(before.normal, i));
       EXPECT_EQ(geometry.group[k], before.group[i]);
       EXPECT_EQ(kept.middleCols(3 * static_cast<Eigen::Index>(k), 3), loads.middleCols(3 * points[k], 3));

@@ -89,6 +89,40 @@ TEST(Trace, of_a_linear_field_is_its_value_at_the_centroid_of_each_patch) {
   }
 }
 
+TEST(Trace, of_a_rigid_mode_is_its_value_at_the_point_from_which_gaps_are_measured) {
+  const Point turn(0.3, -0.7, 0.2);
+  for (const bool one_direction : {false, true}) {
+    surface::PatchOptions options;
+    if (one_direction) options.direction = Vector3{0.6, 0, -0.8};
+    const Body body(test::block_geo("hex", 2, 0), 2, {"top", "sides"}, options);
+    modes::ModeSet set = body.linear_fields();
+    for (std::size_t i = 0; i < body.mesh.node.size(); ++i)
+      if (const std::int64_t local = body.mesh.owned(body.mesh.node[i]); local >= 0)
+        set.shape.block<3, 1>(3 * local, 0) =
+            turn.cross(Eigen::Map<const Point>(&body.mesh.position[3 * i])) + offset;
+    kernels::Kernel kernel;
+    kernel.modes.angular_frequency = {0, 1};
+    kernel.centre = body.matrices.centre;
+    kernel.inertia = body.matrices.inertia;
+    surface::trace(test::one_team(), body.mesh, body.matrices, *body.factor, set, body.patches,
+                   surface::patch_loads(body.mesh, body.patches), surface::Residual::none, false, kernel,
+                   surface::make_sources(body.mesh, {}));
+    const kernels::Surface& geometry = kernel.surface;
+    int moved = 0;
+    for (std::size_t i = 0; i < geometry.size(); ++i) {
+      const Point at(&geometry.centroid[3 * i]), u = turn.cross(at) + offset;
+      moved += at[2] > 1 - placed && std::min(at[0], 1 - at[0]) < placed;
+      if (one_direction) {
+        EXPECT_NEAR(geometry.shape[2 * i], 0.6 * u[0] - 0.8 * u[2], placed);
+        continue;
+      }
+      for (std::size_t c = 0; c < 3; ++c)
+        EXPECT_NEAR(geometry.shape[2 * (3 * i + c)], u[static_cast<int>(c)], placed);
+    }
+    EXPECT_EQ(moved, 10);  // on two edges, where the mean lies inside
+  }
+}
+
 TEST(Trace, along_a_direction_is_only_that_component) {
   const Vector3 direction{0.6, 0, -0.8};
   const Body body(test::block_geo("hex", 2, 0), 2, {"top"}, {.direction = direction});
