@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/model/model.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -163,9 +164,10 @@ Selection selection(const PlacedBody& body, int index, const std::vector<Contact
         else
           for (int k = 0; k < 3; ++k) entries.emplace_back(row, 3 * candidate + k, weight * n(k));
       };
-      if (pair.a == index) add(point.candidate, 1);
+      if (pair.a == index)
+        for (const auto& [candidate, weight] : point.of_a) add(candidate, weight);
       if (pair.b == index)
-        for (const auto& [candidate, weight] : point.weights) add(candidate, -weight);
+        for (const auto& [candidate, weight] : point.of_b) add(candidate, -weight);
       ++row;
       if (pair.request.friction) ++next;
     }
@@ -257,6 +259,9 @@ Model build_model(const Placement& placement, const Vector3d& gravity,
     const int count = static_cast<int>(pair.pairing.points.size());
     model.pairs.push_back({points, count, pair.pairing.unpaired, pair.a, pair.b, {}});
     if (pair.pairing.beyond_reach > 0) model.pairs.back().reach = pair.pairing.reach;
+    if (count > 0)
+      model.pairs.back().initial_gap = std::ranges::min(pair.pairing.points, {}, &Pairing::Point::gap).gap;
+    model.pairs.back().apart = pair.apart;
     if (pair.b < 0)
       model.pairs.back().obstacle = pair.request.a == bodies[pair.a].name ? pair.request.b : pair.request.a;
     points += count;

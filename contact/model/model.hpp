@@ -102,10 +102,12 @@ struct Model {
 
   struct PairBlock {
     int first_point = 0, points = 0, unpaired = 0;
-    int a = 0, b = -1;            ///< indices of the bodies; b = −1 for a half-space
-    std::optional<double> reach;  ///< [m] set if points beyond it were dropped
-    std::string obstacle{};       ///< name of the half-space, if b = −1
-    int first_tangential = -1;    ///< with friction: the first of the 2 · points tangential rows
+    int a = 0, b = -1;                    ///< indices of the bodies; b = −1 for a half-space
+    std::optional<double> reach;          ///< [m] set if points beyond it were dropped
+    std::string obstacle{};               ///< name of the half-space, if b = −1
+    int first_tangential = -1;            ///< with friction: the first of the 2 · points tangential rows
+    double initial_gap = 0;               ///< g of the closest pair [m]
+    std::optional<TrueDistance> apart{};  ///< of the surfaces, at the start
     /// x (n) at the rows of this pair, and 0 elsewhere.
     Vector part_of(const Vector& x) const;
   };

@@ -8,6 +8,8 @@
 #include <tuple>
 
 #include "base/format.hpp"
+#include "contact/pairing/crease_points.hpp"
+#include "contact/pairing/surface_distance.hpp"
 #include "contact/pairing/surface_projection.hpp"
 #include "ricochet/error.hpp"
 
@@ -23,6 +25,10 @@ constexpr double facing_slack = 1e-6;
 /// Depths below this share of the bodies' size are round-off of a touching placement.
 constexpr double overlap_slack = 1e-12;
 
+/// Error of curved elements as a share of the bulge of patches. Rounded bodies that touch in the drawing may
+/// overlap by as much.
+constexpr double curved_slack = 0.05;
+
 /// Round-off of a point, relative to the largest coordinate from which it was computed by a rotation and two
 /// sums.
 constexpr double place_slack = 16 * std::numeric_limits<double>::epsilon();
@@ -36,15 +42,20 @@ double round_off_of(const WorldSurface& a, const WorldSurface& b) {
   return overlap_slack * size_of(a, b) + place_slack * std::max(a.farthest, b.farthest);
 }
 
-/// The gap along n between the means of the patches minus that between their nodes, because displacements are
-/// means too. The mean of an asymmetric patch also lies sideways of its node. The surfaces face each other
-/// along their mutual normal, so only the part along that normal separates them.
-double between_means(const WorldSurface& a, std::size_t i, const WorldSurface& b, const Projection& y,
-                     const Vector3d& n) {
-  Vector3d apart = -a.offset[i];
-  for (int j = 0; j < b.corners; ++j) apart += y.weight[j] * b.offset[y.corner[j]];
-  const Vector3d mutual = (a.normal[i] - y.normal).normalized();
-  return mutual.dot(apart) / std::max(mutual.dot(n), steepest);
+/// Height of a patch over its mean along n. The surfaces face each other along their mutual normal, so only
+/// the part along that normal separates them.
+/// @param own  the normal of the patch, @param mutual  unit, on the same side
+double bulge_along(double bulge, const Vector3d& own, const Vector3d& mutual, const Vector3d& n) {
+  return bulge * mutual.dot(own) / std::max(mutual.dot(n), steepest);
+}
+
+double bulge_of(const WorldSurface& a, std::size_t i, const WorldSurface& b, const Projection& y,
+                const Vector3d& n) {
+  double of_b = 0;
+  for (int j = 0; j < b.corners; ++j) of_b += y.weight[j] * b.bulge[y.corner[j]];
+  const Vector3d own = a.on_crease[i] ? Vector3d(-y.normal) : a.normal[i];
+  const Vector3d mutual = (own - y.normal).normalized();
+  return std::max(0.0, bulge_along(a.bulge[i], own, mutual, n) + bulge_along(of_b, -y.normal, mutual, n));
 }
 
 std::string title(const PairRequest& request) {
@@ -67,18 +78,19 @@ void check_component(const PlacedBody& body, const std::optional<Vector3d>& norm
 }
 
 /// Finds the pairs for a given position of a, before gap, reach and overlap are checked.
-Pairing find_pairs(const PlacedBody& a, const SurfaceProjection& onto,
+/// @param shift  of a since `over_a` was made, whose surface is that of a
+Pairing find_pairs(const SurfaceProjection& over_a, const Vector3d& shift, const SurfaceProjection& onto,
                    const std::optional<Vector3d>& direction) {
-  const WorldSurface& b = onto.surface();
-  const WorldSurface from = surface_of(a);
+  const WorldSurface &from = over_a.surface(), &b = onto.surface();
   const double size = size_of(from, b);
   Pairing out;
   for (std::size_t i = 0; i < from.node.size(); ++i) {
-    const Vector3d& x = from.node[i];
+    const Vector3d x = from.crest[i] + shift;
     std::optional<Projection> y;
     Vector3d n = direction.value_or(Vector3d::Zero());
     if (!direction) {
-      if (const auto found = onto.along_mutual_normal(x, from.normal[i], size)) std::tie(y, n) = *found;
+      if (const auto found = onto.along_mutual_normal(x, from.normal[i], from.on_crease[i] != 0, size))
+        std::tie(y, n) = *found;
     } else if (from.normal[i].dot(n) > -facing_slack) {
       y = onto.first_along(x, n, size,
                            [&](const Projection& found) { return found.normal.dot(n) < facing_slack; });
@@ -87,12 +99,16 @@ Pairing find_pairs(const PlacedBody& a, const SurfaceProjection& onto,
       ++out.unpaired;
       continue;
     }
-    const double gap = n.dot(y->point - x) + between_means(from, i, b, *y, n);
-    Pairing::Point point{static_cast<int>(i), x, y->point, n, gap, from.area[i], 0, {}};
-    for (int j = 0; j < b.corners; ++j)
-      if (y->weight[j] > 0) point.weights.emplace_back(y->corner[j], y->weight[j]);
-    out.points.push_back(std::move(point));
+    out.points.push_back({x,
+                          y->point,
+                          n,
+                          n.dot(y->point - x),
+                          from.area[i],
+                          bulge_of(from, i, b, *y, n),
+                          {{static_cast<int>(i), 1.0}},
+                          weights_of(*y)});
   }
+  add_crease_points(over_a, shift, onto, direction, out);
   return out;
 }
 
@@ -105,15 +121,11 @@ Pairing find_pairs(const PlacedBody& a, const HalfSpace& b) {
       ++out.unpaired;
       continue;
     }
-    const double height = n.dot(b.point - from.node[i]);
-    out.points.push_back({static_cast<int>(i),
-                          from.node[i],
-                          from.node[i] + height * n,
-                          n,
-                          height - n.dot(from.offset[i]),
-                          from.area[i],
-                          0,
-                          {}});
+    const Vector3d& x = from.crest[i];
+    const double height = n.dot(b.point - x),
+                 bulge = from.bulge[i] * (from.on_crease[i] ? 1 : std::max(0.0, from.normal[i].dot(n)));
+    out.points.push_back(
+        {x, x + height * n, n, height, from.area[i], std::max(0.0, bulge), {{static_cast<int>(i), 1.0}}, {}});
   }
   return out;
 }
@@ -161,7 +173,7 @@ Pairing arrange(PlacedBody a, const PairRequest& request, double round_off, Find
     out.shift = shift;
   }
   const Pairing::Point nearest = closest_pair(out);
-  if (nearest.gap < -round_off)
+  if (nearest.gap < -round_off - curved_slack * nearest.bulge)
     throw InputError(
         base::format("{}: they overlap by {:.6g} m at {}. Move one with translate, or set contact.gap.",
                      title(request), -nearest.gap, text(nearest.a)));
@@ -188,9 +200,10 @@ Pairing arrange(PlacedBody a, const PairRequest& request, double round_off, Find
 Pairing pair(const PlacedBody& a, const PlacedBody& b, const PairRequest& request) {
   check_component(a, request.direction, request);
   check_component(b, request.direction, request);
-  const SurfaceProjection onto(surface_of(b));
-  return arrange(a, request, round_off_of(surface_of(a), onto.surface()),
-                 [&](const PlacedBody& moved) { return find_pairs(moved, onto, request.direction); });
+  const SurfaceProjection over_a(surface_of(a)), onto(surface_of(b));
+  return arrange(a, request, round_off_of(over_a.surface(), onto.surface()), [&](const PlacedBody& moved) {
+    return find_pairs(over_a, moved.translation - a.translation, onto, request.direction);
+  });
 }
 
 Pairing pair(const PlacedBody& a, const HalfSpace& b, const PairRequest& request) {
@@ -203,6 +216,28 @@ Pairing pair(const PlacedBody& a, const HalfSpace& b, const PairRequest& request
   const WorldSurface from = surface_of(a);
   const double round_off = round_off_of(from, from) + place_slack * b.point.cwiseAbs().maxCoeff();
   return arrange(a, request, round_off, [&](const PlacedBody& moved) { return find_pairs(moved, b); });
+}
+
+namespace {
+
+/// Accuracy of the true distance as a share of an element.
+constexpr double distance_share = 1e-3;
+
+}  // namespace
+
+std::optional<TrueDistance> true_distance(const PlacedBody& a, const PlacedBody& b,
+                                          const PairRequest& request) {
+  const SurfaceProjection one(surface_of(a)), other(surface_of(b));
+  if (request.direction || one.surface().corners != 3 || other.surface().corners != 3) return std::nullopt;
+  const double element = std::min(smallest_element(one.surface()), smallest_element(other.surface()));
+  return TrueDistance{surface_distance(one, other, distance_share * element), element};
+}
+
+std::optional<TrueDistance> true_distance(const PlacedBody& a, const HalfSpace& b) {
+  const WorldSurface surface = surface_of(a);
+  if (surface.corners != 3) return std::nullopt;
+  const double element = smallest_element(surface);
+  return TrueDistance{std::max(0.0, surface_distance(surface, b, distance_share * element)), element};
 }
 
 }  // namespace ricochet::contact

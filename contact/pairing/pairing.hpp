@@ -46,29 +46,43 @@ struct PairRequest {
   bool operator==(const PairRequest&) const = default;
 };
 
-/// Candidates of a that face a point of the surface of b (world frame, after `gap` has moved a). Candidates
-/// are numbered as on whole surfaces, regardless of which ones the kernels contain.
+/// Points of the surface of a that face points of the surface of b (world frame, after `gap` has moved a):
+/// candidates of a, then points that have no candidate of a, where creases cross or where a crease of b faces
+/// a. Candidates are numbered as on whole surfaces, regardless of which ones the kernels contain.
 struct Pairing {
+  using Weights = std::vector<std::pair<int, double>>;  ///< candidates and weights ≥ 0 with the sum 1
   struct Point {
-    int candidate = 0;             ///< of a
-    Eigen::Vector3d a, b, normal;  ///< x_i, y_i [m], n_i out of a
-    double gap = 0;                ///< g_i between the means of the patches, about n_i·(y_i − x_i) [m]
+    Eigen::Vector3d a, b, normal;  ///< x̂_i, y_i [m], n_i out of a
+    double gap = 0;                ///< g_i = n_i·(y_i − x̂_i) [m]
     double area = 0;               ///< [m²], of the patch of a
     double bulge = 0;              ///< b_i ≥ 0, by which both patches bulge beyond their means [m]
-    std::vector<std::pair<int, double>>
-        weights;  ///< W: candidates of b around y_i; weights ≥ 0, sum 1; empty for a half-space
+    Weights of_a;                  ///< candidates of a around x̂_i; a candidate itself has the weight 1
+    Weights of_b;                  ///< W: candidates of b around y_i; empty for a half-space
   };
   std::vector<Point> points;
   int unpaired = 0;               ///< number of candidates of a that face nothing or lie beyond reach
-  int beyond_reach = 0;           ///< number of these that lie beyond reach
+  int beyond_reach = 0;           ///< number of points that lie beyond reach
   std::optional<double> reach{};  ///< [m] the initial gap at which pairs were dropped, by reach or zone
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  ///< translation of a due to `gap`
 };
 
+/// How far a pair of surfaces is apart, whatever their candidates.
+struct TrueDistance {
+  double distance = 0;  ///< between the curved elements, to within 1e-3 of `element` [m]; 0 if they intersect
+  double element = 0;   ///< size of the smallest element of both [m]
+};
+
+/// Computes it; no value along a direction, where only the distance along it matters, and for surfaces of
+/// points or strips.
+std::optional<TrueDistance> true_distance(const PlacedBody& a, const PlacedBody& b,
+                                          const PairRequest& request);
+std::optional<TrueDistance> true_distance(const PlacedBody& a, const HalfSpace& b);
+
 /// Pairs the candidates of a with the surface of b. With `direction`, points are projected along it.
 /// Otherwise each point is projected along n_i = (n_a − n_b)/|n_a − n_b|, found by iteration from the closest
-/// point. A projection is a point of the candidate mesh of b (triangles, segments, points); it may lie up to
-/// 1e-6 of the element's size beyond an edge. Pairs are found on whole surfaces, regardless of which
+/// point; from a crease, along −n_b. A projection is a point of the candidate mesh of b (curved triangles,
+/// curved segments, points); it may lie up to 1e-6 of the element's size beyond an edge. Where creases of
+/// both bodies cross, n_i is perpendicular to both. Pairs are found on whole surfaces, regardless of which
 /// candidates the kernels contain. Throws InputError if no point faces the other surface, if bodies overlap
 /// (with the depth), or if a kernel contains only one component and the contact acts along another direction.
 Pairing pair(const PlacedBody& a, const PlacedBody& b, const PairRequest& request);

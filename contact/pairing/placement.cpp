@@ -75,6 +75,9 @@ Placement place(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& ob
     without_gap.gap.reset();
     out.pairs[p].pairing = found(p, without_gap);
     if (requests[p].gap) check_gap(out, out.pairs[p]);
+    const PlacedBody& a = out.bodies[out.pairs[p].a];
+    out.pairs[p].apart = obstacle[p] ? true_distance(a, *obstacle[p])
+                                     : true_distance(a, out.bodies[out.pairs[p].b], requests[p]);
   }
   return out;
 }
@@ -90,8 +93,8 @@ std::vector<double> largest_tilts(const Placement& placement) {
         const Eigen::Vector3d own = body.rotation * Eigen::Map<const Eigen::Vector3d>(&normal[3 * candidate]);
         cosine[k] = std::min(cosine[k], std::abs(own.dot(point.normal)));
       };
-      compare(pair.a, point.candidate);
-      for (const auto& [candidate, weight] : point.weights) compare(pair.b, candidate);
+      for (const auto& [candidate, weight] : point.of_a) compare(pair.a, candidate);
+      for (const auto& [candidate, weight] : point.of_b) compare(pair.b, candidate);
     }
   std::vector<double> out;
   for (const double c : cosine) out.push_back(std::acos(std::clamp(c, 0.0, 1.0)));
@@ -102,8 +105,8 @@ std::vector<std::vector<std::int64_t>> paired_candidates(const Placement& placem
   std::vector<std::set<std::int64_t>> paired(placement.bodies.size());
   for (const ContactPair& pair : placement.pairs)
     for (const Pairing::Point& point : pair.pairing.points) {
-      paired[pair.a].insert(point.candidate);
-      for (const auto& [candidate, weight] : point.weights) paired[pair.b].insert(candidate);
+      for (const auto& [candidate, weight] : point.of_a) paired[pair.a].insert(candidate);
+      for (const auto& [candidate, weight] : point.of_b) paired[pair.b].insert(candidate);
     }
   std::vector<std::vector<std::int64_t>> out;
   for (const auto& candidates : paired) out.emplace_back(candidates.begin(), candidates.end());

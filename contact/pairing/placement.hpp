@@ -19,6 +19,7 @@ struct ContactPair {
   PairRequest request;
   int a = 0, b = -1;  ///< indices of the bodies; b = −1 for a half-space
   Pairing pairing;
+  std::optional<TrueDistance> apart{};
 };
 
 struct Placement {

@@ -18,6 +18,98 @@ constexpr double edge_slack = 1e-6;
 /// Change of n_i at which the search for a mutual normal stops, and the largest change at which it may end.
 constexpr double settled = 1e-13, settled_enough = 1e-6;
 
+using Element = WorldSurface::Element;
+
+/// c of an arc between two points with these normals.
+Vector3d bend_of(const Vector3d& x0, const Vector3d& x1, const Vector3d& n0, const Vector3d& n1) {
+  const Vector3d sum = n0 + n1, d = x1 - x0;
+  const double length = sum.norm();
+  if (!(length > 0.5)) return Vector3d::Zero();
+  return (d.dot(n1) - d.dot(n0)) / (4 + 2 * length) * sum / length;
+}
+
+/// Normals of one sheet at a node are equal bit by bit in a kernel; rotation adds round-off.
+bool same_sheet(const Vector3d& n0, const Vector3d& n1) { return (n0 - n1).squaredNorm() < 1e-20; }
+
+/// One element beside an edge, by its corners at the two nodes of the edge.
+struct Beside {
+  int element, first, second;  ///< index; corners at the lower and the higher node
+};
+
+/// Adds a crease unless it is hollow.
+void add_crease(WorldSurface& to, const std::array<int, 2>& node, const std::array<Beside, 2>& beside) {
+  WorldSurface::Crease crease{node, {}, Vector3d::Zero()};
+  const Vector3d& x = to.node[node[0]];
+  const Vector3d along = (to.node[node[1]] - x).normalized();
+  std::array<Vector3d, 2> normal;
+  for (int side = 0; side < 2; ++side) {
+    const Element& element = to.element[beside[side].element];
+    const int third = 3 - beside[side].first - beside[side].second;
+    const Vector3d into = to.node[element.corner[third]] - x;
+    normal[side] = (element.normal[beside[side].first] + element.normal[beside[side].second]).normalized();
+    // The tangent of a curved face at the crease differs from the chord of its element.
+    crease.into[side] = (into - into.dot(along) * along).normalized();
+    crease.into[side] = (crease.into[side] - crease.into[side].dot(normal[side]) * normal[side]).normalized();
+  }
+  if (!(normal[0].dot(crease.into[1]) < 0)) return;
+  crease.normal = (normal[0] + normal[1]).normalized();
+  to.crease.push_back(crease);
+}
+
+/// Derives the curvature of elements and the creases from the normals at their corners.
+void bend_elements(WorldSurface& to) {
+  std::vector<Vector3d> seen(to.node.size(), Vector3d::Zero());
+  for (const Element& element : to.element)
+    for (int j = 0; j < to.corners; ++j) {
+      const int node = element.corner[j];
+      if (seen[node].isZero(0))
+        seen[node] = element.normal[j];
+      else if (!same_sheet(seen[node], element.normal[j]))
+        to.on_crease[node] = 1;
+    }
+  const auto bend = [&](const Beside& side) {
+    const Element& element = to.element[side.element];
+    return bend_of(to.node[element.corner[side.first]], to.node[element.corner[side.second]],
+                   element.normal[side.first], element.normal[side.second]);
+  };
+  if (to.corners == 2) {
+    for (int e = 0; e < static_cast<int>(to.element.size()); ++e) to.element[e].bend[0] = bend({e, 0, 1});
+  } else if (to.corners == 3) {
+    std::vector<std::pair<std::array<int, 2>, Beside>> edges;
+    for (int e = 0; e < static_cast<int>(to.element.size()); ++e)
+      for (int j = 0; j < 3; ++j) {
+        const int k = (j + 1) % 3, p = to.element[e].corner[j], q = to.element[e].corner[k];
+        edges.push_back({{std::min(p, q), std::max(p, q)}, p < q ? Beside{e, j, k} : Beside{e, k, j}});
+      }
+    std::stable_sort(edges.begin(), edges.end(), [](auto& a, auto& b) { return a.first < b.first; });
+    for (std::size_t from = 0, end = 0; from < edges.size(); from = end) {
+      while (end < edges.size() && edges[end].first == edges[from].first) ++end;
+      const Beside &one = edges[from].second, &other = edges[end - 1].second;
+      Vector3d c = bend(one);
+      const Element &e = to.element[one.element], &f = to.element[other.element];
+      if (end - from == 2 && !(same_sheet(e.normal[one.first], f.normal[other.first]) &&
+                               same_sheet(e.normal[one.second], f.normal[other.second]))) {
+        add_crease(to, edges[from].first, {one, other});
+        // c·m = c_e·m for the mean normal m of either side
+        const Vector3d d = bend(other), m = (e.normal[one.first] + e.normal[one.second]).normalized(),
+                       n = (f.normal[other.first] + f.normal[other.second]).normalized();
+        const double k = m.dot(n), p = c.dot(m), q = d.dot(n), left = 1 - k * k;
+        c = left > 0.05 ? Vector3d(((p - k * q) * m + (q - k * p) * n) / left) : Vector3d((c + d) / 2);
+      }
+      for (std::size_t i = from; i < end; ++i) {
+        const Beside& side = edges[i].second;
+        const int j = side.first == (side.second + 1) % 3 ? side.second : side.first;
+        to.element[side.element].bend[j] = c;
+      }
+    }
+  }
+  for (Element& element : to.element) {
+    double most = 0;
+    for (const Vector3d& c : element.bend) most = std::max(most, c.norm());
+    element.curved = most > 1e-9 * element.size;
+  }
+}
+
 /// @param from  kernels::Surface or kernels::WholeSurface
 template <class From>
 WorldSurface placed(const PlacedBody& body, const From& from) {
@@ -29,45 +121,73 @@ WorldSurface placed(const PlacedBody& body, const From& from) {
     const Eigen::Map<const Vector3d> own(&from.node[3 * i]);
     to.node.push_back(body.rotation * own + body.translation);
     to.normal.push_back(body.rotation * Eigen::Map<const Vector3d>(&from.normal[3 * i]));
-    to.offset.emplace_back(Vector3d::Zero());
-    if (!from.centroid.empty())
-      to.offset.back() = body.rotation * (Eigen::Map<const Vector3d>(&from.centroid[3 * i]) - own);
+    const Vector3d centroid =
+        from.centroid.empty() ? own : Vector3d(Eigen::Map<const Vector3d>(&from.centroid[3 * i]));
+    const Vector3d& n = to.normal.back();
+    // Kernels of version 1 have the mean of the patch as its centroid.
+    const bool of_mean = from.bulge.empty();
+    to.crest.push_back(of_mean ? to.node.back() : Vector3d(body.rotation * centroid + body.translation));
+    to.bulge.push_back(of_mean ? n.dot(body.rotation * (own - centroid)) : from.bulge[i]);
     box.extend(to.node.back());
     to.farthest = std::max({to.farthest, to.node.back().cwiseAbs().maxCoeff(), own.cwiseAbs().maxCoeff()});
   }
   if (!box.isEmpty()) to.extent = box.diagonal().norm();
+  to.on_crease.assign(from.area.size(), 0);
   const std::size_t k = to.corners;
   for (std::size_t t = 0; t + k <= from.element.size(); t += k) {
     WorldSurface::Element element;
     for (std::size_t j = 0; j < k; ++j) element.corner[j] = static_cast<int>(from.element[t + j]);
     to.add(element);
+    for (std::size_t j = 0; !from.element_normal.empty() && j < k; ++j)
+      to.element.back().normal[j] =
+          body.rotation * Eigen::Map<const Vector3d>(&from.element_normal[3 * (t + j)]);
   }
+  if (!from.element_normal.empty()) bend_elements(to);
   return to;
 }
 
 /// The point with these weights, clipped to [0, 1]; no value if the normals at the corners cancel.
-std::optional<Projection> projection(const WorldSurface& b, const WorldSurface::Element& element,
+std::optional<Projection> projection(const WorldSurface& b, const Element& element,
                                      std::array<double, 3> weight) {
   Projection out{Vector3d::Zero(), Vector3d::Zero(), element.corner, weight};
   double sum = 0;
   for (double& w : out.weight) sum += w = std::clamp(w, 0.0, 1.0);
   for (int j = 0; j < b.corners; ++j) {
     out.weight[j] /= sum;
-    out.point += out.weight[j] * b.node[out.corner[j]];
-    out.normal += out.weight[j] * b.normal[out.corner[j]];
+    out.normal += out.weight[j] * element.normal[j];
   }
+  out.point = b.at(element, out.weight);
   const double length = out.normal.norm();
   if (!(length > 1e-9)) return std::nullopt;
   out.normal /= length;
   return out;
 }
 
-/// A line that is farther than this from the centre of an element does not intersect it [m].
-double reach_of(const WorldSurface::Element& element) { return element.size * (1 + edge_slack); }
+/// Weights of a curved triangle at its intersection with the line x + t d, from those of the flat one, by
+/// Newton's method on d × (x(u, v) − x) = 0; no value if the line grazes it.
+std::optional<Eigen::Vector2d> intersection(const WorldSurface& b, const Element& element, const Vector3d& x,
+                                            const Vector3d& d, Eigen::Vector2d uv) {
+  const auto& c = element.bend;
+  const Vector3d& p = b.node[element.corner[0]];
+  const Vector3d e1 = b.node[element.corner[1]] - p, e2 = b.node[element.corner[2]] - p;
+  constexpr int rounds = 12;
+  for (int round = 0; round < rounds; ++round) {
+    const double u = uv[0], v = uv[1], w = 1 - u - v;
+    const Vector3d off = x - b.at(element, {w, u, v}), by_u = e1 + 4 * ((w - u) * c[0] + v * c[1] - v * c[2]),
+                   by_v = e2 + 4 * (-u * c[0] + u * c[1] + (w - v) * c[2]), normal = by_u.cross(by_v);
+    const double determinant = normal.dot(d);
+    if (std::abs(determinant) <= 1e-6 * normal.norm()) return std::nullopt;
+    const Eigen::Vector2d step(off.dot(by_v.cross(d)) / determinant, off.dot(d.cross(by_u)) / determinant);
+    uv += step;
+    if (step.norm() < 1e-12) return uv;
+    if (uv.norm() > 4) return std::nullopt;
+  }
+  return std::nullopt;
+}
 
 /// The intersection of the line x + t d with an element.
-std::optional<Projection> intersection(const WorldSurface& b, const WorldSurface::Element& element,
-                                       const Vector3d& x, const Vector3d& d, double size) {
+std::optional<Projection> intersection(const WorldSurface& b, const Element& element, const Vector3d& x,
+                                       const Vector3d& d, double size) {
   const Vector3d& p = b.node[element.corner[0]];
   const auto across = [&](const Vector3d& v) -> Vector3d { return v - v.dot(d) * d; };
   if (b.corners == 1) {
@@ -81,10 +201,13 @@ std::optional<Projection> intersection(const WorldSurface& b, const WorldSurface
     const Vector3d tangent = across(e1);
     const double length = tangent.norm();
     if (length <= 1e-9 * element.size) return std::nullopt;
-    const double s = tangent.dot(r) / (length * length);
+    double s = tangent.dot(r) / (length * length);
+    // The tangential position of the curved segment is that of the chord plus 4 s (1 − s) times that of c.
+    const double aside = tangent.dot(element.bend[0]) / (length * length), start = s;
+    for (int round = 0; element.curved && round < 8; ++round) s = start - 4 * s * (1 - s) * aside;
     const double margin = std::min(edge_slack * element.size / length, 0.5);
     if (s < -margin || s > 1 + margin) return std::nullopt;
-    if ((across(r) - s * tangent).norm() > 0.5 * element.size) return std::nullopt;
+    if (across(x - b.at(element, {1 - s, s, 0})).norm() > 0.5 * element.size) return std::nullopt;
     return projection(b, element, {1 - s, s, 0});
   }
   // r + t d = u e1 + v e2
@@ -92,25 +215,25 @@ std::optional<Projection> intersection(const WorldSurface& b, const WorldSurface
   const Vector3d normal = e1.cross(e2);
   const double determinant = normal.dot(d);
   if (std::abs(determinant) <= 1e-9 * normal.norm()) return std::nullopt;
-  const double u = r.dot(e2.cross(d)) / determinant, v = r.dot(d.cross(e1)) / determinant;
+  double u = r.dot(e2.cross(d)) / determinant, v = r.dot(d.cross(e1)) / determinant;
+  if (element.curved) {
+    if (std::min({u, v, 1 - u - v}) < -1) return std::nullopt;
+    const auto found = intersection(b, element, x, d, {u, v});
+    if (!found) return std::nullopt;
+    u = (*found)[0];
+    v = (*found)[1];
+  }
   const double margin = std::min(edge_slack * element.size * element.size / std::abs(determinant), 0.5);
   if (u < -margin || v < -margin || u + v > 1 + margin) return std::nullopt;
   return projection(b, element, {1 - u - v, u, v});
 }
 
-/// Weights of the point of an element that is closest to x.
+/// Weights of the point of a triangle p, p + e1, p + e2 that is closest to x.
 /// Source: Ericson, Real-Time Collision Detection, 2005, 5.1.5, by Voronoi regions.
-std::array<double, 3> closest_weights(const WorldSurface& b, const WorldSurface::Element& element,
+std::array<double, 3> closest_weights(const Vector3d& p, const Vector3d& e1, const Vector3d& e2,
                                       const Vector3d& x) {
-  const Vector3d& p = b.node[element.corner[0]];
-  if (b.corners == 1) return {1, 0, 0};
-  const Vector3d e1 = b.node[element.corner[1]] - p, r = x - p;
+  const Vector3d r = x - p;
   const double d1 = e1.dot(r), l1 = e1.squaredNorm();
-  if (b.corners == 2) {
-    const double s = l1 > 0 ? std::clamp(d1 / l1, 0.0, 1.0) : 0;
-    return {1 - s, s, 0};
-  }
-  const Vector3d e2 = b.node[element.corner[2]] - p;
   const double d2 = e2.dot(r);
   if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
   const double d3 = d1 - l1, d4 = d2 - e1.dot(e2);
@@ -128,6 +251,16 @@ std::array<double, 3> closest_weights(const WorldSurface& b, const WorldSurface:
   }
   const double sum = va + vb + vc;
   return {va / sum, vb / sum, vc / sum};
+}
+
+/// Weights of the point on the chords of an element that is closest to x.
+std::array<double, 3> closest_weights(const WorldSurface& b, const Element& element, const Vector3d& x) {
+  const Vector3d& p = b.node[element.corner[0]];
+  if (b.corners == 1) return {1, 0, 0};
+  const Vector3d e1 = b.node[element.corner[1]] - p;
+  if (b.corners == 3) return closest_weights(p, e1, b.node[element.corner[2]] - p, x);
+  const double s = e1.squaredNorm() > 0 ? std::clamp(e1.dot(x - p) / e1.squaredNorm(), 0.0, 1.0) : 0;
+  return {1 - s, s, 0};
 }
 
 constexpr double none = std::numeric_limits<double>::max();
@@ -166,6 +299,23 @@ struct Nearest {
 
 }  // namespace
 
+double reach_of(const Element& element) {
+  double bend = 0;
+  for (const Vector3d& c : element.bend) bend += c.norm();
+  return element.size * (1 + edge_slack) + bend;
+}
+
+double smallest_element(const WorldSurface& surface) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const WorldSurface::Element& element : surface.element) least = std::min(least, element.size);
+  return least;
+}
+
+double square_distance(const Vector3d& x, const std::array<Vector3d, 3>& triangle) {
+  const auto w = closest_weights(triangle[0], triangle[1] - triangle[0], triangle[2] - triangle[0], x);
+  return (w[0] * triangle[0] + w[1] * triangle[1] + w[2] * triangle[2] - x).squaredNorm();
+}
+
 void WorldSurface::add(Element of_corners) {
   for (int j = 0; j < corners; ++j) {
     of_corners.centre += node[of_corners.corner[j]] / static_cast<double>(corners);
@@ -173,7 +323,18 @@ void WorldSurface::add(Element of_corners) {
       of_corners.size =
           std::max(of_corners.size, (node[of_corners.corner[i]] - node[of_corners.corner[j]]).norm());
   }
+  for (int j = 0; j < corners; ++j) of_corners.normal[j] = normal[of_corners.corner[j]];
+  for (Vector3d& c : of_corners.bend) c.setZero();
+  for (int j = corners; j < 3; ++j) of_corners.normal[j].setZero();
   element.push_back(of_corners);
+}
+
+Vector3d WorldSurface::at(const Element& on, const std::array<double, 3>& weight) const {
+  Vector3d out = Vector3d::Zero();
+  for (int j = 0; j < corners; ++j) out += weight[j] * node[on.corner[j]];
+  if (on.curved)
+    for (int j = 0; j < (corners == 3 ? 3 : 1); ++j) out += 4 * weight[j] * weight[(j + 1) % 3] * on.bend[j];
+  return out;
 }
 
 WorldSurface surface_of(const PlacedBody& body) {
@@ -190,7 +351,7 @@ SurfaceProjection::SurfaceProjection(WorldSurface surface) : surface_(std::move(
   std::vector<int> number(surface_.element.size());
   std::iota(number.begin(), number.end(), 0);
   std::vector<Eigen::AlignedBox3d> box;
-  for (const WorldSurface::Element& element : surface_.element) {
+  for (const Element& element : surface_.element) {
     const Vector3d reach = Vector3d::Constant(reach_of(element));
     box.emplace_back(element.centre - reach, element.centre + reach);
   }
@@ -223,7 +384,7 @@ std::optional<Projection> SurfaceProjection::first_along(
 std::optional<Projection> SurfaceProjection::closest(const Vector3d& x) const {
   Nearest nearest([&](const Eigen::AlignedBox3d& box) { return box.exteriorDistance(x); },
                   [&](int element) -> std::optional<std::pair<Projection, double>> {
-                    const WorldSurface::Element& on = surface_.element[element];
+                    const Element& on = surface_.element[element];
                     const auto found = projection(surface_, on, closest_weights(surface_, on, x));
                     if (!found) return std::nullopt;
                     return std::pair(*found, (found->point - x).norm());
@@ -234,11 +395,15 @@ std::optional<Projection> SurfaceProjection::closest(const Vector3d& x) const {
 
 std::optional<std::pair<Projection, Vector3d>> SurfaceProjection::along_mutual_normal(const Vector3d& x,
                                                                                       const Vector3d& n_a,
+                                                                                      bool on_crease,
                                                                                       double size) const {
+  const auto mutual = [&](const Projection& y) -> Vector3d {
+    return on_crease ? Vector3d(-y.normal) : Vector3d((n_a - y.normal).normalized());
+  };
   const auto faces = [&](const Projection& y) { return n_a.dot(y.normal) < 0; };
   auto y = closest(x);
   if (!y || !faces(*y)) return std::nullopt;
-  Vector3d n = (n_a - y->normal).normalized();
+  Vector3d n = mutual(*y);
   double change = 0;
   bool met = false;
   for (int round = 0; round < 20; ++round) {
@@ -248,7 +413,7 @@ std::optional<std::pair<Projection, Vector3d>> SurfaceProjection::along_mutual_n
     if (!met) found = closest(x + gap * n);
     if (!found || !faces(*found)) return std::nullopt;
     y = found;
-    const Vector3d next = (n_a - y->normal).normalized();
+    const Vector3d next = mutual(*y);
     change = (next - n).norm();
     if (change < settled) break;
     n = next;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <utility>
@@ -15,20 +16,44 @@
 namespace ricochet::contact {
 
 /// Candidate surface of a body, in the world.
+///
+/// An element with known normals is a quadratic triangle (segment) that continues smoothly in its neighbours,
+///
+///   x(w) = Σ_j w_j x_j + 4 Σ_j w_j w_{j+1} c_j
+///
+/// where c_j leads from the middle of the chord to the arc that has the normals n_j and n_{j+1} at its ends:
+/// c_j = m (d·n_{j+1} − d·n_j)/(4 + 2|n_j + n_{j+1}|), d = x_{j+1} − x_j, m = (n_j + n_{j+1})/|n_j +
+/// n_{j+1}|. This is exact for circles. On a crease, c_j satisfies this on both sides.
 struct WorldSurface {
   int corners = 3;
   std::vector<Eigen::Vector3d> node, normal;
-  std::vector<double> area;             ///< of each patch [m²]
-  std::vector<Eigen::Vector3d> offset;  ///< of each patch's centroid from its node [m]
+  std::vector<double> area;            ///< of each patch [m²]
+  std::vector<Eigen::Vector3d> crest;  ///< of each patch: x̂_i, from which its gap is measured [m]
+  std::vector<double> bulge;           ///< of each patch [m]
+  std::vector<std::int8_t> on_crease;  ///< of each node: 1 if sheets with different normals meet there
   struct Element {
     std::array<int, 3> corner{};
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
     double size = 0;  ///< longest edge [m]
+    bool curved = false;
+    std::array<Eigen::Vector3d, 3> normal{};  ///< at the corners
+    std::array<Eigen::Vector3d, 3>
+        bend{};  ///< c_j of the edge from corner j to the next [m]; 0 if not curved
     bool operator==(const Element&) const = default;
   };
   std::vector<Element> element;
-  /// Adds an element with these corners, whose nodes must exist.
+  /// A crease that another body may touch, between two nodes. Faces fall away from it.
+  struct Crease {
+    std::array<int, 2> node{};
+    std::array<Eigen::Vector3d, 2> into;  ///< unit, into each of its faces, perpendicular to the crease
+    Eigen::Vector3d normal;               ///< mean of its faces, unit
+    bool operator==(const Crease&) const = default;
+  };
+  std::vector<Crease> crease{};  ///< of triangles
+  /// Adds a flat element with these corners, whose nodes must exist.
   void add(Element of_corners);
+  /// Position in an element at these weights of its corners.
+  Eigen::Vector3d at(const Element& element, const std::array<double, 3>& weight) const;
   double extent = 0;    ///< diagonal of the nodes' bounding box [m]
   double farthest = 0;  ///< largest |coordinate| of a node, in the world and in the body's own frame [m]
   bool operator==(const WorldSurface&) const = default;
@@ -40,6 +65,15 @@ struct Projection {
   std::array<int, 3> corner{};
   std::array<double, 3> weight{};
 };
+
+/// A line that is farther than this from the centre of an element does not intersect it [m].
+double reach_of(const WorldSurface::Element& element);
+
+/// Size of the smallest element of a surface [m]; infinite without elements.
+double smallest_element(const WorldSurface& surface);
+
+/// Square of the distance of a point from a flat triangle [m²].
+double square_distance(const Eigen::Vector3d& x, const std::array<Eigen::Vector3d, 3>& triangle);
 
 /// All candidates of the body, including those that its kernel omits.
 WorldSurface surface_of(const PlacedBody& body);
@@ -54,26 +88,29 @@ class SurfaceProjection {
  public:
   explicit SurfaceProjection(WorldSurface surface);
   const WorldSurface& surface() const { return surface_; }
+  const Eigen::KdBVH<double, 3, int>& elements() const { return elements_; }  ///< of indices of elements
 
   /// Returns the intersection of the line x + t d with the surface that satisfies `faces` and has the
   /// smallest |t|.
   ///
-  /// Triangles are intersected along d. Segments represent strips that extend sideways: seen along d, the
-  /// line is projected perpendicularly onto the segment and may pass it at up to half its length. The line
-  /// hits a point if it passes within 1e-6 of `size`.
+  /// Triangles are intersected along d, curved ones by Newton's method. Segments represent strips that extend
+  /// sideways: seen along d, the line is projected perpendicularly onto the segment and may pass it at up to
+  /// half its length. The line hits a point if it passes within 1e-6 of `size`.
   std::optional<Projection> first_along(const Eigen::Vector3d& x, const Eigen::Vector3d& d, double size,
                                         const std::function<bool(const Projection&)>& faces) const;
 
-  /// Returns the point closest to x, or no value if there are no elements or the normals at the corners
-  /// cancel.
+  /// Returns the point closest to x on the chords of the elements, or no value if there are no elements or
+  /// the normals at the corners cancel.
   std::optional<Projection> closest(const Eigen::Vector3d& x) const;
 
   /// Projects x along the mutual normal n = (n_a − n_b)/|n_a − n_b|. This normal depends on the result, so it
   /// is found by fixed-point iteration from the closest point. Each round reduces the error by about the
   /// ratio of the gap to the diameter of the surface. If the line of an intermediate round misses the
-  /// surface, the closest point of the surface is used; the last line must intersect it.
+  /// surface, the closest point of the surface is used; the last line must intersect it. A point on a crease
+  /// has no normal of its own: there, n = −n_b.
   std::optional<std::pair<Projection, Eigen::Vector3d>> along_mutual_normal(const Eigen::Vector3d& x,
                                                                             const Eigen::Vector3d& n_a,
+                                                                            bool on_crease,
                                                                             double size) const;
 
  private:

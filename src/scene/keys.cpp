@@ -285,8 +285,8 @@ const Section pair_keys{
      {"spacing", Type::number, "m", none, above("0"),
       "smallest distance between candidates. Without it, every node of the contact surface is one"},
      {"gap", Type::number, "m", none, at_least("0"),
-      "moves body a along `direction` (or the mean normal) until the closest pair of points has this "
-      "distance, measured between the means of the patches"},
+      "moves body a along `direction` (or the mean normal) until the closest pair of contact points has this "
+      "distance"},
      {"reach", Type::number, "m", none, above("0"),
       "drops the pairs of points whose initial gap, after `gap`, is not below this distance. Kernels leave "
       "out the candidates that no pair needs"},

@@ -18,7 +18,6 @@ using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using ::testing::Not;
 
 const std::vector<HalfSpace> floor_at_0{{"floor", Vector3d::Zero(), Vector3d(0, 0, 1)}};
 
@@ -87,12 +86,98 @@ TEST(Obstacle, that_a_turned_body_passes_is_found_from_its_rigid_motion) {
   EXPECT_THAT(longer.warnings(), Contains(HasSubstr("plate passes 0.499 m through floor at t = 0.5 s")));
 }
 
-// The first of many candidates of a curved surface may lie below its mean.
-TEST(Obstacle, that_the_mesh_of_the_contact_surface_enters_at_the_start_is_not_named) {
+// Nodes of a rounded surface lie below the points from which gaps are measured.
+TEST(Obstacle, that_nodes_enter_by_twice_the_bulge_of_their_patches_is_not_named) {
   Kernel kernel = flanged(-0.01);
-  kernel.surface.centroid = kernel.surface.node;
-  for (std::size_t i = 2; i < kernel.surface.node.size(); i += 3) kernel.surface.node[i] = -0.012;
-  EXPECT_THAT(warnings_of(kernel), Not(Contains(HasSubstr("passes"))));
+  for (const double bulge : {0.0051, 0.003}) {
+    kernel.surface.bulge.assign(kernel.surface.size(), bulge);
+    kernel.surface.centroid = kernel.surface.node;
+    const Model model = build_model({{"plate", &kernel, Matrix3d::Identity(), {0, 0, 0.001}}}, floor_at_0,
+                                    {{"plate", "floor", {}, {}, {}}}, Vector3d::Zero());
+    ObstacleCheck check(model);
+    check.observe(Vector::Zero(1), 0);
+    // The flange starts 9 mm below the floor; 1e-3 of the size of the plate is 2.3 mm.
+    if (bulge > 0.004) {
+      EXPECT_THAT(check.warnings(), IsEmpty());
+    } else {
+      EXPECT_THAT(check.warnings(), Contains(HasSubstr("plate passes 0.009 m through floor")));
+    }
+  }
+}
+
+TEST(Obstacle, that_is_nearer_than_all_contact_points_at_the_start_is_named_with_the_figures) {
+  Kernel ball = cap(4, 1, 0.5);
+  for (const std::int64_t i : ball.surface.element)
+    for (int d = 0; d < 3; ++d) ball.surface.element_normal.push_back(ball.surface.normal[3 * i + d]);
+  ball.surface.shape.assign(3 * ball.surface.size(), 0);
+  ball.modes.angular_frequency = {1};
+  ball.modes.decay_rate = {0};
+  ball.loads.body_force.assign(3, 0);
+  ball.loads.rotation.assign(3, 0);
+  // Turned by half an interval about y, so that the lowest point lies between candidates.
+  const Matrix3d Q = turn(0.12, {0, 1, 0}) * upside_down();
+  const Model model = build_model({{"ball", &ball, Q, {0, 0, 1.001}}}, floor_at_0,
+                                  {{"ball", "floor", {}, {}, {}}}, Vector3d::Zero());
+  ASSERT_TRUE(model.pairs[0].apart);
+  EXPECT_NEAR(model.pairs[0].apart->distance, 0.001, 2e-4);
+  EXPECT_GT(model.pairs[0].initial_gap, 0.005);
+  EXPECT_THAT(ObstacleCheck(model).warnings(),
+              Contains(AllOf(HasSubstr("ball and floor start 0.00"), HasSubstr("so they touch late by 0.0"),
+                             HasSubstr("bodies.ball.geometry"))));
+}
+
+/// A box of three edges from `low` with the normals of its faces, as a rigid free body that moves along the
+/// axes.
+Kernel brick(const std::vector<std::pair<Vector3d, Vector3d>>& boxes) {
+  Kernel kernel;
+  kernel.mass = 1;
+  for (const auto& [low, size] : boxes)
+    for (int d = 0; d < 3; ++d)
+      for (const double side : {0.0, 1.0}) {
+        const int e = (d + 1) % 3, f = (d + 2) % 3;
+        const Vector3d normal = (2 * side - 1) * Vector3d::Unit(d);
+        const auto first = static_cast<std::int64_t>(kernel.surface.size());
+        for (const auto& [s, t] :
+             {std::pair(0.0, 0.0), std::pair(1.0, 0.0), std::pair(1.0, 1.0), std::pair(0.0, 1.0)}) {
+          Vector3d at;
+          at[d] = side;
+          at[e] = s;
+          at[f] = t;
+          add_candidate(kernel, low + at.cwiseProduct(size), normal, 1);
+        }
+        for (const std::int64_t k : {0, 1, 2, 0, 2, 3}) {
+          kernel.surface.element.push_back(first + k);
+          kernel.surface.element_normal.insert(kernel.surface.element_normal.end(), normal.begin(),
+                                               normal.end());
+        }
+      }
+  kernel.inertia = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  kernel.modes.angular_frequency = {0, 0, 0};
+  kernel.modes.decay_rate = {0, 0, 0};
+  kernel.loads.body_force = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  kernel.loads.rotation.assign(9, 0);
+  for (std::size_t i = 0; i < kernel.surface.size(); ++i)
+    kernel.surface.shape.insert(kernel.surface.shape.end(), {1, 0, 0, 0, 1, 0, 0, 0, 1});
+  return kernel;
+}
+
+// A brick glides over a plate, towards a post on it that no pair along z knows of.
+TEST(Bodies, that_pass_through_each_other_without_contact_points_are_named_with_the_depth) {
+  const Kernel stone = brick({{{0, 0, 0}, {0.2, 0.2, 0.2}}}),
+               plate = brick({{{-1, -1, -0.1}, {2, 2, 0.1}}, {{0.5, -0.5, 0}, {0.3, 1.1, 1}}});
+  const Model model = build_model(
+      {{"stone", &stone, Matrix3d::Identity(), {0, 0, 0.05}}, {"plate", &plate, Matrix3d::Identity()}}, {},
+      {{"stone", "plate", Vector3d(0, 0, -1), {}, {}}}, Vector3d::Zero());
+  ObstacleCheck check(model);
+  Vector q = Vector::Zero(6);
+  for (const double way : {0.0, 0.1, 0.2, 0.29}) {
+    q(0) = way;
+    check.observe(q, way);
+    EXPECT_THAT(check.warnings(), IsEmpty()) << way;
+  }
+  q(0) = 0.38;
+  check.observe(q, 0.38);
+  EXPECT_THAT(check.warnings(), Contains(HasSubstr("stone passes 0.08 m through plate at t = 0.38 s")));
 }
 
 }  // namespace obstacle_check_test

@@ -28,7 +28,7 @@ PlacedBody above(const Kernel& kernel, double height) {
 
 Vector3d weighted_node(const Pairing::Point& point, const PlacedBody& b) {
   Vector3d sum = Vector3d::Zero();
-  for (const auto& [j, w] : point.weights)
+  for (const auto& [j, w] : point.of_b)
     sum += w * (b.rotation * Eigen::Map<const Vector3d>(&b.kernel->surface.node[3 * j]) + b.translation);
   return sum;
 }
@@ -44,9 +44,9 @@ TEST(FlatSheets, unlike_meshes_pair_exactly) {
       EXPECT_NEAR(point.gap, 0.3, round_off);
       EXPECT_LT((point.normal - up).norm(), round_off);
       EXPECT_LT((point.b - point.a - 0.3 * up).norm(), round_off);
-      EXPECT_EQ(point.area, lower.surface.area[point.candidate]);
+      EXPECT_EQ(point.area, lower.surface.area[point.of_a[0].first]);
       double sum = 0;
-      for (const auto& [j, w] : point.weights) {
+      for (const auto& [j, w] : point.of_b) {
         EXPECT_GE(w, 0);
         sum += w;
       }
@@ -124,7 +124,7 @@ TEST(FlatSheets, a_place_just_beyond_the_edge_is_taken_at_the_edge) {
   EXPECT_EQ(met.unpaired, 0);
   for (const auto& point : met.points) {
     double sum = 0;
-    for (const auto& [j, w] : point.weights) sum += w;
+    for (const auto& [j, w] : point.of_b) sum += w;
     EXPECT_NEAR(sum, 1, round_off);
     EXPECT_LT((weighted_node(point, b) - point.b).norm(), round_off);
     EXPECT_GE(point.b.x(), 5e-7);
@@ -184,12 +184,12 @@ TEST(Rims, all_positions_pair_the_ends_too) {
   EXPECT_EQ(pairing.unpaired, 0);
   ASSERT_EQ(pairing.points.size(), 17U);
   for (const auto& point : pairing.points) {
-    const double angle = point.candidate * std::numbers::pi / 16;
+    const double angle = point.of_a[0].first * std::numbers::pi / 16;
     EXPECT_NEAR(point.gap, 0.01 + 0.1 * (1 - std::sin(angle)), 1e-15);
-    ASSERT_FALSE(point.weights.empty());
-    const auto heaviest = std::max_element(point.weights.begin(), point.weights.end(),
+    ASSERT_FALSE(point.of_b.empty());
+    const auto heaviest = std::max_element(point.of_b.begin(), point.of_b.end(),
                                            [](auto p, auto q) { return p.second < q.second; });
-    EXPECT_EQ(heaviest->first, point.candidate);
+    EXPECT_EQ(heaviest->first, point.of_a[0].first);
     EXPECT_NEAR(heaviest->second, 1,
                 1e-11);  // the last segment is seen nearly edge on: round-off divided by 0.02
   }
@@ -210,9 +210,9 @@ TEST(Rods, ends_that_face_each_other_pair) {
     const Pairing pairing = pair(a, b, along({1, 0, 0}));
     ASSERT_EQ(pairing.points.size(), 1U);
     EXPECT_EQ(pairing.unpaired, 1);
-    EXPECT_EQ(pairing.points[0].candidate, 1);
+    EXPECT_EQ(pairing.points[0].of_a[0].first, 1);
     EXPECT_EQ(pairing.points[0].gap, gap);
-    EXPECT_EQ(pairing.points[0].weights, (std::vector<std::pair<int, double>>{{0, 1.0}}));
+    EXPECT_EQ(pairing.points[0].of_b, (std::vector<std::pair<int, double>>{{0, 1.0}}));
   }
 }
 
@@ -227,7 +227,7 @@ TEST(Rods, ends_beside_each_other_do_not_pair) {
 TEST(OneComponent, serves_its_own_line_in_both_senses_and_no_other) {
   const Kernel kernel = rod(2, 10);
   const PlacedBody a{"a", &kernel}, turned{"b", &kernel, turn(std::numbers::pi, up), {20.5, 0, 0}};
-  EXPECT_EQ(pair(a, turned, along({1, 0, 0})).points[0].weights[0].first, 1);
+  EXPECT_EQ(pair(a, turned, along({1, 0, 0})).points[0].of_b[0].first, 1);
   const std::string tilted = complaint_of([&] { pair(a, turned, along(Vector3d(1, 1e-3, 0).normalized())); });
   EXPECT_THAT(tilted, HasSubstr("the kernel of \"a\" holds the motion along [1, 0, 0] alone"));
   EXPECT_THAT(complaint_of([&] { pair(a, turned, freely); }), HasSubstr("Set contact.direction = [1, 0, 0]"));
@@ -246,7 +246,7 @@ TEST(HalfSpaces, every_point_that_looks_at_one_meets_its_foot) {
     EXPECT_EQ(point.normal, -up);
     EXPECT_NEAR(point.gap, point.a.z() + 2, round_off);
     EXPECT_LT((point.b - Vector3d(point.a.x(), point.a.y(), -2)).norm(), round_off);
-    EXPECT_TRUE(point.weights.empty());
+    EXPECT_TRUE(point.of_b.empty());
   }
   EXPECT_THAT(complaint_of([&] { pair({"a", &kernel}, floor, freely); }), HasSubstr("no point"));
   EXPECT_THAT(complaint_of([&] {
@@ -354,30 +354,31 @@ TEST(Reach, drops_pairs_that_start_too_far_apart) {
               HasSubstr("the closest pair is 0.1 m apart"));
 }
 
-/// The kernel with patches whose centroids are offset from their nodes by up to
+/// The kernel with patches whose centroids x̂ are offset from their nodes by up to
 /// `far`, in the components selected by `way`.
 Kernel lopsided(Kernel kernel, double far, const Vector3d& way) {
   kernel.surface.centroid = kernel.surface.node;
   for (std::size_t k = 0; k < kernel.surface.centroid.size(); ++k)
     kernel.surface.centroid[k] +=
         far * way(static_cast<Eigen::Index>(k % 3)) * std::sin(1.7 * static_cast<double>(k));
+  kernel.surface.bulge.assign(kernel.surface.size(), 0);
   return kernel;
 }
 
-TEST(Means, of_patches_set_the_gap_to_a_wall) {
+TEST(Centroids, of_patches_set_the_gap_to_a_wall) {
   const Kernel kernel = lopsided(cap(6, 1), 0.02, {1, 1, 1});
   const Matrix3d Q = turn(0.2, {1, 2, 0.5});
   const PlacedBody a{"a", &kernel, Q, {0.1, 0.2, 0.3}};
   const Pairing pairing = pair(a, HalfSpace{"wall", 2 * up, -up}, {"a", "wall", {}, {}, {}});
   ASSERT_EQ(pairing.points.size(), kernel.surface.size());
   for (const auto& point : pairing.points) {
-    const Vector3d mean = Q * Eigen::Map<const Vector3d>(&kernel.surface.centroid[3 * point.candidate]);
+    const Vector3d mean = Q * Eigen::Map<const Vector3d>(&kernel.surface.centroid[3 * point.of_a[0].first]);
     EXPECT_NEAR(point.gap, 2 - 0.3 - mean.z(), round_off);
     EXPECT_NEAR(point.b.z(), 2, round_off);
   }
 }
 
-TEST(Means, of_patches_in_the_planes_of_flat_sheets_leave_the_gap_as_it_is) {
+TEST(Centroids, of_patches_in_the_planes_of_flat_sheets_leave_the_gap_as_it_is) {
   const Kernel lower = lopsided(square(5, 4), 0.05, {1, 1, 0}),
                upper = lopsided(square(7, 3), 0.05, {1, 1, 0});
   // The direction is 30 degrees off the normal of the sheets, so motion
@@ -395,15 +396,33 @@ TEST(Means, of_patches_in_the_planes_of_flat_sheets_leave_the_gap_as_it_is) {
   }
 }
 
-TEST(Means, of_patches_beneath_their_nodes_open_the_gap) {
+// Files of version 1 have the means of patches instead of x̂ and the bulge.
+TEST(Means, of_patches_beneath_their_nodes_count_as_their_bulge) {
   Kernel lower = square(3, 3), upper = square(4, 2);
   for (Kernel* kernel : {&lower, &upper}) {
     kernel->surface.centroid = kernel->surface.node;
     const double depth = kernel == &lower ? 0.01 : 0.02;
     for (std::size_t i = 0; i < kernel->surface.size(); ++i) kernel->surface.centroid[3 * i + 2] -= depth;
   }
-  for (const auto& point : pair({"a", &lower}, above(upper, 0.3), freely).points)
-    EXPECT_NEAR(point.gap, 0.33, round_off);
+  for (const auto& point : pair({"a", &lower}, above(upper, 0.3), freely).points) {
+    EXPECT_NEAR(point.gap, 0.3, round_off);
+    EXPECT_NEAR(point.bulge, 0.03, round_off);
+  }
+}
+
+TEST(Bulges, of_both_patches_add_up_and_are_never_negative) {
+  Kernel lower = square(3, 3), upper = square(4, 2);
+  for (const auto& [a, b, sum] :
+       {std::tuple(0.01, 0.02, 0.03), std::tuple(0.03, -0.01, 0.02), std::tuple(0.01, -0.02, 0.0)}) {
+    lower.surface.bulge.assign(lower.surface.size(), a);
+    upper.surface.bulge.assign(upper.surface.size(), b);
+    for (const auto& point : pair({"a", &lower}, above(upper, 0.3), freely).points) {
+      EXPECT_NEAR(point.gap, 0.3, round_off);
+      EXPECT_NEAR(point.bulge, sum, round_off);
+    }
+    for (const auto& point : pair({"a", &lower}, HalfSpace{"wall", up, -up}, freely).points)
+      EXPECT_NEAR(point.bulge, std::max(a, 0.0), round_off);
+  }
 }
 
 TEST(Overlap, is_refused_with_its_depth) {

@@ -51,14 +51,14 @@ TEST(KernelsWithinReach, pair_as_those_of_whole_surfaces) {
       ASSERT_EQ(found.points.size(), expected.points.size());
       for (std::size_t i = 0; i < found.points.size(); ++i) {
         const Pairing::Point &one = expected.points[i], &other = found.points[i];
-        EXPECT_EQ(other.candidate, one.candidate);
+        EXPECT_EQ(other.of_a, one.of_a);
         EXPECT_EQ(other.gap, one.gap);
         EXPECT_EQ(other.area, one.area);
         EXPECT_EQ(other.b, one.b);
-        ASSERT_EQ(other.weights.size(), one.weights.size());
-        for (std::size_t w = 0; w < one.weights.size(); ++w) {
-          EXPECT_EQ(other.weights[w].first, one.weights[w].first);
-          EXPECT_EQ(other.weights[w].second, one.weights[w].second);
+        ASSERT_EQ(other.of_b.size(), one.of_b.size());
+        for (std::size_t w = 0; w < one.of_b.size(); ++w) {
+          EXPECT_EQ(other.of_b[w].first, one.of_b[w].first);
+          EXPECT_EQ(other.of_b[w].second, one.of_b[w].second);
         }
       }
     }

@@ -71,8 +71,9 @@ class Skins(ProgramTest):
             (k,) = np.flatnonzero(np.abs(time - when) < 1e-9)
             moved = history.sides["displacement_a"][row]
             found = self.at_the_points(history, skin, k)
-            # 5: fields of forces in 32 bits, summed to 1e-5 of the forces
-            np.testing.assert_allclose(found, moved, rtol=0, atol=5 * SINGLE)
+            # 5: fields of forces in 32 bits, summed to 1e-5 of the forces. 5 more: the striker turns a little, and contact
+            # takes rigid motion where gaps are measured, at the edge of a patch and not at its mean.
+            np.testing.assert_allclose(found, moved, rtol=0, atol=10 * SINGLE)
             if history.force[row].sum() > 0.5 * history.force.sum(axis=1).max():
                 exact, skin.coordinates = skin.coordinates, modes_alone
                 without = np.abs(self.at_the_points(history, skin, k) - moved).max()

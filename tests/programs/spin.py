@@ -72,9 +72,10 @@ class Spin(ProgramTest):
         self.at_start(found, "block", (2.5, -0.5, 0.51), velocity, spin)
         forces = -found["contact/force"][:, :, None] * found["normal"][None]  # on the cube [N]
         self.assertGreater(forces[..., 2].sum() / 4000, 0.5)  # it did hit the floor
-        # The force of a patch acts at its centroid. All candidates face the floor, in their order.
+        # The force of a patch acts at its centroid, from which its gap is measured. All candidates face the floor, in
+        # their order.
         points = found["block", "centroid"] + [2, -1, 0.01]
-        np.testing.assert_allclose(found["point_a"], found["block", "node"] + [2, -1, 0.01], atol=1e-12)
+        np.testing.assert_allclose(found["point_a"], points, atol=1e-12)
         rows = np.rint(found["contact/time"] * 4000).astype(int)
         for of, rate in (
             ("momentum", forces.sum(axis=1)),
@@ -103,8 +104,8 @@ class Spin(ProgramTest):
         left = {of: found["upper", of] + found["lower", of] for of in ("momentum", "angular_momentum")}
         left = {of: np.linalg.norm(total - total[0], axis=1).max() for of, total in left.items()}
         self.assertLess(left["momentum"], 1e-12)
-        # Pairs are found between nodes, but the forces of patches act at their centroids, which differ at edges
-        # of the surface. The two lines of action of a pair are at most this far apart.
+        # The point opposite a centroid is interpolated between nodes, but the forces of patches act at their
+        # centroids. The two lines of action of a pair are at most this far apart.
         offset = sum(
             np.linalg.norm(found[body, "centroid"] - found[body, "node"], axis=1).max()
             for body in ("upper", "lower")

@@ -50,8 +50,8 @@ ERRORS = (
         "force",
         "force on the second body 2 % too large",
         MODEL,
-        "for (const auto& [candidate, weight] : point.weights) add(candidate, -weight);",
-        "for (const auto& [candidate, weight] : point.weights) add(candidate, -1.02 * weight);",
+        "for (const auto& [candidate, weight] : point.of_b) add(candidate, -weight);",
+        "for (const auto& [candidate, weight] : point.of_b) add(candidate, -1.02 * weight);",
         ("rods", "two_balls"),
     ),
     Error(
@@ -59,8 +59,8 @@ ERRORS = (
         "sign",
         "the second body is pulled",
         MODEL,
-        "for (const auto& [candidate, weight] : point.weights) add(candidate, -weight);",
-        "for (const auto& [candidate, weight] : point.weights) add(candidate, weight);",
+        "for (const auto& [candidate, weight] : point.of_b) add(candidate, -weight);",
+        "for (const auto& [candidate, weight] : point.of_b) add(candidate, weight);",
         ("rods", "two_balls"),
     ),
     Error(
@@ -90,8 +90,8 @@ ERRORS = (
         "force",
         "force on the body 2 % too large",
         MODEL,
-        "if (pair.a == index) add(point.candidate, 1);",
-        "if (pair.a == index) add(point.candidate, pair.b < 0 ? 1.02 : 1);",
+        "for (const auto& [candidate, weight] : point.of_a) add(candidate, weight);",
+        "for (const auto& [candidate, weight] : point.of_a) add(candidate, pair.b < 0 ? 1.02 * weight : weight);",
         ("bouncing_bar",),
     ),
     Error(
@@ -99,8 +99,8 @@ ERRORS = (
         "sign",
         "normal into the obstacle reversed",
         MODEL,
-        "if (pair.a == index) add(point.candidate, 1);",
-        "if (pair.a == index) add(point.candidate, pair.b < 0 ? -1 : 1);",
+        "for (const auto& [candidate, weight] : point.of_a) add(candidate, weight);",
+        "for (const auto& [candidate, weight] : point.of_a) add(candidate, pair.b < 0 ? -weight : weight);",
         ("falling_mass", "bouncing_bar"),
     ),
     # Contact steps
