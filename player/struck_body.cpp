@@ -29,7 +29,9 @@ Eigen::Index most_points(const Instrument& instrument) {
 }
 
 bool has_bulges(const Instrument& instrument) {
-  return std::ranges::any_of(instrument.places, [](const Place& place) { return !place.bulge.isZero(0); });
+  bool any = false;
+  for (const Place& place : instrument.places) any = any || !place.bulge.isZero(0);
+  return any;
 }
 
 bool has_residual(const Instrument& instrument) {
