@@ -79,10 +79,14 @@ Hertz chosen_rate(Estimator& estimator, const DialRequest& request, double durat
   return Hertz{1 / options.step};
 }
 
+/// With fewer pressed points, the distance of the points decides on force and duration.
+constexpr auto fewest_pressed = 4;
+
 /// Whether an impact with fewer contact points gives the same results. The quantities may agree even if the
-/// forces do not, so the duration of contact must agree, too.
+/// forces do not, so the duration of contact must agree, too, and several points must be pressed.
 bool alike(const Quantities& all, const Quantities& fewer, const Subject& subject, double accuracy) {
-  return largest(distances(all, fewer), subject.requested) <= of_spacing * accuracy &&
+  return std::ranges::count(fewer.pressed, true) >= fewest_pressed &&
+         largest(distances(all, fewer), subject.requested) <= of_spacing * accuracy &&
          std::abs(fewer.longest_touch - all.longest_touch) <= accuracy * all.longest_touch;
 }
 

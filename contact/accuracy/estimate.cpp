@@ -309,6 +309,8 @@ ErrorEstimate Estimator::estimate(const StepOptions& options) {
   ErrorEstimate out{.requested = subject_.requested, .by_cause = {}};
   const auto base = quantities(options);
   if (!base) return out;
+  constexpr double of_fronts = 2;
+  if (are_rods(model_) && !subject_.at_rest) out.scatter = of_fronts;
   out.by_cause = {{Cause::mesh, mesh(options, *base)},
                   {Cause::modes, modes(options, *base)},
                   {Cause::basis, basis(options, *base)},

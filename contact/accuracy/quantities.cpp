@@ -101,7 +101,9 @@ class Follower {
     if (force > 0) {
       if (!touched_) energy_ = before_;
       touched_ = true;
-      longest_ = std::max(longest_, static_cast<double>(++touch_) * step_);
+      touch_ = open_ > std::max<std::int64_t>(2, touch_ / 10) ? 1 : touch_ + open_ + 1;
+      open_ = 0;
+      longest_ = std::max(longest_, static_cast<double>(touch_) * step_);
       linearity_.observe(stepper, stepper.modal()->v, false);
       end_ = motions(model_, moving_, stepper.modal()->v);
       end_energy_ = stepper.modal()->energy();
@@ -109,7 +111,7 @@ class Follower {
         if (stepper.force()[i] > 0) pressed_[static_cast<std::size_t>(i)] = true;
       return;
     }
-    touch_ = 0;
+    open_ += passed;
     if (touched_) return;
     Eigen::Index nearest = 0;
     const double distance = (model_.gap - stepper.displacement().head(stepper.points())).minCoeff(&nearest);
@@ -212,7 +214,7 @@ class Follower {
   std::optional<Receivers> receivers_;
   std::vector<std::vector<double>> heard_;  ///< velocity of each axis of each receiver [m/s]
   double longest_ = 0, missed_by_ = std::numeric_limits<double>::infinity(), spacing_there_ = 0;
-  std::int64_t last_ = 0, touch_ = 0;
+  std::int64_t last_ = 0, touch_ = 0, open_ = 0;  ///< steps made, of the last touch, and since it opened
   bool touched_ = false;
 };
 

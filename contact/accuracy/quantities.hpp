@@ -31,7 +31,9 @@ struct Figure {
 /// to kinetic + strain energy when contact began. All other quantities are relative to themselves.
 struct Quantities {
   std::map<Quantity, Figure> figures;
-  double longest_touch = 0;     ///< longest uninterrupted sequence of steps with a force [s]; 0 at rest
+  /// The longest touch [s]; 0 at rest. Truncated fronts open a contact for moments: gaps of up to two steps,
+  /// or a tenth of the touch so far, do not end it.
+  double longest_touch = 0;
   std::vector<bool> pressed{};  ///< (m) points with a force in some step; empty at rest
   std::vector<double> force{};  ///< Σ λ_i of each step [N]; empty at rest
   double nearer = 0;            ///< farthest rigid approach of pressed points [m]; 0 at rest

@@ -42,6 +42,11 @@ Quantity ErrorEstimate::worst() const {
   return *std::ranges::max_element(requested, {}, [&](Quantity quantity) { return total(quantity); });
 }
 
+bool ErrorEstimate::meets(double accuracy) const {
+  return scatter * total() <= accuracy &&
+         std::ranges::all_of(by_cause, [](const auto& of) { return of.second.has_value(); });
+}
+
 std::optional<double> ErrorEstimate::share(Cause cause) const {
   const auto found = by_cause.find(cause);
   if (found == by_cause.end() || !found->second) return std::nullopt;

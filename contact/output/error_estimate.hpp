@@ -27,6 +27,9 @@ enum class Cause {
 struct ErrorEstimate {
   std::vector<Quantity> requested;                  ///< not empty
   std::map<Cause, std::optional<Errors>> by_cause;  ///< no value if unknown
+  /// Factor by which the error often exceeds its estimate: 2 for rods, whose ends meet with a front, since
+  /// the changes of truncated fronts fluctuate by as much.
+  double scatter = 1;
 
   /// The error of a quantity: the sum over the causes that are known.
   double total(Quantity quantity) const;
@@ -34,6 +37,9 @@ struct ErrorEstimate {
   Quantity worst() const;
   /// The largest error of the requested quantities.
   double total() const { return total(worst()); }
+  /// Whether the error is probably below an accuracy: all shares are known, and `scatter` times total() is
+  /// below it.
+  bool meets(double accuracy) const;
   /// The share of a cause in total(); no value if unknown.
   std::optional<double> share(Cause cause) const;
   /// The quantities with an error of any cause.

@@ -425,7 +425,7 @@ bool refines_for_few(const Table& table, const Settings& settings, const contact
 
 Decision after_pilot(const scene::Scene& scene, const Table& table, const Settings& settings,
                      const contact::Dialled& round) {
-  const double accuracy = *scene.accuracy;
+  const double accuracy = *scene.accuracy / round.estimate->scatter;
   Settings next = settings;
   if (scene.contact.scheme != Scheme::at_rest) next.found.zone = zone_of(round.model, *round.quantities);
   if (is_open(scene)) {
@@ -450,7 +450,7 @@ Decision decide(const scene::Scene& scene, const Settings& settings, const conta
   if (!round.estimate) return after_no_touch(table, settings, round);
   if (!settings.coarser && table.has_finer()) return after_pilot(scene, table, settings, round);
 
-  const double accuracy = *scene.accuracy;
+  const double accuracy = *scene.accuracy / round.estimate->scatter;
   std::vector<Row> rows = table.rows();
   Settings next = settings;
   if (round.quantities && refines_for_few(table, settings, round))

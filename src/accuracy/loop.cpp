@@ -151,8 +151,6 @@ scene::Scene close_by_accuracy(const scene::Scene& given, const fs::path& folder
     const Clock::time_point start = Clock::now();
     std::optional<Outcome> outcome;
     try {
-      std::ranges::copy(compute(with_settings(scene, settings.found), round == 1),
-                        std::back_inserter(written));
       if (settings.coarser) try {
           std::ranges::copy(compute(with_settings(scene, *settings.coarser), round == 1),
                             std::back_inserter(written));
@@ -161,6 +159,8 @@ scene::Scene close_by_accuracy(const scene::Scene& given, const fs::path& folder
           if (!last) throw;
           settings.coarser = last->found;
         }
+      std::ranges::copy(compute(with_settings(scene, settings.found), round == 1),
+                        std::back_inserter(written));
       console.begin(fmt::format("round {}", round));
       outcome = outcome_of_round(scene, settings, folder, comm);
       console.end();

@@ -23,7 +23,8 @@ Meshes without_balls(Meshes meshes) {
 }
 
 MeshSettings finer(const scene::Body& body, MeshSettings mesh, bool fixed) {
-  const bool shrinks = body.size_open && !fixed;
+  // Only elements that cannot shrink get orders above.
+  const bool shrinks = body.size_open && !fixed && mesh.order <= highest_order;
   if (!body.order_open) {
     mesh.order = body.order;
   } else if (mesh.order < (shrinks        ? highest_order
