@@ -50,19 +50,18 @@ class Table:
         """Writes /inputs/KEY, /outputs/NAME, /status, /error and /warning_texts, each with a value for each
         setting; texts and lists as JSON, and the warnings of a setting as lines. If the study keeps histories,
         copies those of `sources` to /histories. Raises OSError."""
+        image = io.BytesIO()  # written to memory first, because HDF5 crashes if the disk is full
+        with h5py.File(image, "w") as file:
+            self._fill(file)
         if not self.keep:
-            image = io.BytesIO()  # written to memory first, because HDF5 crashes if the disk is full
-            with h5py.File(image, "w") as file:
-                self._fill(file)
             files.write(path, image.getbuffer())
             return
         content = self._fingerprint(sources)
         if content == fingerprint_of(path):
             return
         with files.replacing(path) as place:
-            with h5py.File(place, "w", locking=False) as file:
-                self._fill(file)
-                file.flush()
+            place.write_bytes(image.getbuffer())
+            with h5py.File(place, "r+", locking=False) as file:
                 histories.reserve(place, file.id.get_filesize() + histories.room_for(sources))
                 file.attrs["content"] = content
                 histories.copy(file, sources, self.keep, len(self.status))
