@@ -165,6 +165,7 @@ TEST(ExactInstant, is_the_first_at_which_any_point_closes) {
     many.B = Matrix::NullaryExpr(m, N, [&] { return normal(random); });
     many.R = many.R_a = Matrix::Zero(m, m);
     many.gap = Vector::Constant(m, 0.4);
+    many.bulge = Vector::Zero(m);
     many.static_displacement = many.static_a = Vector::Zero(m);
     many.v0 = Vector::NullaryExpr(N, [&] { return 0.4 * normal(random); });
     many.decay = 0.1 * many.omega;

@@ -122,7 +122,8 @@ TEST(KernelsWithinReach, make_the_same_model) {
   EXPECT_EQ(other.pairs[0].unpaired, whole.pairs[0].unpaired);
 }
 
-/// Warnings of a plate that falls on the floor from 1 mm at 1 m/s and springs back within about 4 mm.
+/// Warnings of a plate that falls on the floor from 1 mm at 1 m/s and springs back within about 4 mm, without
+/// that of few candidates.
 std::vector<std::string> warnings(double rise, double reach) {
   const Kernel kernel = stairs({.points = 3}, rise);
   const std::vector<HalfSpace> floor = {{"floor", Vector3d::Zero(), up}};
@@ -136,7 +137,9 @@ std::vector<std::string> warnings(double rise, double reach) {
     observer.observe(*stepper);
   }
   EXPECT_GT(observer.summary().impulse_ns, 1);
-  return observer.summary().warnings;
+  std::vector<std::string> out = observer.summary().warnings;
+  std::erase_if(out, [](const std::string& text) { return text.starts_with("at most"); });
+  return out;
 }
 
 TEST(Reach, is_warned_of_when_bodies_come_nearer_than_it) {

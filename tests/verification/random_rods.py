@@ -135,13 +135,13 @@ def waves(a, b, clamped, speed, duration):
 def touches(rows, end):
     """Start, end and impulse at the end of each touch; those that a jump of no duration parts are one."""
     out = []
-    for (time, force, _), (after, _, impulse) in zip(rows, rows[1:] + [(end, 0, None)]):
+    for (since, force, _), (after, _, impulse) in zip(rows, rows[1:] + [(end, 0, None)]):
         if force == 0:
             continue
-        if out and out[-1][1] == time:
+        if out and out[-1][1] == since:
             out[-1] = (out[-1][0], after, impulse)
         else:
-            out.append((time, after, impulse))
+            out.append((since, after, impulse))
     return out
 
 
