@@ -120,7 +120,7 @@ class Accuracy(ProgramTest):
 
     def test_balls_are_run_with_fewer_points_where_that_hardly_matters(self):
         scene, out = MESHES / "hertz" / "two-balls.toml", self.folder / "balls"
-        sets = [f"bodies.{body}.geometry={{size=1.6e-4}}" for body in ("upper", "lower")]
+        sets = [f"bodies.{body}.geometry={{size=1.2e-4}}" for body in ("upper", "lower")]
         self.succeed(kernel(scene, out, *sets, ranks=2))
         found = []
         for wanted in ([], ["accuracy=0.1", "time={duration=1.2e-4}"], ["accuracy=1e-4", "time.rate_hz=5e6"]):
