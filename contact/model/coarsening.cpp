@@ -12,25 +12,8 @@ namespace {
 
 using Eigen::Index;
 
-/// Neighbours are at most this many times as far away as the second nearest point. These are the two points
-/// on either side on a line, and the six around a point of a surface of equal triangles.
-constexpr double reach = 1.4;
-
 /// Weight of a curvature against a slope where the parts of a patch do not tell them apart, as at an edge.
 constexpr double weight = 1e-3;
-
-double reach_of(const Matrix& at, Index i, Index first, Index count) {
-  double nearest = std::numeric_limits<double>::infinity(), second = nearest;
-  for (Index j = first; j < first + count; ++j) {
-    if (j == i) continue;
-    const double d = (at.row(i) - at.row(j)).norm();
-    if (d < nearest)
-      second = std::exchange(nearest, d);
-    else
-      second = std::min(second, d);
-  }
-  return reach * (std::isfinite(second) ? second : nearest);
-}
 
 struct Shares {
   Matrix T;                   ///< (fewer, m); in `rows_of` (fewer n, n)
@@ -47,7 +30,7 @@ Shares shares(const Model& model) {
   for (const Model::PairBlock& pair : model.pairs) {
     const Index first = pair.first_point, count = pair.points;
     std::vector<double> near;
-    for (Index i = first; i < first + count; ++i) near.push_back(reach_of(at, i, first, count));
+    for (Index i = first; i < first + count; ++i) near.push_back(reach_of_neighbours(at, i, first, count));
     const auto adjacent = [&](Index i, Index j) {
       return (at.row(i) - at.row(j)).norm() <= 0.5 * (near[i - first] + near[j - first]);
     };
@@ -135,6 +118,21 @@ void set_gaps(const Model& model, const Shares& shares, Model& out) {
 }
 
 }  // namespace
+
+double reach_of_neighbours(const Matrix& at, Index i, Index first, Index count) {
+  // The two points on either side on a line, and the six around a point of a surface of equal triangles.
+  constexpr double reach = 1.4;
+  double nearest = std::numeric_limits<double>::infinity(), second = nearest;
+  for (Index j = first; j < first + count; ++j) {
+    if (j == i) continue;
+    const double d = (at.row(i) - at.row(j)).norm();
+    if (d < nearest)
+      second = std::exchange(nearest, d);
+    else
+      second = std::min(second, d);
+  }
+  return reach * (std::isfinite(second) ? second : nearest);
+}
 
 Model coarsened(const Model& model) {
   Model out = model;

@@ -6,6 +6,11 @@
 
 namespace ricochet::contact {
 
+/// Distance up to which the neighbours of point i lie, 1.4 times that of the second nearest one [m]; infinite
+/// without another point.
+/// @param at  (m,3), @param first, count  the points that may be neighbours
+double reach_of_neighbours(const Matrix& at, Eigen::Index i, Eigen::Index first, Eigen::Index count);
+
 /// Returns the model with its points at about twice their distance. A subset of the points of each pair is
 /// kept such that every other point has neighbours in it. Each other point is distributed among these
 /// neighbours by linear hats, c_Ii ≥ 0 with Σ_I c_Ii = 1. The wider patch is

@@ -3,7 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
+
+#include "contact/model/coarsening.hpp"
 
 namespace ricochet::contact {
 namespace {
@@ -17,6 +20,7 @@ PressureCheck::PressureCheck(const Model& model, std::vector<MaterialLimits> lim
     : model_(model),
       limits_(std::move(limits)),
       per_area_((model.area.array() > 0).select(model.area.array().inverse(), 0.0)),
+      reach_(Vector::Zero(model.points())),
       largest_(model.pairs.size(), 0),
       time_(model.pairs.size(), 0) {
   limits_.resize(model.bodies.size());
@@ -26,13 +30,30 @@ void PressureCheck::observe(const Vector& force, double time) {
   for (std::size_t p = 0; p < largest_.size(); ++p) {
     const Model::PairBlock& pair = model_.pairs[p];
     if (pair.points == 0) continue;
-    const double pressure = force.segment(pair.first_point, pair.points)
-                                .cwiseProduct(per_area_.segment(pair.first_point, pair.points))
-                                .maxCoeff();
+    const double of_one_point = force.segment(pair.first_point, pair.points)
+                                    .cwiseProduct(per_area_.segment(pair.first_point, pair.points))
+                                    .maxCoeff();
+    if (!(of_one_point > largest_[p])) continue;  // no mean exceeds it
+    pressed_.clear();
+    for (Eigen::Index i = pair.first_point; i < pair.first_point + pair.points; ++i)
+      if (force(i) > 0) pressed_.push_back(i);
+    double pressure = 0;
+    for (const Eigen::Index i : pressed_) pressure = std::max(pressure, mean_around(i, pair, force));
     if (!(pressure > largest_[p])) continue;
     largest_[p] = pressure;
     time_[p] = time;
   }
+}
+
+double PressureCheck::mean_around(Eigen::Index i, const Model::PairBlock& pair, const Vector& force) {
+  if (reach_(i) == 0) reach_(i) = reach_of_neighbours(model_.point_a, i, pair.first_point, pair.points);
+  double push = 0, area = 0;
+  for (const Eigen::Index j : pressed_) {
+    if ((model_.point_a.row(i) - model_.point_a.row(j)).norm() > reach_(i)) continue;
+    push += force(j);
+    area += model_.area(j);
+  }
+  return area > 0 ? push / area : 0;
 }
 
 void PressureCheck::compare(int body, double pressure, double time, Excess& strain, Excess& yielding) const {

@@ -80,6 +80,20 @@ TEST(Pressure, is_compared_with_the_softer_body) {
               ElementsAre(HasSubstr("the pressure on anvil reaches 3e-05 MPa at 0.5 s, 3 %")));
 }
 
+// Forces of single points scatter where meshes do not match.
+TEST(Pressure, is_the_mean_over_pressed_points_that_are_neighbours) {
+  const Kernel kernel = *plate({.modes = 1, .points = 3});
+  const Model model = plate_on_floor(kernel, 1e-3, 0);
+  const auto found = [&](const Eigen::Vector3d& force) {
+    PressureCheck check(model, {{.young = 1e3}});
+    check.observe(force, 0.5);
+    return check.warnings();
+  };
+  EXPECT_THAT(found({10, 50, 30}), ElementsAre(HasSubstr("reaches 3e-05 MPa at 0.5 s, 3 %")));
+  EXPECT_THAT(found({0, 30, 0}), ElementsAre(HasSubstr("reaches 3e-05 MPa at 0.5 s, 3 %")));
+  EXPECT_THAT(found({1, 50, 6}), IsEmpty());  // 19 Pa
+}
+
 // A weight of 2 kg · 9.81 m/s² on three patches: 6.54 Pa.
 TEST(Pressure, of_bodies_at_rest_is_judged) {
   const Kernel kernel = *plate({.modes = 1, .points = 3});
