@@ -8,11 +8,11 @@
 namespace ricochet::contact {
 namespace {
 
-constexpr double precision = 1e-12;          // of s(λ)
-constexpr double round_off = 1e-15;          // of s(λ), relative to |r|_∞
+constexpr double exactness = 1e-12;          // of s(λ)
+constexpr double round_off_of_s = 1e-15;     // of s(λ), relative to |r|_∞
 constexpr double round_off_of_gaps = 1e-13;  // of open points, as in complementarity.cpp
 constexpr double fast = 0.1;                 // reduction of the error by a round that keeps D
-constexpr int few = 12;                      // points of which a new factor costs less than another round
+constexpr int few_closed = 12;               // points of which a new factor costs less than another round
 constexpr int first_secant = 20, last_secant = 39, many_rounds = 60;
 constexpr int bounded_rounds = 8;  // if max_pivots bounds the work of a step
 constexpr int halvings = 60;
@@ -91,7 +91,7 @@ bool SpringNewton::is_met(const Forces& p) noexcept {
     const double s = p(i) > 0 ? spring.displacement(p(i)) : 0;
     const double misfit = std::abs(s - linear);
     const double tolerance =
-        p(i) > 0 ? precision * s + round_off * largest_r_ : round_off_of_gaps * largest_r_;
+        p(i) > 0 ? exactness * s + round_off_of_s * largest_r_ : round_off_of_gaps * largest_r_;
     misfit_ = std::max(misfit_, misfit);
     error_ = std::max(error_, misfit / tolerance);
   }
@@ -122,7 +122,7 @@ void SpringNewton::hold_back(const Symmetric& S, const Right& r, Forces p) const
       p *= share;
       return;
     }
-    share = gain > stretch ? std::min((1 - precision) * (gain - stretch) / quadratic, share / (1 + precision))
+    share = gain > stretch ? std::min((1 - exactness) * (gain - stretch) / quadratic, share / (1 + exactness))
                            : share / 2;
   }
   p.setZero();
@@ -140,7 +140,7 @@ void SpringNewton::improve(const Symmetric& S, const Right& r, const Forces& p, 
     }
     return;
   }
-  bool renews = closed_ <= few || !(error_ < fast * before_);
+  bool renews = closed_ <= few_closed || !(error_ < fast * before_);
   const bool by_secant = round >= first_secant && round <= last_secant;
   for (const int i : rows_) {
     const bool was_open = at_(i) == 0 && !by_secant, is_open = p(i) == 0;

@@ -13,7 +13,7 @@ namespace {
 using Eigen::Index;
 
 /// Weight of a curvature against a slope where the parts of a patch do not tell them apart, as at an edge.
-constexpr double weight = 1e-3;
+constexpr double weight_of_curvature = 1e-3;
 
 struct Shares {
   Matrix T;                   ///< (fewer, m); in `rows_of` (fewer n, n)
@@ -100,9 +100,10 @@ double curve_of(const Model& model, const Eigen::Ref<const Vector>& share, Index
   const double size = std::sqrt(2 * square.maxCoeff());
   if (!(size > 0)) return 0;
   Eigen::MatrixXd features(count, 4);
-  features << d / size, weight / (size * size) * square;
+  features << d / size, weight_of_curvature / (size * size) * square;
   const Vector rise = model.gap(parts).array() - model.gap(centre);
-  const double curvature = features.completeOrthogonalDecomposition().solve(rise)(3) * weight / (size * size);
+  const double curvature =
+      features.completeOrthogonalDecomposition().solve(rise)(3) * weight_of_curvature / (size * size);
   return std::max(0.0, curvature) * share(parts).dot(square);
 }
 
