@@ -43,7 +43,7 @@ def mpirun(ranks: int) -> list[Word]:
 
     $RICOCHET_LAUNCHER, such as "srun --mpi=pmix -n {ranks}", replaces mpirun.
     """
-    launcher = os.environ.get("RICOCHET_LAUNCHER") or "mpirun -q --oversubscribe -n {ranks}"
+    launcher = os.environ.get("RICOCHET_LAUNCHER") or "mpirun -q --oversubscribe --bind-to none -n {ranks}"
     try:
         command: list[Word] = list(shlex.split(launcher.replace("{ranks}", str(ranks))))
     except ValueError as error:
