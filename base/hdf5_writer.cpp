@@ -19,6 +19,9 @@ namespace {
 /// Capacity of a message in an object header, minus space for name and type.
 constexpr std::size_t kLongestAttribute = 64'000;
 
+/// Size of a chunk of rows, written at once, unless a row is longer [bytes].
+constexpr std::size_t kBlockBytes = 64 * 1024;
+
 /// Higher levels of compression make motions hardly smaller and take longer.
 constexpr unsigned kDeflate = 4;
 
@@ -127,6 +130,9 @@ Writer::Writer(Unnamed) {
 }
 
 void Writer::create(const std::string& name, const Id& access) {
+  // Rows are written by whole chunks, of which HDF5 would otherwise keep 1 MiB for each dataset.
+  constexpr std::size_t kSlots = 521;
+  H5Pset_cache(access.get(), 0, kSlots, kBlockBytes, 1);
   errno = 0;
   file_ = Id(H5Fcreate(name.c_str(), H5F_ACC_TRUNC, properties(H5P_FILE_CREATE).get(), access.get()));
   if (!file_.valid()) fail_to_write(path_);
@@ -194,7 +200,7 @@ void Writer::write_strings(const std::string& dataset, const std::vector<std::st
 }
 
 Rows& Writer::rows(const std::string& dataset, const Shape& row, const std::string& unit) {
-  constexpr std::size_t kBlockBytes = 64 * 1024, kLongestBlock = 1024;
+  constexpr std::size_t kLongestBlock = 1024;
   const std::size_t row_bytes = std::max<std::size_t>(count_of(row), 1) * sizeof(double);
   const std::size_t block = std::clamp<std::size_t>(kBlockBytes / row_bytes, 1, kLongestBlock);
   {
