@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "base/memory.hpp"
 
+#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -71,6 +72,8 @@ double left_by_user_limit() {
 }  // namespace
 
 double resident_bytes() { return pages().resident * bytes_of_page(); }
+
+void return_freed_memory() { malloc_trim(0); }
 
 double available_bytes() {
   return std::max(0.0, std::min({available_to_machine(), left_by_control_groups(), left_by_user_limit()}));

@@ -9,6 +9,9 @@ inline constexpr double mib = 1 << 20;
 /// Resident memory of this process now [bytes]; 0 if unknown.
 double resident_bytes();
 
+/// Returns memory that this process has freed to the system.
+void return_freed_memory();
+
 /// Memory that this process may still allocate [bytes]: the least of what is available on the machine, of
 /// what its control groups (version 2) leave, and of what `ulimit -v` leaves.
 double available_bytes();

@@ -5,35 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "src/modes/checkpoint_folder.hpp"
 #include "src/modes/eps_solve.hpp"
 
 namespace ricochet::modes {
-
 namespace {
 
-/// Estimates the number of modes below λ for a box with the mass, inertia and wave speed of the body. By
-/// Weyl's law, the box has in-plane and bending waves over its two longest sides, and waves through all
-/// three.
 ExpectedCount expected_count(const elasticity::Body& body) {
-  const Eigen::Vector3d principal =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(Eigen::Map<const Eigen::Matrix3d>(body.inertia.data()))
-          .eigenvalues();
-  Eigen::Vector3d side;
-  for (int k = 0; k < 3; ++k)
-    side[k] = std::sqrt(std::max(6 / body.total_mass * (principal.sum() - 2 * principal[k]), 1e-300));
-  std::sort(side.begin(), side.end());
-  constexpr double pi = std::numbers::pi;
-  if (side[1] < 1e-6 * side[2])
-    return
-        [slowness = side[2] / (pi * body.wave_speed)](double lambda) { return slowness * std::sqrt(lambda); };
-  return [side, c = 0.6 * body.wave_speed](double lambda) {
-    const double k = std::sqrt(lambda) / c, bending = 2 * k / side[0];
-    return side[1] * side[2] / (4 * pi) * (2 * k * k + std::min(bending, 4 * k * k)) +
-           side.prod() * k * k * k / (2 * pi * pi);
-  };
+  return kernels::expected_count(body.total_mass, body.inertia, body.wave_speed);
 }
 
 }  // namespace

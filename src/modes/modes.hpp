@@ -59,6 +59,9 @@ struct ModeSet {
 struct Progress {
   /// Called when a phase begins, on every rank.
   std::function<void(const std::string& phase)> begin = [](const std::string&) {};
+  /// Called once the number of modes up to the end of the search is known, on every rank, before memory for
+  /// them is allocated. May throw InputError on every rank.
+  std::function<void(std::int64_t modes)> counted = [](std::int64_t) {};
   /// Called within a phase, on any rank.
   parallel::Progress at = [](std::int64_t, std::int64_t) {};
 };

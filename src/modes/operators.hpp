@@ -3,17 +3,16 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 
+#include "kernels/expected_modes.hpp"
 #include "src/elasticity/assemble.hpp"
 #include "src/modes/factorisation.hpp"
 #include "src/modes/product.hpp"
 
 namespace ricochet::modes {
 
-/// An estimate of the number of eigenvalues in (0, λ), such as Weyl's law. It increases without bound, and is
-/// the same on every rank.
-using ExpectedCount = std::function<double(double)>;
+/// It increases without bound, and is the same on every rank.
+using kernels::ExpectedCount;
 
 /// K and M on one team of ranks, with known modes at zero.
 struct Operators {

@@ -80,6 +80,7 @@ class Searcher {
       tasks = choose_tasks();
       checkpoint_.save({end_, tasks});
     }
+    progress_.counted(end_.below);
     work(tasks);
     if (finish(8)) return std::move(found_);
     if (can_be_dense() && rows() <= most_dense_rows) {
@@ -388,8 +389,9 @@ double expected_mib(const Factorisation& factor, std::int64_t local_rows, std::i
                     std::int64_t modes_per_shift, int teams) {
   // A Lanczos basis grows to about three vectors per mode.
   const auto column = static_cast<double>(local_rows) * sizeof(double) / (1 << 20);
-  const double basis = 3.2 * static_cast<double>(std::min(modes, modes_per_shift)) * column;
-  return factor.expected_mib() + basis + 2 * static_cast<double>(modes) / teams * column;
+  const double basis = 3.2 * static_cast<double>(std::min(modes, modes_per_shift)) * column,
+               shapes = static_cast<double>(modes) / teams * column;
+  return factor.expected_mib() + shapes + std::max(basis, shapes);
 }
 
 Probe end_of_search(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,

@@ -34,6 +34,9 @@ mesh::Mesh hand_out(mesh::GlobalMesh whole, const parallel::Teams& teams) {
 /// of what is not usable.
 constexpr double buffers_mib = 24;
 
+/// Delayed pivots and buffers need more memory than estimated.
+constexpr double usable = 0.85;
+
 /// Number of modes or vectors that the search will find, as far as this is known before it; 0: unknown.
 std::int64_t expected_count(const scene::Modes& wanted, const Discretised& made) {
   if (wanted.count) return *wanted.count;
@@ -47,8 +50,11 @@ std::int64_t starting_loads(const Discretised& made) {
 }
 
 /// Memory that the search for modes needs on this rank [MiB].
-double expected_mib(const scene::Modes& wanted, const Discretised& made, std::int64_t per_shift, int teams) {
-  const std::int64_t count = expected_count(wanted, made), rows = made.matrices.local_rows;
+/// @param count  number of modes, if known
+double expected_mib(const scene::Modes& wanted, const Discretised& made, std::int64_t count,
+                    std::int64_t per_shift) {
+  const std::int64_t rows = made.matrices.local_rows;
+  const int teams = made.teams->count();
   const bool fitted = wanted.basis == scene::Basis::contact;
   double loads = 0, adapted = 0;
   if (fitted || wanted.flexibility_error) {
@@ -70,7 +76,7 @@ bool has_residual(const scene::KernelRequest& request, const Discretised& made) 
 
 /// Memory that the residual flexibility needs on this rank [MiB], besides that of the factorisation, which is
 /// freed before. Modes that are projected out add a little.
-double residual_mib(const scene::KernelRequest& request, const Discretised& made) {
+double residual_mib(const scene::KernelRequest& request, const Discretised& made, std::int64_t modes) {
   if (!has_residual(request, made)) return 0;
   const modes::Loads border =
       modes::beside({made.pressed, made.sources.receiver.sparseView(), made.matrices.rigid_load.sparseView(),
@@ -79,7 +85,7 @@ double residual_mib(const scene::KernelRequest& request, const Discretised& made
   const auto loads = static_cast<double>(border.cols()), rows = static_cast<double>(made.matrices.local_rows);
   // The matrix itself exists three times while it is stored in the kernel.
   const double size = mib_of(loads * loads),
-               shapes = mib_of(rows * static_cast<double>(expected_count(request.modes, made))) /
+               shapes = mib_of(rows * static_cast<double>(modes)) /
                         made.teams->count();
   // Row, column and value of each entry of K. MUMPS estimates less than it reaches: counted in runs, its
   // front of the border has one and a half copies more.
@@ -143,6 +149,7 @@ Discretised discretise(const scene::KernelRequest& request, OpenedMeshes& meshes
                        console::Console& console) {
   const std::string& name = request.body.name;
   const std::string file = request.body.mesh.filename().string();
+  base::return_freed_memory();  // of the body before
   console.begin(name + ": mesh");
   Source source = meshes.take(request);
   const int ranks = parallel::size_of(comm);
@@ -151,8 +158,6 @@ Discretised discretise(const scene::KernelRequest& request, OpenedMeshes& meshes
     in_teams = in_teams && modes::works_in_teams(modes::chosen_eps_type(request.modes.solver));
   });
   const int most = in_teams ? ranks : 1;
-  // Delayed pivots and buffers need more memory than estimated.
-  constexpr double usable = 0.85;
   double matrices = 0;  // of the whole body [MiB]; unknown for a mesh in parts
   if (!source.in_parts && !request.body.imported())
     parallel::on_first_rank(comm, [&] { matrices = elasticity::expected_mib(source.whole); });
@@ -172,17 +177,18 @@ Discretised discretise(const scene::KernelRequest& request, OpenedMeshes& meshes
     made.factor = std::make_unique<modes::Factorisation>(made.matrices.stiffness, made.matrices.mass,
                                                          request.modes.low_rank);
     const double room = parallel::available_mib(comm);
-    const double there = parallel::largest(comm, base::resident_bytes() / base::mib);
+    made.resident_mib = parallel::largest(comm, base::resident_bytes() / base::mib);
+    const std::int64_t expected = expected_count(request.modes, made);
     double need = 0;
     for (const std::int64_t per_shift : {260, 130, 65}) {
       made.modes_per_shift = per_shift;
-      need = parallel::largest(comm, expected_mib(request.modes, made, per_shift, count));
+      need = parallel::largest(comm, expected_mib(request.modes, made, expected, per_shift));
       if (need <= usable * room || (per_shift == 130 && count > 1)) break;
     }
-    const double residual = parallel::largest(comm, residual_mib(request, made)),
+    const double residual = parallel::largest(comm, residual_mib(request, made, expected)),
                  most_needed = std::max(need, residual);
     console.end(fmt::format("{} unknowns; {:.0f} MiB needed of {:.0f} a rank", made.matrices.total_rows,
-                            there + most_needed + buffers_mib, there + room));
+                            made.resident_mib + most_needed + buffers_mib, made.resident_mib + room));
     if (most_needed <= usable * room) return made;
     if (count == 1 && residual > need)
       throw InputError(
@@ -198,6 +204,23 @@ Discretised discretise(const scene::KernelRequest& request, OpenedMeshes& meshes
                       file, need, room));
     console.begin(name + ": mesh, for fewer teams");
   }
+}
+
+void check_memory(const scene::KernelRequest& request, const Discretised& made, std::int64_t modes,
+                  MPI_Comm comm, console::Console& console) {
+  const double before = made.resident_mib;
+  const double need =
+      parallel::largest(comm, std::max(expected_mib(request.modes, made, modes, made.modes_per_shift),
+                                       residual_mib(request, made, modes)));
+  const double now = parallel::largest(comm, base::resident_bytes() / base::mib),
+               there = std::max(now, before) + parallel::available_mib(comm);
+  console.end(fmt::format("{} eigenvalues; {:.0f} MiB needed of {:.0f} a rank", modes, before + need + buffers_mib,
+                          there));
+  if (need > usable * (there - before))
+    throw InputError(fmt::format(
+        "{}: {} modes would need {:.0f} MiB a rank, {:.0f} are free: use more machines, a coarser mesh or "
+        "fewer modes",
+        request.body.mesh.filename().string(), modes, need, there - before));
 }
 
 void check_body(const scene::KernelRequest& request, OpenedMeshes& meshes, MPI_Comm comm,

@@ -24,6 +24,7 @@ struct Discretised {
   modes::Loads loads;                ///< of the patches, in all components
   modes::Loads pressed;              ///< those between which the residual flexibility is kept
   std::int64_t modes_per_shift = 0;  ///< modes searched from one shift
+  double resident_mib = 0;           ///< before the factorisation, on the rank with most
 };
 
 /// Assembles the matrices and analyses their factorisation, on as many teams as memory allows: ranks that
@@ -32,6 +33,11 @@ struct Discretised {
 /// team. Throws InputError if memory does not suffice for one team. Needs a GmshSession. Collective.
 Discretised discretise(const scene::KernelRequest& request, OpenedMeshes& meshes, MPI_Comm comm,
                        console::Console& console);
+
+/// States the memory that a search for this number of modes needs. Collective; throws InputError on every
+/// rank if there is less.
+void check_memory(const scene::KernelRequest& request, const Discretised& made, std::int64_t modes,
+                  MPI_Comm comm, console::Console& console);
 
 /// Checks on the mesh of a body whether its kernel can be computed. Collective; throws InputError on every
 /// rank if it cannot.

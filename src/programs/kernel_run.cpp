@@ -37,7 +37,8 @@ constexpr double beyond_search = 0.5, left_out = 0.5;
 
 /// Computes modes or Ritz vectors, and the lifts of moving supports.
 modes::ModeSet find_modes(const scene::KernelRequest& request, Discretised& made,
-                          const std::filesystem::path& checkpoint, console::Console& console) {
+                          const std::filesystem::path& checkpoint, MPI_Comm comm,
+                          console::Console& console) {
   const scene::Modes& wanted = request.modes;
   const auto lift = [&](double sigma) {
     made.sources.lift = modes::static_lift(*made.teams, made.mesh, made.matrices, *made.factor, sigma);
@@ -46,6 +47,7 @@ modes::ModeSet find_modes(const scene::KernelRequest& request, Discretised& made
   if (fitted) lift(modes::shift_near_zero(*wanted.up_to));
   const modes::Progress progress{
       .begin = [&](const std::string& phase) { console.begin(request.body.name + ": " + phase); },
+      .counted = [&](std::int64_t modes) { check_memory(request, made, modes, comm, console); },
       .at = [&](std::int64_t done, std::int64_t total) { console.advance(done, total); }};
   const Eigen::Index pressed = made.pressed.cols();
   Eigen::MatrixXd loads;
@@ -148,7 +150,7 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::f
   console.end(request.points ? fmt::format("{} of {} within reach", patches.geometry.size(), made.candidates)
                              : fmt::format("{} on the contact surface", made.candidates));
 
-  const modes::ModeSet modes = find_modes(request, made, checkpoint, console);
+  const modes::ModeSet modes = find_modes(request, made, checkpoint, comm, console);
   console.end(summary_of(request, modes));
 
   console.begin(body.name + ": trace");
