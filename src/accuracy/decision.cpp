@@ -33,19 +33,23 @@ constexpr double cost_of_mesh = 3, cost_of_vectors = 1.3;
 /// A cause is also refined if its share exceeds this part of the accuracy while kernels are computed anyway.
 constexpr double worth_while = 0.25;
 
+/// Ritz vectors that a contact-adapted basis holds for each candidate.
+constexpr double blocks_of_vectors = 3;
+
 bool is_open(const scene::Scene& scene) { return scene.modes.open(); }
 
 /// Ritz vectors cost a few solves for each candidate, whatever the band; modes cost a solve or two for each
 /// mode in it. With few modes and many candidates, as in flat contact, modes are therefore cheaper.
 /// The ends of rods meet with a shock, whose resonances only modes have.
-scene::Basis cheaper_basis(const KernelSettings& settings, const contact::Model& model) {
-  constexpr double blocks = 3;
+scene::Basis cheaper_basis(const KernelSettings& settings, const contact::Model& model,
+                           const std::vector<BodySize>& sizes) {
+  double modes = 0;
+  for (const BodySize& size : sizes) modes += size.modes;
   const double candidates = settings.zone ? expected_candidates(model, settings, *settings.zone)
                                           : static_cast<double>(model.gap.size());
-  const bool few = static_cast<double>(model.omega.size()) < blocks * candidates;
-  const bool rods = std::ranges::all_of(model.bodies, [](const contact::Model::BodyBlock& body) {
-    return body.kernel->surface.corners() == 1;
-  });
+  const bool few = modes < blocks_of_vectors * candidates;
+  const bool rods =
+      std::ranges::all_of(sizes, [](const BodySize& size) { return size.dimension == 1; });
   return few || rods ? scene::Basis::modes : scene::Basis::contact;
 }
 
@@ -90,7 +94,7 @@ std::vector<BodySize> predicted(std::vector<BodySize> sizes, const Settings& rou
   constexpr double most_gradual = 8;
   const KernelSettings& before = round.found;
   const double wider = after.up_to.value / before.up_to.value;
-  const bool vectors = after.basis == scene::Basis::contact;
+  const bool adapted = after.basis == scene::Basis::contact;
   for (BodySize& size : sizes) {
     Growth growth;
     const auto was = before.mesh.find(size.body), is = after.mesh.find(size.body);
@@ -104,8 +108,9 @@ std::vector<BodySize> predicted(std::vector<BodySize> sizes, const Settings& rou
               (size.unknowns - last.factor * size.coarser_unknowns) / last.near_contact, 1.0, most_gradual);
       }
     size.unknowns = size.unknowns * growth.factor + growth.near_contact;
-    size.modes *= vectors ? wider * std::pow(growth.factor, 2.0 / 3) : std::pow(wider, size.dimension);
-    size.modes = std::min(size.modes, size.unknowns);
+    size.modes = std::min(size.modes * std::pow(wider, size.dimension), size.unknowns);
+    size.vectors = adapted ? std::min(size.vectors * wider * std::pow(growth.factor, 2.0 / 3), size.unknowns)
+                           : size.modes;
   }
   return sizes;
 }
@@ -125,7 +130,7 @@ double candidates_of(const contact::Model& model, const KernelSettings& settings
 /// What a round with these settings would compute that is more than accuracy chooses; empty if it is
 /// affordable.
 std::string excess(const std::vector<BodySize>& sizes, double candidates) {
-  const auto work_of = [&](const BodySize& size) { return (size.modes + candidates) * size.unknowns; };
+  const auto work_of = [&](const BodySize& size) { return (size.vectors + candidates) * size.unknowns; };
   double work = 0;
   for (const BodySize& size : sizes) work += work_of(size);
   const BodySize& largest = *std::ranges::max_element(sizes, {}, work_of);
@@ -133,7 +138,7 @@ std::string excess(const std::vector<BodySize>& sizes, double candidates) {
   return fmt::format(
       "the next round would compute about {:.1g} modes{} of {:.1g} unknowns of \"{}\", which is more than "
       "accuracy chooses: give modes.up_to_hz and bodies.*.order to go on",
-      largest.modes, candidates > 0 ? fmt::format(" and the response to {:.1g} candidates", candidates) : "",
+      largest.vectors, candidates > 0 ? fmt::format(" and the response to {:.1g} candidates", candidates) : "",
       largest.unknowns, largest.body);
 }
 
@@ -262,7 +267,7 @@ class Table {
     settings.found = with_balls(std::move(settings.found), local_->balls);
     if (settings.found.zone && round_.quantities->nearer > 0)
       settings.found.zone = zone_with_finer_elements(round_.model, *round_.quantities);
-    if (is_open(scene_)) settings.found.basis = cheaper_basis(settings.found, round_.model);
+    if (is_open(scene_)) settings.found.basis = cheaper_basis(settings.found, round_.model, sizes_);
     return settings;
   }
 
@@ -424,12 +429,12 @@ bool refines_for_few(const Table& table, const Settings& settings, const contact
 }
 
 Decision after_pilot(const scene::Scene& scene, const Table& table, const Settings& settings,
-                     const contact::Dialled& round) {
+                     const contact::Dialled& round, const std::vector<BodySize>& sizes) {
   const double accuracy = *scene.accuracy / round.estimate->scatter;
   Settings next = settings;
   if (scene.contact.scheme != Scheme::at_rest) next.found.zone = zone_of(round.model, *round.quantities);
   if (is_open(scene)) {
-    next.found.basis = cheaper_basis(next.found, round.model);
+    next.found.basis = cheaper_basis(next.found, round.model, sizes);
     next.found.up_to = band_after_pilot(settings, round, accuracy);
   }
   const auto spacing = round.estimate->by_cause.find(Cause::spacing);
@@ -448,7 +453,8 @@ Decision decide(const scene::Scene& scene, const Settings& settings, const conta
                 const std::vector<BodySize>& sizes) {
   const Table table(scene, settings, round, sizes);
   if (!round.estimate) return after_no_touch(table, settings, round);
-  if (!settings.coarser && table.has_finer()) return after_pilot(scene, table, settings, round);
+  if (!settings.coarser && table.has_finer())
+    return after_pilot(scene, table, settings, round, sizes);
 
   const double accuracy = *scene.accuracy / round.estimate->scatter;
   std::vector<Row> rows = table.rows();

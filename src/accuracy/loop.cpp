@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "contact/accuracy/error_report.hpp"
+#include "kernels/expected_modes.hpp"
 #include "src/accuracy/contact_zone.hpp"
 #include "src/accuracy/decision.hpp"
 #include "src/accuracy/mesh_levels.hpp"
@@ -22,6 +23,7 @@
 #include "src/accuracy/scene_dial.hpp"
 #include "src/accuracy/settings.hpp"
 #include "src/parallel/parallel.hpp"
+#include "src/store/body_warnings.hpp"
 #include "src/store/memory.hpp"
 
 namespace ricochet::accuracy {
@@ -61,6 +63,15 @@ struct Judged {
   std::vector<BodySize> sizes;
 };
 
+/// Modes of a body in a band. Those of a contact-adapted basis are not known and are estimated.
+double modes_in_band(const scene::Scene& scene, std::size_t k, const kernels::Kernel& kernel, Hertz band) {
+  const auto found = static_cast<double>(kernel.modes.size());
+  const double fastest = store::wave_speeds(scene.bodies[k]).high;
+  if (scene.modes.basis == scene::Basis::modes || fastest == 0) return found;
+  const double omega = RadPerSecond(band).value;
+  return std::max(found, kernels::expected_count(kernel.mass, kernel.inertia, fastest)(omega * omega));
+}
+
 /// Runs the impact with the kernels of one round, on one rank.
 Judged judge(const scene::Scene& scene, const Settings& settings, const fs::path& folder) {
   const scene::Scene closed = with_settings(scene, settings.found);
@@ -76,7 +87,8 @@ Judged judge(const scene::Scene& scene, const Settings& settings, const fs::path
   std::vector<BodySize> sizes;
   for (std::size_t k = 0; k < closed.bodies.size(); ++k)
     sizes.push_back({.body = closed.bodies[k].name,
-                     .modes = static_cast<double>(kernels.kernel[k]->modes.size()),
+                     .modes = modes_in_band(closed, k, *kernels.kernel[k], settings.found.up_to),
+                     .vectors = static_cast<double>(kernels.kernel[k]->modes.size()),
                      .unknowns = static_cast<double>(kernels.kernel[k]->dofs),
                      .coarser_unknowns = coarser ? static_cast<double>(coarser->kernels[k]->dofs) : 0,
                      .dimension = kernels.kernel[k]->surface.corners() == 1 ? 1 : 3});

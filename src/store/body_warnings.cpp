@@ -77,15 +77,20 @@ Vector3 size_of(const kernels::Kernel& kernel) {
   return {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
 }
 
+WaveSpeeds wave_speeds(const scene::Body& body) {
+  WaveSpeeds out{std::numeric_limits<double>::infinity(), 0};
+  for (const scene::Material& material : body.materials) {
+    out.low = std::min(out.low, wave_speed(material));
+    out.high = std::max(out.high, wave_speed(material));
+  }
+  return out;
+}
+
 std::string figures_of(const scene::Body& body, const kernels::Kernel& kernel) {
   const Vector3 size = size_of(kernel);
   std::string text =
       fmt::format("mass {:.4g} kg, size {:.4g} x {:.4g} x {:.4g} m", kernel.mass, size[0], size[1], size[2]);
-  double low = std::numeric_limits<double>::infinity(), high = 0;
-  for (const scene::Material& material : body.materials) {
-    low = std::min(low, wave_speed(material));
-    high = std::max(high, wave_speed(material));
-  }
+  const auto [low, high] = wave_speeds(body);
   if (high > low) return text + fmt::format(", wave speed {:.4g} to {:.4g} m/s", low, high);
   return high > 0 ? text + fmt::format(", wave speed {:.4g} m/s", high) : text;
 }

@@ -41,9 +41,7 @@ double approach_of(const scene::Scene& scene, const KernelPointers& kernels,
     const Vector3 size = size_of(*kernels[body]);
     const double length = std::max({size[0], size[1], size[2]});
     speed += magnitude(scene.bodies[body].velocity) + magnitude(scene.bodies[body].angular_velocity) * length;
-    double wave = std::numeric_limits<double>::infinity();
-    for (const scene::Material& material : scene.bodies[body].materials)
-      wave = std::min(wave, std::sqrt(material.young / material.density));
+    const double wave = wave_speeds(scene.bodies[body]).low;
     if (!std::isfinite(wave) || length == 0) return std::numeric_limits<double>::infinity();
     crossing = std::max(crossing, length / wave);
   }

@@ -49,7 +49,15 @@ contact::Dialled round_with(const std::map<Cause, double>& shares) {
   return round;
 }
 
-const std::vector<BodySize> small{{"part", 100, 1e4, 5e3}};
+std::vector<BodySize> body_of(double modes, double unknowns, double coarser_unknowns) {
+  return {{.body = "part",
+           .modes = modes,
+           .vectors = modes,
+           .unknowns = unknowns,
+           .coarser_unknowns = coarser_unknowns}};
+}
+
+const std::vector<BodySize> small = body_of(100, 1e4, 5e3);
 
 TEST(Decision, ends_if_the_accuracy_is_met) {
   const scene::Scene scene = open_scene();
@@ -107,7 +115,7 @@ TEST(Decision, starts_no_round_that_is_too_much_work) {
   const auto modes_of = [&](double modes) {
     accuracy::Settings settings = second_round(scene);
     settings.found.basis = scene::Basis::modes;
-    return decide(scene, settings, round, {{"part", modes, 24000, 5e3}});
+    return decide(scene, settings, round, body_of(modes, 24000, 5e3));
   };
   EXPECT_TRUE(modes_of(300).next);
   const Decision found = modes_of(320);
@@ -123,8 +131,8 @@ TEST(Decision, counts_the_vectors_of_new_candidates_as_work) {
   accuracy::Settings settings = second_round(scene);
   settings.found.basis = scene::Basis::contact;
   const auto round = round_with({{Cause::mesh, 0.1}});
-  EXPECT_TRUE(decide(scene, settings, round, {{"part", 650, 2e4, 1e4}}).next);
-  EXPECT_FALSE(decide(scene, settings, round, {{"part", 750, 2e4, 1e4}}).next);
+  EXPECT_TRUE(decide(scene, settings, round, body_of(650, 2e4, 1e4)).next);
+  EXPECT_FALSE(decide(scene, settings, round, body_of(750, 2e4, 1e4)).next);
 }
 
 // 8 · 500 modes are more than half of 3000 unknowns, and 8 · 180 are not.
@@ -133,11 +141,11 @@ TEST(Decision, refines_the_mesh_with_a_band_that_its_elements_do_not_have) {
   accuracy::Settings settings = second_round(scene);
   settings.found.basis = scene::Basis::modes;
   const auto round = round_with({{Cause::mesh, 1e-4}, {Cause::modes, 0.1}});
-  const Decision found = decide(scene, settings, round, {{"part", 500, 3000, 1500}});
+  const Decision found = decide(scene, settings, round, body_of(500, 3000, 1500));
   ASSERT_TRUE(found.next);
   EXPECT_EQ(found.reason, "mesh, modes");
   EXPECT_EQ(found.next->found.mesh, accuracy::meshes_at(scene, 2));
-  EXPECT_EQ(decide(scene, settings, round, {{"part", 180, 3000, 1500}}).reason, "modes");
+  EXPECT_EQ(decide(scene, settings, round, body_of(180, 3000, 1500)).reason, "modes");
 }
 
 TEST(Meshes, of_open_sizes_shrink_after_order_4_and_those_of_own_sizes_end_with_order_5) {
@@ -166,10 +174,10 @@ TEST(Decision, raises_the_order_where_smaller_elements_were_not_made) {
   settings.coarser->mesh = accuracy::meshes_at(scene, 2);
   auto round = round_with({{Cause::modes, 1e-4}});
   round.estimate->by_cause[Cause::mesh] = std::nullopt;  // nothing has been compared
-  const Decision made = decide(scene, settings, round_with({{Cause::mesh, 0.1}}), {{"part", 100, 1e4, 5e3}});
+  const Decision made = decide(scene, settings, round_with({{Cause::mesh, 0.1}}), body_of(100, 1e4, 5e3));
   ASSERT_TRUE(made.next);
   EXPECT_EQ(made.next->found.mesh.at("part").order, 4);
-  const Decision fixed = decide(scene, settings, round, {{"part", 100, 1e4, 1e4}});
+  const Decision fixed = decide(scene, settings, round, body_of(100, 1e4, 1e4));
   ASSERT_TRUE(fixed.next);
   EXPECT_EQ(fixed.reason, "mesh");
   EXPECT_EQ(fixed.next->found.mesh.at("part").order, 5);
@@ -200,6 +208,23 @@ TEST(Decision, compares_meshes_in_the_same_band_and_basis) {
   ASSERT_TRUE(band.next);
   EXPECT_EQ(band.next->coarser->up_to, band.next->found.up_to);
   EXPECT_EQ(band.next->coarser->mesh, settings.coarser->mesh);
+}
+
+// 69 candidates need 207 Ritz vectors: fewer than 1348 modes, however few vectors the round had. 150 modes are
+// cheaper.
+TEST(Decision, compares_ritz_vectors_of_the_next_round_with_the_modes_of_its_band) {
+  const scene::Scene scene = open_scene();
+  accuracy::Settings settings = second_round(scene);
+  settings.coarser.reset();
+  contact::Dialled round = round_with({{Cause::mesh, 0.1}});
+  round.quantities.emplace();
+  round.model.gap.setZero(69);
+  std::vector<BodySize> sizes = body_of(1348, 1e4, 0);
+  sizes[0].vectors = 24;
+  const auto basis = [&] { return decide(scene, settings, round, sizes).next.value().found.basis; };
+  EXPECT_EQ(basis(), scene::Basis::contact);
+  sizes[0].modes = 150;
+  EXPECT_EQ(basis(), scene::Basis::modes);
 }
 
 // The poles of spheres of coarse elements, and means of patches at edges, lie farther apart than in the
