@@ -3,8 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace ricochet::contact {
 namespace {
+
+/// Figures of a summary whose error was not requested are doubtful above this multiple of the accuracy.
+constexpr double tolerable = 3;
 
 /// How a share that is unknown can be measured, in brackets.
 std::string way_to_measure(Cause cause) {
@@ -50,6 +55,13 @@ std::vector<std::string> warnings(const ErrorEstimate& estimate, double accuracy
             : fmt::format(" and, at a front, often {:g} times as large", estimate.scatter),
         accuracy, *estimate.share(*largest), name_of(*largest), advice_on(*largest)));
   if (!unknown.empty()) out.push_back(fmt::format("the error estimate leaves out: {}", unknown));
+  for (const Quantity figure : {Quantity::peak_force, Quantity::duration})
+    if (const double error = estimate.total(figure);
+        error > tolerable * accuracy && std::ranges::count(estimate.requested, figure) == 0)
+      out.push_back(fmt::format(
+          "the error of the {} is estimated at {:.2g}, and accuracy = {:g} was not requested for it: if it "
+          "matters, add \"{}\" to accuracy_of",
+          name_of(figure), error, accuracy, name_of(figure)));
   return out;
 }
 
