@@ -170,9 +170,9 @@ TEST(Refused, is_a_number_out_of_range) {
       {"count = 10", "up_to_hz = 0.0", "modes.up_to_hz = 0.0: must be above 0"},
       {"duration = 0.01", "duration = 0", "time.duration = 0: must be above 0"},
       {"duration = 0.01", "duration = 1e-5",
-       "time.duration = 1e-05: makes 0.441 samples: must be from 1 to 1e9"},
+       "time.duration = 1e-05: makes 0.441 samples at rate_hz = 44100: must be from 1 to 1e9: change rate_hz"},
       {"duration = 0.01", "duration = 1e5",
-       "time.duration = 100000.0: makes 4.41e+09 samples: must be from 1 to 1e9"},
+       "time.duration = 100000.0: makes 4.41e+09 samples at rate_hz = 44100: must be from 1 to 1e9: change rate_hz"},
       {"[0, 0, 1]", "[0, 0, 0]", "obstacles.floor.normal = [0, 0, 0]: must not be zero"},
       {"[0, 0, 1]", "[0, 0, inf]", "obstacles.floor.normal = [0, 0, inf]: must be finite"},
   });
