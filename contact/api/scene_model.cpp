@@ -149,7 +149,7 @@ contact::Model model_of(const Scene& scene) {
   std::vector<contact::PairRequest> pairs;
   for (const Pair& pair : scene.pairs) {
     const std::string where = fmt::format("contact between \"{}\" and \"{}\"", pair.a, pair.b);
-    contact::PairRequest request{pair.a, pair.b, {}, pair.gap, pair.reach};
+    contact::PairRequest request{pair.a, pair.b, {}, pair.gap, pair.reach, pair.zone};
     if (pair.direction) request.direction = unit(*pair.direction, where + ": direction");
     request.friction = friction_of(scene, pair, where);
     pairs.push_back(request);

@@ -77,6 +77,8 @@ struct Pair {
   /// Moves body a along the direction until the closest points have this gap [m].
   std::optional<double> gap{};
   std::optional<double> reach{};  ///< drops points whose initial gap is not below this [m]
+  /// Drops points whose initial gap exceeds that of the closest ones by this or more [m].
+  std::optional<double> zone{};
   /// Coulomb friction, of the compliant scheme. Kernels must then hold all three components, also of the
   /// static correction, as those of a scene with contact.friction do. No value, or coefficients of 0:
   /// frictionless.

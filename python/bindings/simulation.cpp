@@ -63,7 +63,7 @@ Scene scene_of(const scene::Scene& scene, const std::vector<Kernel>& kernels,
         ->slides.push_back({moved.vector, history.time, history.value});
   }
   for (const scene::Pair& pair : scene.contact.pairs)
-    out.pairs.push_back({pair.a, pair.b, pair.direction, pair.gap, pair.reach, pair.friction});
+    out.pairs.push_back({pair.a, pair.b, pair.direction, pair.gap, pair.reach, pair.zone, pair.friction});
   out.pickups = pickups;
   out.gravity = scene.loads.gravity;
   out.scheme = scene.contact.scheme;

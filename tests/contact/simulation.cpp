@@ -106,6 +106,23 @@ TEST(Simulation, is_the_same_for_bodies_turned_with_their_surroundings) {
   }
 }
 
+// A plate with three rows of candidates 0.5 m apart, tilted by 10° about their direction: the second row is
+// 0.5 sin 10° = 0.087 m higher than the first one.
+TEST(Simulation, has_the_points_of_its_zone) {
+  kernels::Kernel plate = contact::test::rigid_plate();
+  plate.body = "plate";
+  Scene scene;
+  scene.bodies = {
+      {.name = "plate", .kernel = shared(plate), .rotate_deg = {0, 10, 0}, .translate = {0, 0, 1}}};
+  scene.obstacles = {{.name = "floor", .normal = {0, 0, 1}}};
+  scene.pairs = {{.a = "plate", .b = "floor"}};
+  EXPECT_EQ(Simulation(scene).points().size(), 9);
+  scene.pairs[0].zone = 0.08;
+  EXPECT_EQ(Simulation(scene).points().size(), 3);
+  scene.pairs[0].zone = 0.1;
+  EXPECT_EQ(Simulation(scene).points().size(), 6);
+}
+
 TEST(Simulation, falls_as_galilei_has_it) {
   Simulation simulation(falling({.modes = 1}, 1, 0, 9.81));
   simulation.step_block(4410);
