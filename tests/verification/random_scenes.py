@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Accuracy of impacts of bodies drawn at random, of which only shape, material, motion and contact are given.
 
-    scripts/verify --random [--count N] [--seed S] [--only K …] [--out DIR] [--ranks N]
+    scripts/verify --random [--count N] [--seed S] [--only K …] [--limit SECONDS] [--out DIR] [--ranks N]
 
 Each scene has one or two boxes, cylinders, balls or angle brackets that hit a floor or each other, flat or tilted;
 their materials cover six decades of Young's modulus. The band of modes and the requested accuracy are drawn, such that a
@@ -10,10 +10,12 @@ with half the distance between candidates, twice the band, a wider zone, four ti
 was chosen, a flexibility error of 1e-2. Scenes and results are kept in DIR (default out/random) and are
 not computed again. The status is 1 unless the true error is at most 3 estimates in 95 % of the scenes, at most the
 accuracy in 95 % of those that report it, and at least a tenth of the estimate in 80 %, or if an error above the accuracy
-and 3 estimates has no warning. Prints Markdown.
+and 3 estimates has no warning. A scene that takes longer than the limit is listed and not counted. Prints Markdown.
 """
+import contextlib
 import json
 import math
+import signal
 import time
 import tomllib
 from pathlib import Path
@@ -140,6 +142,21 @@ def true_error(found, truth, speed):
     return max(*errors, float(np.linalg.norm(np.concatenate(moved))) / speed)
 
 
+@contextlib.contextmanager
+def limited(seconds):
+    """Raises RicochetError after a time."""
+
+    def end(*_):
+        raise RicochetError(f"takes longer than {seconds:g} s")
+
+    signal.signal(signal.SIGALRM, end)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+
+
 def judged(number, given):
     """A scene's time, true error, estimate, accuracy, whether all shares are known, and warnings; no value if
     nothing touches or contact does not end."""
@@ -176,6 +193,7 @@ def add_arguments(parser):
     parser.add_argument("--count", type=int, default=40, help="number of scenes (default: 40)")
     parser.add_argument("--seed", type=int, default=1, help="seed of the generator (default: 1)")
     parser.add_argument("--only", nargs="+", type=int, metavar="K", help="these scenes alone, by number")
+    parser.add_argument("--limit", type=float, default=150, help="time for one scene [s] (default: 150)")
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "random", help="(default: out/random)")
     parser.add_argument("--ranks", type=int, default=2, help="ranks of ricochet-kernel (default: 2)")
 
@@ -186,7 +204,8 @@ def run(given):
     rows = []
     for number in given.only or range(given.count):
         try:
-            row = judged(number, given)
+            with limited(given.limit):
+                row = judged(number, given)
         except RicochetError as failure:
             print(f"| {number} | – | – | – | – | – | {failure} |", flush=True)
             continue
@@ -205,7 +224,11 @@ def run(given):
     met = sum(row["error"] <= row["accuracy"] for row in claimed)
     wrong = [row for row in rows if row["error"] > max(3 * row["estimate"], row["accuracy"])]
     silent = sum(not row["warnings"] for row in wrong)
-    print(f"\nTrue error at most 3 estimates: {held} of {len(known)}; estimate at most 10 true errors: ", end="")
-    print(f"{close} of {len(known)}; accuracy reported and met: {met} of {len(claimed)}; silently wrong: {silent}.")
+    print(
+        f"\nTrue error at most 3 estimates: {held} of {len(known)}; estimate at most 10 true errors: ", end=""
+    )
+    print(
+        f"{close} of {len(known)}; accuracy reported and met: {met} of {len(claimed)}; silently wrong: {silent}."
+    )
     enough = held >= 0.95 * len(known) and met >= 0.95 * len(claimed) and close >= 0.8 * len(known)
     return not (enough and not silent)
