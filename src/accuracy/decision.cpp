@@ -48,8 +48,7 @@ scene::Basis cheaper_basis(const KernelSettings& settings, const contact::Model&
   const double candidates = settings.zone ? expected_candidates(model, settings, *settings.zone)
                                           : static_cast<double>(model.gap.size());
   const bool few = modes < blocks_of_vectors * candidates;
-  const bool rods =
-      std::ranges::all_of(sizes, [](const BodySize& size) { return size.dimension == 1; });
+  const bool rods = std::ranges::all_of(sizes, [](const BodySize& size) { return size.dimension == 1; });
   return few || rods ? scene::Basis::modes : scene::Basis::contact;
 }
 
@@ -138,7 +137,8 @@ std::string excess(const std::vector<BodySize>& sizes, double candidates) {
   return fmt::format(
       "the next round would compute about {:.1g} modes{} of {:.1g} unknowns of \"{}\", which is more than "
       "accuracy chooses: give modes.up_to_hz and bodies.*.order to go on",
-      largest.vectors, candidates > 0 ? fmt::format(" and the response to {:.1g} candidates", candidates) : "",
+      largest.vectors,
+      candidates > 0 ? fmt::format(" and the response to {:.1g} candidates", candidates) : "",
       largest.unknowns, largest.body);
 }
 
@@ -453,8 +453,7 @@ Decision decide(const scene::Scene& scene, const Settings& settings, const conta
                 const std::vector<BodySize>& sizes) {
   const Table table(scene, settings, round, sizes);
   if (!round.estimate) return after_no_touch(table, settings, round);
-  if (!settings.coarser && table.has_finer())
-    return after_pilot(scene, table, settings, round, sizes);
+  if (!settings.coarser && table.has_finer()) return after_pilot(scene, table, settings, round, sizes);
 
   const double accuracy = *scene.accuracy / round.estimate->scatter;
   std::vector<Row> rows = table.rows();

@@ -17,8 +17,8 @@ bool gives_spacing(const scene::Scene& scene);
 /// Size of the eigenproblem of a body in a round.
 struct BodySize {
   std::string body;
-  double modes = 0;     ///< in the band of the round; of Ritz vectors, an estimate
-  double vectors = 0;   ///< modes or Ritz vectors that the kernel holds
+  double modes = 0;    ///< in the band of the round; of Ritz vectors, an estimate
+  double vectors = 0;  ///< modes or Ritz vectors that the kernel holds
   double unknowns = 0;
   double coarser_unknowns = 0;  ///< on the next coarser mesh; 0: unknown
   int dimension = 3;            ///< 1: a rod

@@ -85,8 +85,7 @@ double residual_mib(const scene::KernelRequest& request, const Discretised& made
   const auto loads = static_cast<double>(border.cols()), rows = static_cast<double>(made.matrices.local_rows);
   // The matrix itself exists three times while it is stored in the kernel.
   const double size = mib_of(loads * loads),
-               shapes = mib_of(rows * static_cast<double>(modes)) /
-                        made.teams->count();
+               shapes = mib_of(rows * static_cast<double>(modes)) / made.teams->count();
   // Row, column and value of each entry of K. MUMPS estimates less than it reaches: counted in runs, its
   // front of the border has one and a half copies more.
   const double entries = mib_of(2.0 * static_cast<double>(made.factor->entries().row.size()));
@@ -214,8 +213,8 @@ void check_memory(const scene::KernelRequest& request, const Discretised& made, 
                                        residual_mib(request, made, modes)));
   const double now = parallel::largest(comm, base::resident_bytes() / base::mib),
                there = std::max(now, before) + parallel::available_mib(comm);
-  console.end(fmt::format("{} eigenvalues; {:.0f} MiB needed of {:.0f} a rank", modes, before + need + buffers_mib,
-                          there));
+  console.end(fmt::format("{} eigenvalues; {:.0f} MiB needed of {:.0f} a rank", modes,
+                          before + need + buffers_mib, there));
   if (need > usable * (there - before))
     throw InputError(fmt::format(
         "{}: {} modes would need {:.0f} MiB a rank, {:.0f} are free: use more machines, a coarser mesh or "

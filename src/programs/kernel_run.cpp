@@ -37,8 +37,7 @@ constexpr double beyond_search = 0.5, left_out = 0.5;
 
 /// Computes modes or Ritz vectors, and the lifts of moving supports.
 modes::ModeSet find_modes(const scene::KernelRequest& request, Discretised& made,
-                          const std::filesystem::path& checkpoint, MPI_Comm comm,
-                          console::Console& console) {
+                          const std::filesystem::path& checkpoint, MPI_Comm comm, console::Console& console) {
   const scene::Modes& wanted = request.modes;
   const auto lift = [&](double sigma) {
     made.sources.lift = modes::static_lift(*made.teams, made.mesh, made.matrices, *made.factor, sigma);

@@ -62,8 +62,10 @@ void read_time(Table& root, const Contact& contact, const std::optional<double>&
   const bool is_open = time.rate_by_accuracy && !contact.has_contact_rate();
   const double samples = is_open ? 1 : time.duration * time.rate.value;
   if (samples < 1 || samples > 1e9)
-    table->complain("duration", fmt::format("makes {:.3g} samples at rate_hz = {:g}: must be from 1 to 1e9: change rate_hz", samples,
-                                time.rate.value));
+    table->complain(
+        "duration",
+        fmt::format("makes {:.3g} samples at rate_hz = {:g}: must be from 1 to 1e9: change rate_hz", samples,
+                    time.rate.value));
   const bool steps_by_modes = contact.has_contact_rate();
   const auto precision = table->text("precision");
   if (precision == "single" && !steps_by_modes)

@@ -50,7 +50,7 @@ double approach_of(const scene::Scene& scene, const KernelPointers& kernels,
 
 contact::ModelSize size_of(const scene::Scene& scene, const KernelPointers& kernels,
                            const contact::Placement& placement) {
-  contact::ModelSize out{.has_residual = true};
+  contact::ModelSize out{.pairs = 0, .has_residual = true};
   for (const kernels::Kernel* kernel : kernels) {
     out.modes += static_cast<Eigen::Index>(kernel->modes.size());
     out.has_residual = out.has_residual && !kernel->surface.residual_flexibility.empty();
@@ -63,6 +63,7 @@ contact::ModelSize size_of(const scene::Scene& scene, const KernelPointers& kern
     const Eigen::Index rows = pair.request.friction ? 3 : 1;
     const double end = std::ranges::min_element(points, {}, &contact::Pairing::Point::gap)->gap +
                        approach_of(scene, kernels, pair);
+    ++out.pairs;
     out.points += std::ssize(points);
     out.rows += rows * std::ssize(points);
     out.near += rows * std::ranges::count_if(points, [&](const auto& point) { return point.gap <= end; });

@@ -210,8 +210,8 @@ TEST(Decision, compares_meshes_in_the_same_band_and_basis) {
   EXPECT_EQ(band.next->coarser->mesh, settings.coarser->mesh);
 }
 
-// 69 candidates need 207 Ritz vectors: fewer than 1348 modes, however few vectors the round had. 150 modes are
-// cheaper.
+// 69 candidates need 207 Ritz vectors: fewer than 1348 modes, however few vectors the round had. 150 modes
+// are cheaper.
 TEST(Decision, compares_ritz_vectors_of_the_next_round_with_the_modes_of_its_band) {
   const scene::Scene scene = open_scene();
   accuracy::Settings settings = second_round(scene);

@@ -67,7 +67,7 @@ class Accuracy(ProgramTest):
                 self.assertEqual(self.resolved["time"]["rate_hz"], 10)
                 self.assertGreaterEqual(self.resolved["time"]["contact_rate_hz"], 10)
                 self.assertIn(self.resolved["time"]["precision"], ("double", "single"))
-                self.assertNotIn("accuracy =", self.warned)
+                self.assertNotIn("above accuracy =", self.warned)
 
     def test_rods_of_given_elements_state_what_they_cannot_reach(self):
         """A front excites all modes that 60 elements have, and about half of them are right."""
@@ -106,7 +106,7 @@ class Accuracy(ProgramTest):
         estimate = summary["error_estimate"]
         self.assertGreater(estimate["modes"], 0.5 * estimate["total"])
         self.assertGreater(3 * estimate["total"], self.error(summary))
-        (warning,) = [w for w in summary["warnings"] if "accuracy" in w]
+        (warning,) = [w for w in summary["warnings"] if "above accuracy" in w]
         self.assertRegex(
             warning,
             "above accuracy = 0.001; its largest share .* is that of the modes: use a higher modes.up_to_hz",
