@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "contact/stepping/propagator.hpp"
 #include "player/loops.hpp"
@@ -10,17 +11,9 @@
 namespace ricochet::player {
 namespace {
 
-using contact::backward_euler;
-using contact::conserving_mean;
-using contact::MeanForce;
-using contact::MeanWeights;
-using contact::SolveStatus;
-
 /// Gap of rows without a contact point [m], which therefore never close. It is small because the tolerance of
 /// the solver is relative to the largest gap.
 constexpr double absent = 1e-9;
-
-constexpr contact::SolveOptions same_matrix{.same_matrix = true};
 
 Eigen::Index most_points(const Instrument& instrument) {
   Eigen::Index most = 0;
@@ -59,19 +52,16 @@ StruckBody::StruckBody(const Instrument& instrument, int mallets, double step, d
       points_(most_points(instrument)),
       modes_(N_),
       count_(static_cast<std::size_t>(mallets), 0),
-      springs_(static_cast<std::size_t>(has_bulges(instrument) ? mallets * points_ : 0)),
-      solver_(static_cast<int>(mallets * points_), same_matrix, false, FrictionLaw::coulomb,
-              !springs_.empty()),
-      mean_solver_(static_cast<int>(mallets * points_), same_matrix, false, FrictionLaw::coulomb,
-                   !springs_.empty()),
+      has_bulges_(has_bulges(instrument)),
+      law_(mallets * points_, {.same_matrix = true}, has_bulges_),
       mean_(mallets * points_, has_residual(instrument)) {
   const Eigen::Index modes = N_ + mallets * P_, rows = mallets * points_;
   for (Vector* x : {&contact_.S, &contact_.c, &contact_.rate, &stiffness_, &q_, &v_, &g_, &dq_, &push_})
     x->setZero(modes);
   for (Vector* x : {&free_.S, &free_.c, &free_.rate}) x->setZero(N_);
-  for (Vector* x : {&gap_, &u_, &free_u_, &rhs_, &rest_, &next_rest_, &next_u_, &next_end_, &next_force_})
-    x->setZero(rows);
-  gap_.setConstant(absent);
+  for (Vector* x : {&u_, &end_}) x->setZero(rows);
+  for (Eigen::Index i = 0; i < rows; ++i) law_.gap(i) = absent;
+  rows_in_use_.reserve(static_cast<std::size_t>(rows));
   B_.setZero(rows, modes);
   for (Eigen::MatrixXd* x : {&M_, &R_, &S_, &S_mean_}) x->setZero(rows, rows);
   stiffness_.head(N_) = instrument.omega.cwiseAbs2();
@@ -116,13 +106,13 @@ void StruckBody::bring(int slot, const Place& place, int mallet, double speed) n
     u_(row + i) = B_.row(row + i).head(modes_).dot(q_.head(modes_));
     overlap = std::max(overlap, u_(row + i) - place.gap(i));
   }
-  gap_.segment(row, m) = place.gap.array() + overlap;
-  for (Eigen::Index i = 0; i < m && !springs_.empty(); ++i) {
-    const double yields = R_(row + i, row + i);
-    if (yields > 0)
-      springs_[row + i] = contact::PatchSpring::of(place.bulge(i), yields);
+  for (Eigen::Index i = 0; i < m; ++i) {
+    law_.gap(row + i) = place.gap(i) + overlap;
+    if (!has_bulges_) continue;
+    if (const double yields = R_(row + i, row + i); yields > 0)
+      law_.spring(row + i) = contact::PatchSpring::of(place.bulge(i), yields);
     else
-      gap_(row + i) += place.bulge(i);
+      law_.gap(row + i) += place.bulge(i);
   }
   couple(slot);
 }
@@ -138,10 +128,11 @@ void StruckBody::take(int slot) noexcept {
     x->middleRows(row, points_).setZero();
     x->middleCols(row, points_).setZero();
   }
-  gap_.segment(row, points_).setConstant(absent);
-  if (!springs_.empty()) std::fill_n(springs_.begin() + row, points_, contact::PatchSpring{});
-  for (Vector* x : {&u_, &free_u_, &rest_, &next_end_, &next_force_, &next_u_, &next_rest_})
-    x->segment(row, points_).setZero();
+  for (Eigen::Index i = row; i < row + points_; ++i) {
+    law_.gap(i) = absent;
+    if (has_bulges_) law_.spring(i) = {};
+  }
+  for (Vector* x : {&u_, &law_.free}) x->segment(row, points_).setZero();
   renumber();
 }
 
@@ -152,8 +143,10 @@ void StruckBody::renumber() noexcept {
     if (count_[k] > 0) slots_ = static_cast<int>(k) + 1;
   modes_ = N_ + slots_ * P_;
   rows_ = slots_ * points_;
-  solver_.reset();
-  mean_solver_.reset();
+  rows_in_use_.resize(static_cast<std::size_t>(rows_));
+  std::iota(rows_in_use_.begin(), rows_in_use_.end(), 0);
+  law_.hold(rows_in_use_);
+  law_.change_matrices();
 }
 
 /// Computes the rows and columns of a mallet in M and S.
@@ -165,53 +158,8 @@ void StruckBody::couple(int slot) noexcept {
       M_(i, j) = M_(j, i) = B_.row(j).head(modes_).dot(push_.head(modes_));
   }
   S_ = M_ + R_;
-  S_mean_ = conserving_mean.end * M_ + R_;
-  solver_.reset();
-  mean_solver_.reset();
-}
-
-MeanForce::Trial StruckBody::attempt(const MeanWeights& weights) noexcept {
-  const Eigen::Index n = rows_;
-  const bool euler = weights == backward_euler;
-  const std::span<const contact::PatchSpring> springs(springs_.data(),
-                                                      springs_.empty() ? 0 : static_cast<std::size_t>(n));
-  const Eigen::MatrixXd& S = euler ? S_ : S_mean_;
-  auto force = next_force_.head(n), end = next_end_.head(n), u = next_u_.head(n), rest = next_rest_.head(n);
-  const auto now = mean_.end().head(n);
-  const auto add = [n](double factor, const Eigen::MatrixXd& A, const auto& x, auto& y) {
-    for (Eigen::Index j = 0; j < n; ++j)
-      if (x(j) != 0) y += (factor * x(j)) * A.col(j).head(n);
-  };
-  force = weights.start * now + weights.before * mean_.before().head(n);
-  u = free_u_.head(n);
-  add(-1, M_, force, u);
-  rhs_.head(n) = u - gap_.head(n);
-  end.setZero();
-  MeanForce::Trial out;
-  if (!(rhs_.head(n).array() < 0).all()) {  // NaN included
-    end = now;
-    out.status =
-        (euler ? solver_ : mean_solver_).solve(S.topLeftCorner(n, n), rhs_.head(n), springs, {}, end);
-    if (out.status != SolveStatus::solved) return out;
-  }
-  add(-1, S, end, u);
-  contact::yield(springs, end, u);  // B q⁺ − R λ⁺ − s(λ⁺)
-  force += weights.end * end;
-  rest.setZero();
-  add(1, R_, end, rest);
-  out.in_residual = end.dot(rest);
-  out.removed =
-      force.dot(u - u_.head(n) + rest - rest_.head(n)) + 0.5 * (now.dot(rest_.head(n)) - out.in_residual);
-  if (!springs.empty()) {
-    const contact::SpringWork work = contact::work_of(springs, now, end, force);
-    out.in_residual += 2 * work.stored;
-    out.removed += work.removed;
-  }
-  out.opens = (end.array() == 0).all();
-  if (mean_.begins() || out.opens)
-    for (Eigen::Index j = 0; j < n; ++j)
-      if (force(j) != 0) out.in_modes += force(j) * M_.col(j).head(n).dot(force);
-  return out;
+  S_mean_ = contact::conserving_mean.end * M_ + R_;
+  law_.change_matrices();
 }
 
 bool StruckBody::step() noexcept {
@@ -222,11 +170,13 @@ bool StruckBody::step() noexcept {
   next = q_.head(n) + dq_.head(n);
   for (int slot = 0; slot < slots_; ++slot)
     for (Eigen::Index i = slot * points_; i < slot * points_ + count_[slot]; ++i)
-      free_u_(i) = dot(&B_(i, 0), next.data(), n);
-  const MeanForce::Trial trial = mean_.solve([this](const MeanWeights& weights) { return attempt(weights); });
+      law_.free(i) = dot(&B_(i, 0), next.data(), n);
+  law_.start.head(rows_) = u_.head(rows_);
+  const contact::StepTrial trial = law_.solve({.M = M_, .R = R_, .S = S_, .S_mean = S_mean_}, mean_, nullptr);
+  const auto force = law_.force().head(rows_);
 
-  force_ = next_force_.head(rows_).sum();
-  if (trial.status != SolveStatus::solved || !std::isfinite(trial.removed + force_ + next.sum())) {
+  force_ = force.sum();
+  if (trial.status != contact::SolveStatus::solved || !std::isfinite(trial.removed + force_ + next.sum())) {
     rest();
     return false;
   }
@@ -234,16 +184,16 @@ bool StruckBody::step() noexcept {
     auto push = push_.head(n);
     push.setZero();
     for (Eigen::Index i = 0; i < rows_; ++i)
-      if (next_force_(i) != 0) push += next_force_(i) * B_.row(i).head(n).transpose();
+      if (force(i) != 0) push += force(i) * B_.row(i).head(n).transpose();
     dq_.head(n) -= contact_.c.head(n).cwiseProduct(push);
     g_.head(n) -= push;
   }
   advance(contact_.rate.data(), contact_.S.data(), g_.data(), dq_.data(), q_.data(), v_.data(), n);
   removed_ += trial.removed;
-  residual_ = 0.5 * trial.in_residual;
-  rest_.swap(next_rest_);
-  u_.swap(next_u_);
-  mean_.advance(next_end_);
+  residual_ = trial.in_residual;
+  u_.head(rows_) = law_.u().head(rows_);
+  end_.head(rows_) = law_.end().head(rows_);
+  law_.accept(mean_, end_);
   return true;
 }
 
@@ -275,7 +225,7 @@ bool StruckBody::recedes(int slot) const noexcept {
         approach += b * v_(n);
       }
     }
-    if (approach > 0 || rigid + std::sqrt(reach * energy) >= gap_(i)) return false;
+    if (approach > 0 || rigid + std::sqrt(reach * energy) >= law_.gap(i)) return false;
   }
   return true;
 }
@@ -295,9 +245,7 @@ void StruckBody::rest() noexcept {
   for (std::size_t slot = 0; slot < count_.size(); ++slot) take(static_cast<int>(slot));
   q_.setZero();
   v_.setZero();
-  next_end_.setZero();
-  mean_.advance(next_end_);  // twice: no force at the last two instants
-  mean_.advance(next_end_);
+  mean_.clear();
   force_ = residual_ = 0;
 }
 

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // A body and the mallets in front of it, as one modal system that changes whenever a mallet comes or goes.
-// The steps are those of CompliantStepper without loads and friction:
-//
-//   0 ≤ λ⁺ ⟂ S λ⁺ − (û − M h − g) ≥ 0,   û = B q̂ with q̂ the motion without contact,   S = a M + R
-//
-// with the conserving mean of mean_force.hpp and springs of the points (patch_spring.hpp), whose R_ii
-// includes the layer of the mallet. All contact points of all mallets enter one problem, so mallets that
-// touch at the same time feel each other through the modes of the body. They do not feel each other's
+// The steps are those of CompliantStepper (contact/law/contact_law.hpp) without loads and friction. R_ii of a
+// point includes the layer of the mallet. All contact points of all mallets enter one problem, so mallets
+// that touch at the same time feel each other through the modes of the body. They do not feel each other's
 // residual flexibility, which decays away from a contact. Mallet k has the modes N + kP … and the rows km ….
 #pragma once
 
@@ -14,8 +10,7 @@
 #include <cmath>
 #include <vector>
 
-#include "contact/complementarity/contact_solver.hpp"
-#include "contact/stepping/mean_force.hpp"
+#include "contact/law/contact_law.hpp"
 #include "player/instrument.hpp"
 #include "player/loops.hpp"
 
@@ -75,7 +70,6 @@ class StruckBody {
     void set(Eigen::Index n, double omega, double decay, double time) noexcept;
   };
 
-  contact::MeanForce::Trial attempt(const contact::MeanWeights& weights) noexcept;
   void couple(int slot) noexcept;
   void renumber() noexcept;
 
@@ -89,10 +83,11 @@ class StruckBody {
   Vector stiffness_, q_, v_;         ///< (N + mallets · P)
   contact::Matrix B_;                ///< (rows,modes)
   Eigen::MatrixXd M_, R_, S_, S_mean_;
-  Vector gap_, u_, free_u_, rhs_, rest_, next_rest_, next_u_, next_end_, next_force_;  ///< (rows)
-  Vector g_, dq_, push_;                                                               ///< (modes)
-  std::vector<contact::PatchSpring> springs_;  ///< (rows); empty if no place has bulges
-  contact::ContactSolver solver_, mean_solver_;
+  Vector u_, end_;        ///< (rows)
+  Vector g_, dq_, push_;  ///< (modes)
+  bool has_bulges_;
+  std::vector<int> rows_in_use_;
+  contact::ContactLaw law_;
   contact::MeanForce mean_;
   double force_ = 0, residual_ = 0, removed_ = 0;
 };

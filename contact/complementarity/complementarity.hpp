@@ -20,6 +20,10 @@ enum class SolveStatus {
   not_finite,   ///< r, the diagonal of S or a column in use contains a NaN or an infinity
 };
 
+inline bool has_forces(SolveStatus status) noexcept {
+  return status == SolveStatus::solved || status == SolveStatus::limited;
+}
+
 struct SolveOptions {
   /// Whether all problems have the same matrix S. Its factor is then kept from one solve to the next, until
   /// reset().

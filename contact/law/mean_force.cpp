@@ -1,34 +1,41 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "contact/stepping/mean_force.hpp"
-
-#include <algorithm>
-#include <cmath>
+#include "contact/law/mean_force.hpp"
 
 namespace ricochet::contact {
 
-MeanForce::MeanForce(Eigen::Index points, bool conserving)
-    : conserving_(conserving), end_(Vector::Zero(points)), before_(Vector::Zero(points)) {}
-
-bool MeanForce::is_shock(const Trial& trial) noexcept {
-  const double a = conserving_mean.end;  // λ̄ = a λ⁺ where contact begins
-  return a * a * trial.in_residual < shock_share * trial.in_modes;
+MeanForce::MeanForce(Eigen::Index rows, bool conserving)
+    : pair_of_row_(static_cast<std::size_t>(rows), 0), pairs_(1), conserving_(conserving) {
+  for (Vector* x : {&end_, &before_}) x->setZero(rows);
 }
 
-MeanWeights MeanForce::reduced(const Trial& opening) const noexcept {
-  const double square = opening.in_modes, stored = 0.5 * now_.in_residual;
-  const double linear = opening.removed + square - stored;
-  const double x = (linear + std::sqrt(linear * linear + 4 * square * (now_.bank + stored))) / (2 * square);
-  // Just below the root, so that round-off does not overdraw the bank.
-  const double share = std::clamp(x * (1 - 1e-9), 0.0, 1.0);
-  return {conserving_mean.end, share * conserving_mean.start, share * conserving_mean.before};
+MeanForce::MeanForce(const Model& model, bool conserving) : MeanForce(model.rows(), conserving) {
+  pairs_.resize(std::max<std::size_t>(model.pairs.size(), 1));
+  for (std::size_t p = 0; p < model.pairs.size(); ++p)
+    std::fill_n(pair_of_row_.begin() + model.pairs[p].first_point, model.pairs[p].points,
+                static_cast<int>(p));
+  for (const Model::FrictionPoint& point : model.friction)
+    std::fill_n(pair_of_row_.begin() + point.tangential, 2,
+                pair_of_row_[static_cast<std::size_t>(point.point)]);
 }
 
-void MeanForce::advance(const Vector& force) noexcept {
-  now_ = next_;
+void MeanForce::advance(const Vector& force, const std::vector<Pair>& pairs) noexcept {
+  std::copy(pairs.begin(), pairs.end(), pairs_.begin());
   before_.swap(end_);
   end_ = force;
-  if (now_.restarts) before_ = force;
-  carries_ = (end_.array() > 0).any() || (before_.array() > 0).any();
+  for (Pair& pair : pairs_) pair.carries = false;
+  for (Eigen::Index i = 0; i < end_.size(); ++i) {
+    Pair& pair = pairs_[pair_of_row_[i]];
+    if (pair.restarts) before_(i) = end_(i);
+    pair.carries = pair.carries || end_(i) > 0 || before_(i) > 0;
+  }
+  carries_ = std::any_of(pairs_.begin(), pairs_.end(), [](const Pair& pair) { return pair.carries; });
+}
+
+void MeanForce::clear() noexcept {
+  end_.setZero();
+  before_.setZero();
+  for (Pair& pair : pairs_) pair = {.bank = pair.bank};
+  carries_ = false;
 }
 
 }  // namespace ricochet::contact

@@ -26,14 +26,23 @@
 // that they store is added to ½ λᵀRλ.
 //
 // With friction, λ stands for all forces p (λ and τ), and u at the tangential rows for the slip. Energy that
-// friction turns into heat enters the bank too, and a step in which the heat of a slip would fall below 0 is
-// made by backward Euler (slip.hpp).
+// friction turns into heat does not enter the bank: otherwise, a body that has slid for long could gain any
+// amount of energy in the normal direction. A step in which the heat of a slip would fall below 0 is made by
+// backward Euler (slip.hpp), so that heat is never returned.
 //
 // When contact begins with a shock that the modes carry, so that R yields little, the mean overshoots. The
 // first two steps are then made by backward Euler, and the history restarts.
+//
+// All this belongs to an island: bodies that touch, directly or through others. M and R couple only points
+// that share a body, so that the terms of different islands separate. Each pair of surfaces keeps the part of
+// the bank that its own contact has removed. The bank of an island is the sum over its pairs, so that banks
+// add when islands merge; when an island parts, each part has what its own contacts removed, less what they
+// have already paid for others.
 #pragma once
 
-#include "contact/complementarity/complementarity.hpp"
+#include <algorithm>
+#include <vector>
+
 #include "contact/model/model.hpp"
 
 namespace ricochet::contact {
@@ -44,73 +53,41 @@ struct MeanWeights {
 };
 inline constexpr MeanWeights conserving_mean{0.625, 0.25, 0.125}, backward_euler{1, 0, 0};
 
+/// The forces at the last two instants, and what the next step must know of the last one, for each pair.
 class MeanForce {
  public:
-  /// @param conserving  whether steps use the mean; otherwise all use backward Euler
-  MeanForce(Eigen::Index points, bool conserving);
-
-  /// A solved step that is not accepted yet.
-  struct Trial {
-    SolveStatus status = SolveStatus::solved;
-    bool opens = false;      ///< whether λ⁺ is 0
-    bool cools = false;      ///< whether the heat of a slip falls below 0
-    bool several = false;    ///< whether the forces are known not to be the only solution
-    double removed = 0;      ///< energy that contact and friction remove [J]
-    double heat = 0;         ///< of friction: part of `removed` [J]
-    double belts = 0;        ///< τ̄ᵀ × displacement of moving half-spaces [J]
-    double in_residual = 0;  ///< twice the energy in the residual, λ⁺ᵀRλ⁺ + 2 e⁺ [J]
-    double in_modes = 0;     ///< λ̄ᵀMλ̄ [J]; needed only if contact begins or opens
+  struct Pair {
+    MeanWeights weights = backward_euler;  ///< of the last step
+    bool carries = false;                  ///< whether it had a force at one of the last two instants
+    bool shock = false;                    ///< the step was the first one of a shock
+    bool restarts = false;                 ///< the history begins anew with the step
+    double bank = 0;                       ///< its part of the bank of its island, ≥ 0 [J]
   };
 
-  const Vector& end() const { return end_; }                   ///< (m) λ at the last instant [N]
-  const Vector& before() const { return before_; }             ///< (m) λ one instant earlier [N]
-  bool begins() const { return !carries_; }                    ///< whether the last two instants had no force
-  const MeanWeights& weights() const { return now_.weights; }  ///< of the last step
+  /// Of one pair with n rows. @param conserving  whether steps use the mean, and not backward Euler
+  /// throughout
+  MeanForce(Eigen::Index rows, bool conserving);
+  MeanForce(const Model& model, bool conserving);
+
+  const Vector& end() const { return end_; }        ///< (n) λ at the last instant [N]
+  const Vector& before() const { return before_; }  ///< (n) λ one instant earlier [N]
+  bool begins() const { return !carries_; }         ///< whether the last two instants had no force
   bool is_conserving() const { return conserving_; }
+  const std::vector<int>& pair_of_row() const { return pair_of_row_; }
+  const std::vector<Pair>& pairs() const { return pairs_; }
+  /// Of the last step, at a row.
+  const MeanWeights& weights(Eigen::Index row) const { return pairs_[pair_of_row_[row]].weights; }
 
-  /// Solves a step. `attempt(weights)` solves it with a mean and returns a Trial; the last attempt counts.
-  template <class Attempt>
-  Trial solve(Attempt&& attempt) noexcept {
-    const bool mean = conserving_ && !now_.shock;
-    next_ = {.weights = mean ? conserving_mean : backward_euler, .restarts = now_.shock, .bank = now_.bank};
-    Trial trial = attempt(next_.weights);
-    if (mean && usable(trial.status)) {
-      next_.shock = next_.restarts = begins() && is_shock(trial);
-      if (trial.opens && overdraws(trial)) trial = attempt(next_.weights = reduced(trial));
-      if (next_.shock || trial.cools || overdraws(trial)) trial = attempt(next_.weights = backward_euler);
-    }
-    next_.bank += trial.removed;
-    next_.in_residual = trial.in_residual;
-    return trial;
-  }
-
-  /// Completes the step that was solved: λ⁺ (m) becomes the force at the last instant.
-  void advance(const Vector& force) noexcept;
+  /// Completes a step: λ⁺ (n) becomes the force at the last instant. @param pairs  `carries` is computed
+  void advance(const Vector& force, const std::vector<Pair>& pairs) noexcept;
+  /// Forgets all forces.
+  void clear() noexcept;
 
  private:
-  /// Largest ratio of the yields of R and of the modes at which R yields little. In an elastic bar whose
-  /// modes are resolved up to half the rate, the ratio is 0.26 at any Δ: ∫ 1/x² dx over x > π divided by
-  /// ∫ (1 − cos x)/x² dx over x < π. In solids, the near field of the patches makes R dominate.
-  static constexpr double shock_share = 0.5;
-
-  static bool usable(SolveStatus status) noexcept {
-    return status == SolveStatus::solved || status == SolveStatus::limited;
-  }
-
-  bool overdraws(const Trial& trial) const noexcept { return now_.bank + trial.removed < 0; }
-  static bool is_shock(const Trial& trial) noexcept;
-  MeanWeights reduced(const Trial& opening) const noexcept;
-
-  struct Progress {
-    MeanWeights weights = backward_euler;
-    bool shock = false;      ///< the step was the first one of a shock
-    bool restarts = false;   ///< the history begins anew with the step
-    double bank = 0;         ///< [J]
-    double in_residual = 0;  ///< λᵀRλ + 2 e [J]
-  };
+  std::vector<int> pair_of_row_;
+  std::vector<Pair> pairs_;
   bool conserving_;
-  bool carries_ = false;  ///< whether end_ or before_ differs from 0
-  Progress now_, next_;   ///< after the last step; after the step being solved
+  bool carries_ = false;
   Vector end_, before_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "contact/stepping/slip.hpp"
+#include "contact/law/slip.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,12 +13,11 @@ Slip::Slip(Eigen::Index points, Eigen::Index rows, double step) : step_(step) {
   next_state_ = state_;
 }
 
-void Slip::begin(const StepSystem& system, std::int64_t k) noexcept {
-  if (system.belts.empty()) return;
+void Slip::begin(std::span<const Model::Belt> belts, std::int64_t k) noexcept {
+  if (belts.empty()) return;
   const double from = static_cast<double>(k - 1) * step_, to = static_cast<double>(k) * step_;
   belt_.setZero();
-  for (const Model::Belt& belt : system.belts)
-    belt_ += (belt.history.at(to) - belt.history.at(from)) * belt.slide;
+  for (const Model::Belt& belt : belts) belt_ += (belt.history.at(to) - belt.history.at(from)) * belt.slide;
 }
 
 double Slip::coefficient(const Friction& law, Eigen::Index f, bool closed, double free_slip) const noexcept {
@@ -32,17 +31,16 @@ void Slip::begin_trial() noexcept {
   next_speed_.setZero();
   next_heat_.setZero();
   std::fill(next_state_.begin(), next_state_.end(), ContactState::open);
-  cools_ = false;
 }
 
 double Slip::record(Eigen::Index f, ContactState state, const double* mean, const double* slip) noexcept {
   const double heat = mean[0] * slip[0] + mean[1] * slip[1];
   next_state_[f] = state;
+  next_speed_(f) = next_heat_(f) = 0;
   if (state == ContactState::stick) return heat;
   if (state == ContactState::slip) next_speed_(f) = std::hypot(slip[0], slip[1]) / step_;
   if (mean[0] == 0 && mean[1] == 0) return 0;
   next_heat_(f) = heat_(f) + heat;
-  cools_ = cools_ || next_heat_(f) < 0;
   return heat;
 }
 

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The slip of points with friction, from step to step.
 //
-//   d = w⁺ − w − belt     slip of a step: tangential displacement of a relative to b [m]; belt is the motion
-//   of a
-//                         half-space along its surface
-//   τ̄ᵀ d                  heat of the step [J]
-//   μ(v)                  coefficient in the step, with v = |d|/Δ of the step before; for a point that was
+//   d = w⁺ − w − belt   slip of a step: tangential displacement of a relative to b [m]; belt is the motion of
+//                       a half-space along its surface
+//   τ̄ᵀ d                heat of the step [J]
+//   μ(v)                coefficient in the step, with v = |d|/Δ of the step before; for a point that was
 //   open,
-//                         d is the slip of this step if no force acted
+//                       d is the slip of this step if no force acted
 //
 // With the force at the end of the step, the heat of each step is ≥ 0. With a mean force, a point whose slip
 // turns may give some back. The heat of a slip, summed from its begin, may not fall below 0: a step in which
@@ -18,7 +17,7 @@
 #include <vector>
 
 #include "contact/complementarity/friction_solver.hpp"
-#include "contact/stepping/step_system.hpp"
+#include "contact/model/model.hpp"
 
 namespace ricochet::contact {
 
@@ -32,18 +31,20 @@ class Slip {
 
   /// Starts step k: computes the motion of half-spaces from t_{k−1} to t_k, and takes all points as open
   /// until they are recorded.
-  void begin(const StepSystem& system, std::int64_t k) noexcept;
+  void begin(std::span<const Model::Belt> belts, std::int64_t k) noexcept;
   /// (n) motion of half-spaces in this step along the rows [m]
   const Vector& belt() const { return belt_; }
 
   /// μ of friction point f. @param free_slip  |d| if no force acted [m]  @param closed  λ > 0 before the step
   double coefficient(const Friction& law, Eigen::Index f, bool closed, double free_slip) const noexcept;
 
+  /// Takes all points as open in the step that is solved next.
   void begin_trial() noexcept;
-  /// Records the slip d (2) of point f under the mean force τ̄ (2). Returns its heat [J].
+  /// Records the slip d (2) of point f under the mean force τ̄ (2), in place of what was recorded before.
+  /// Returns its heat [J].
   double record(Eigen::Index f, ContactState state, const double* mean, const double* slip) noexcept;
-  /// Whether the heat of any slip falls below 0 in this trial.
-  bool cools() const { return cools_; }
+  /// Whether the heat of the slip of point f falls below 0 by what was recorded.
+  bool cools(Eigen::Index f) const { return next_heat_(f) < 0; }
   /// Completes the step as recorded last.
   void accept() noexcept;
   /// All points open.
@@ -54,7 +55,6 @@ class Slip {
 
  private:
   double step_ = 0;
-  bool cools_ = false;
   Vector belt_;                    ///< (n)
   Vector speed_, heat_;            ///< (f) of the last step; of the slip so far [J]
   Vector next_speed_, next_heat_;  ///< (f) of the trial

@@ -116,11 +116,14 @@ void ProblemFiles::observe(const Stepper& stepper) {
 
 ProblemFiles::Problem ProblemFiles::problem_of(const Stepper& stepper) const {
   const Eigen::Index m = model_.points();
-  Problem out{.S = stepper.weights() == backward_euler ? system_->S : system_->S_mean,
+  Problem out{.S = system_->S,
               .u = -stepper.displacement(),
               .q = {},
               .p = stepper.end_force(),
               .mu = Vector::Zero(m)};
+  // M and R do not couple islands, whose weights differ.
+  for (Eigen::Index j = 0; j < out.S.cols(); ++j)
+    if (stepper.weights(j) != backward_euler) out.S.col(j) = system_->S_mean.col(j);
   out.u.head(m) += model_.gap;
   for (std::size_t k = 0; k < system_->springs.size(); ++k) {
     const auto i = static_cast<Eigen::Index>(k);

@@ -36,7 +36,7 @@ StepStatus EventStepper::step() noexcept {
     work.forcing += more.forcing;
     next_u_ = state_.now.s;
     next_u_.noalias() += system.B * state_.next_q;
-    const SolveStatus status = problem_.solve(state_, next_u_, solver_, next_force_);
+    const SolveStatus status = problem_.solve(state_, next_u_, law_.solver(), next_force_);
     if (!has_forces(status)) return failure(status);
     state_.strike(next_force_, work);
     impulse_ += next_force_;

@@ -10,7 +10,7 @@ GatheredSystem<T>::GatheredSystem(const BlockSystem<T>& system)
     : S(system.points, system.points),
       S_mean(system.plain->S_mean.rows(), system.plain->S_mean.cols()),
       M(system.points, system.points),
-      R(system.points, system.points),
+      R(system.yields ? system.points : 0, system.yields ? system.points : 0),
       room_(system.points * system.length * system.width) {
   lag = std::make_unique_for_overwrite<T[]>(room_);
   points_.reserve(system.points);

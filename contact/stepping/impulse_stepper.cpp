@@ -15,13 +15,13 @@ StepStatus ImpulseStepper::step() noexcept {
   Work work = state_.free_step();
   next_u_ = state_.now.s;
   next_u_.noalias() += state_.system->B * state_.next_q;
-  const SolveStatus status = problem_.solve(state_, next_u_, solver_, next_force_);
+  const SolveStatus status = problem_.solve(state_, next_u_, law_.solver(), next_force_);
   if (!has_forces(status)) return failure(status);
   const int active = state_.strike(next_force_, work);
   if (!state_.commit(work, 0)) return StepStatus::not_finite;
   next_force_ /= options_.step;
   return complete(active, -work.contact / options_.step,
-                  problem_.touching().empty() ? SolveResidual{} : solver_.residual());
+                  problem_.touching().empty() ? SolveResidual{} : law_.solver().residual());
 }
 
 }  // namespace ricochet::contact

@@ -30,14 +30,10 @@ LookAheadBlock<T>::LookAheadBlock(std::shared_ptr<const BlockSystem<T>> system, 
   predicted_u_.assign(L * width, 0.0);
   u_.assign(L * width, 0.0);
   changes_.assign(m * L, T(0));
-  for (Vector* x : {&held_force_, &held_rest_, &held_push_, &rhs_, &solution_, &mean_, &step_change_, &start_,
-                    &rest_, &start_rest_, &end_rest_, &held_at_, &in_modes_, &slip_, &ended_})
+  for (Vector* x : {&held_force_, &held_rest_, &held_push_, &held_at_, &step_change_, &rest_, &ended_})
     x->setZero(system_->points);
   for (std::vector<char>* x : {&was_kept_, &is_predicted_, &has_changed_}) x->assign(m, 0);
   has_force_.assign(static_cast<std::size_t>(system_->contacts), 0);
-  springs_.reserve(system_->plain->springs.empty() ? 0 : m);
-  with_friction_.reserve(system_->plain->friction.size());
-  law_.reserve(system_->plain->friction.size());
   position_.assign(m, -1);
   for (std::vector<int>* x : {&pressed_, &predicted_, &kept_, &gathered_, &have_changed_, &changed_})
     x->reserve(m);
@@ -92,7 +88,7 @@ void LookAheadBlock<T>::hold(const Vector& force) noexcept {
 }
 
 template <class T>
-void LookAheadBlock<T>::start(const Vector& q, const Vector& v, const Vector& force,
+void LookAheadBlock<T>::start(const Vector& q, const Vector& v, const Vector& force, ContactLaw& law,
                               const MeanForce& mean) noexcept {
   std::fill(was_kept_.begin(), was_kept_.end(), 0);
   for (std::size_t k = 0; k < kept_.size(); ++k) {
@@ -119,7 +115,7 @@ void LookAheadBlock<T>::start(const Vector& q, const Vector& v, const Vector& fo
   system_->loops->free_motion(modes(), length(), q_.data(), v_.data(), forced_ ? forcing_.data() : nullptr,
                               x_.data());
   predict_rigid();
-  choose_kept(mean);
+  choose_kept(law, mean);
 }
 
 /// Computes the motion of the rigid modes under λ̂.
@@ -155,157 +151,37 @@ double LookAheadBlock<T>::at_start(int point, const MeanForce& mean) const noexc
   return u;
 }
 
-/// Solves the next step with a mean. Keeps further points until no other point could close.
+/// Keeps further points until no other point could close.
 template <class T>
-MeanForce::Trial LookAheadBlock<T>::attempt(Solvers solvers, const MeanForce& mean,
-                                            const MeanWeights& weights) noexcept {
-  const bool deep = solvers.limited();
+StepTrial LookAheadBlock<T>::step(ContactLaw& law, const MeanForce& mean, Slip* slip, Vector& force,
+                                  Vector& end) noexcept {
   const int l = taken_ + 1;
-  const FrictionSolver* friction = nullptr;
-  MeanForce::Trial out;
   if (!kept_.empty() && !near_.holds()) near_.take(*system_, gathered_);
+  const StepMatrices matrices{.M = near_.M, .R = near_.R, .S = near_.S, .S_mean = near_.S_mean};
+  StepTrial trial;
   do {
-    const auto n = static_cast<Eigen::Index>(kept_.size());
-    for (Eigen::Index k = 0; k < n; ++k)
-      mean_(k) = weights.start * mean.end()(kept_[k]) + weights.before * mean.before()(kept_[k]);
-    rest_.head(n).setZero();  // here M h
-    for (Eigen::Index k = 0; k < n; ++k)
-      if (mean_(k) != 0) rest_.head(n) += mean_(k) * near_.M.col(k).head(n);
-    bool closed = false;
-    for (Eigen::Index k = 0; k < n; ++k) {
-      rhs_(k) = u(k, l) + held_push_(k) - rest_(k);
-      if (kept_[k] >= system_->contacts) {
-        rhs_(k) -= before(k, mean) + solvers.slip->belt()(kept_[k]);
-        continue;
-      }
-      const double gap = system_->gap(kept_[k]);
-      rhs_(k) -= gap;
-      if (deep) rhs_(k) -= std::max(0.0, before(k, mean) - gap);
-      closed = closed || !(rhs_(k) < 0);  // NaN included
+    for (std::size_t k = 0; k < kept_.size(); ++k) {
+      const auto at = static_cast<Eigen::Index>(k);
+      law.free(at) = u(k, l) + held_push_(at);
+      law.start(at) = before(at, mean);
     }
-    residual_ = {};
-    friction = nullptr;
-    if (closed) {
-      const bool backward = weights == backward_euler;
-      out.status = solve(solvers, mean, backward);
-      if (out.status != SolveStatus::solved && out.status != SolveStatus::limited) return out;
-      const ContactSolver& solver = backward ? solvers.backward_euler : solvers.mean;
-      residual_ = solver.residual();
-      if (!with_friction_.empty()) friction = &solver.friction();
-    } else {
-      solution_.head(n).setZero();
-    }
-    for (Eigen::Index k = 0; k < n; ++k) {
+    trial = law.solve(matrices, mean, slip);
+    if (!has_forces(trial.status)) return trial;
+    for (std::size_t k = 0; k < kept_.size(); ++k) {
+      const auto at = static_cast<Eigen::Index>(k);
       const double held = held_force_(kept_[k]);
-      mean_(k) += weights.end * solution_(k);
-      step_change_(k) = std::max(std::abs(mean_(k) - held), std::abs(solution_(k) - held));
+      step_change_(at) = std::max(std::abs(law.force()(at) - held), std::abs(law.end()(at) - held));
     }
-  } while (screening_.raise_budgets(*system_, kept_, step_change_) && keep_more(mean));
-  if (mean.is_conserving() || solvers.slip != nullptr) set_energies(mean, solvers.slip, out);
-  if (solvers.slip != nullptr) record_slip(friction, *solvers.slip, out);
-  return out;
-}
+  } while (screening_.raise_budgets(*system_, kept_, step_change_) && keep_more(law, mean));
 
-/// Solves for λ⁺ and τ⁺ of the kept points, with the right side rhs_.
-template <class T>
-SolveStatus LookAheadBlock<T>::solve(const Solvers& solvers, const MeanForce& mean, bool backward) noexcept {
-  const auto n = static_cast<Eigen::Index>(kept_.size());
-  ContactSolver& solver = backward ? solvers.backward_euler : solvers.mean;
-  bool& is_new = backward ? is_new_ : is_new_mean_;
-  if (is_new) solver.reset();
-  is_new = false;
-  for (std::size_t f = 0; f < with_friction_.size(); ++f) {
-    FrictionContact& contact = with_friction_[f];
-    contact.coefficient = solvers.slip->coefficient(system_->plain->friction[law_[f]].law, law_[f],
-                                                    mean.end()(kept_[contact.normal]) > 0,
-                                                    rhs_.segment<2>(contact.tangential).norm());
-  }
-  for (Eigen::Index k = 0; k < n; ++k) solution_(k) = mean.end()(kept_[k]);
-  const Eigen::MatrixXd& S = backward ? near_.S : near_.S_mean;
-  return solver.solve(S.topLeftCorner(n, n), rhs_.head(n), springs_, with_friction_, solution_.head(n));
-}
-
-/// Computes the energies of a trial and the slip of all kept tangential rows. At kept points,
-/// u⁺ − u = u_l + S λ̂ − M λ̄ − R λ⁺ − s(λ⁺) − u, where u_l is still that under λ̂.
-template <class T>
-void LookAheadBlock<T>::set_energies(const MeanForce& mean, const Slip* slip,
-                                     MeanForce::Trial& trial) noexcept {
-  const auto n = static_cast<Eigen::Index>(kept_.size());
-  rest_.head(n).setZero();  // R λ⁺
-  if (knows_end_rest_)
-    start_rest_.head(n) = end_rest_.head(n);
-  else
-    start_rest_.head(n).setZero();  // R λ
-  in_modes_.head(n).setZero();      // M λ̄
-  for (Eigen::Index k = 0; k < n; ++k) {
-    start_(k) = mean.end()(kept_[k]);
-    if (system_->yields && solution_(k) != 0) rest_.head(n) += solution_(k) * near_.R.col(k).head(n);
-    if (system_->yields && !knows_end_rest_ && start_(k) != 0)
-      start_rest_.head(n) += start_(k) * near_.R.col(k).head(n);
-    if (mean_(k) != 0) in_modes_.head(n) += mean_(k) * near_.M.col(k).head(n);
-  }
-  trial.opens = (solution_.head(n).array() == 0).all();
-  trial.in_residual = solution_.head(n).dot(rest_.head(n));
-  trial.in_modes = mean_.head(n).dot(in_modes_.head(n));
-  trial.removed = mean_.head(n).dot(rest_.head(n) - start_rest_.head(n)) -
-                  0.5 * (trial.in_residual - start_.head(n).dot(start_rest_.head(n)));
-  if (!springs_.empty()) {
-    const SpringWork springs = work_of(springs_, start_, solution_, mean_);
-    trial.in_residual += 2 * springs.stored;
-    trial.removed += springs.removed;
-    for (Eigen::Index k = 0; k < n; ++k)  // part of u⁺ − u
-      if (solution_(k) > 0) trial.removed -= mean_(k) * springs_[k].displacement(solution_(k));
-  }
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const bool tangential = kept_[k] >= system_->contacts;
-    if (mean_(k) == 0 && !tangential) continue;
-    double moved = u(k, taken_ + 1) + held_push_(k) - in_modes_(k) - rest_(k) - before(k, mean);
-    if (tangential) {
-      const double belt = slip->belt()(kept_[k]);
-      trial.belts += mean_(k) * belt;
-      slip_(k) = moved -= belt;
-    }
-    trial.removed += mean_(k) * moved;
-  }
-}
-
-/// Records the slip of a trial. @param solver  its solver; null if no contact with friction closed
-template <class T>
-void LookAheadBlock<T>::record_slip(const FrictionSolver* solver, Slip& slip,
-                                    MeanForce::Trial& trial) noexcept {
-  slip.begin_trial();
-  for (std::size_t f = 0; f < with_friction_.size(); ++f) {
-    const FrictionContact& contact = with_friction_[f];
-    trial.heat += slip.record(law_[f], solver != nullptr ? solver->states()[f] : ContactState::open,
-                              &mean_(contact.tangential), &slip_(contact.tangential));
-  }
-  trial.cools = slip.cools();
-  trial.several = solver != nullptr && solver->several();
-}
-
-template <class T>
-SolveStatus LookAheadBlock<T>::step(Solvers solvers, MeanForce& mean, Vector& force, Vector& end) noexcept {
-  trial_ = mean.solve([&](const MeanWeights& weights) { return attempt(solvers, mean, weights); });
-  const SolveStatus status = trial_.status;
-  if (status != SolveStatus::solved && status != SolveStatus::limited) return status;
-  const int l = taken_ + 1;
   const auto n = static_cast<Eigen::Index>(kept_.size());
   changed_.clear();
   change_.clear();
-  const bool has_rest = mean.is_conserving() || solvers.slip != nullptr;  // R λ⁺, from set_energies
-  knows_end_rest_ = has_rest;
-  if (has_rest) end_rest_.head(n) = rest_.head(n);
-  // here R (λ⁺ − λ̂)
-  if (has_rest)
-    rest_.head(n) -= held_at_.head(n);
-  else
-    rest_.head(n).setZero();
+  rest_.head(n) = law.yielded().head(n) - held_at_.head(n);
   for (Eigen::Index k = 0; k < n; ++k) {
     const int i = kept_[k];
     screening_.spend(i, step_change_(k));
-    if (const double more = solution_(k) - held_force_(i); !has_rest && system_->yields && more != 0)
-      rest_.head(n) += more * near_.R.col(k).head(n);
-    const auto change = static_cast<T>(mean_(k) - held_force_(i));
+    const auto change = static_cast<T>(law.force()(k) - held_force_(i));
     if (change == 0) continue;
     near_.need(*system_, static_cast<int>(k));
     changed_.push_back(static_cast<int>(k));
@@ -317,35 +193,21 @@ SolveStatus LookAheadBlock<T>::step(Solvers solvers, MeanForce& mean, Vector& fo
   if (!changed_.empty())
     system_->loops->near(near_.width, near_.lag.get(), length(), changed_.data(), changed_.size(),
                          change_.data(), length() - taken_, &u(0, l), system_->width);
-  if (!springs_.empty())
-    for (Eigen::Index k = 0; k < n; ++k)
-      if (solution_(k) > 0) rest_(k) += springs_[k].displacement(solution_(k));
   touching_ = 0;
   work_ = 0;
-  for (Eigen::Index k = 0; k < n; ++k) {
-    u(k, l) -= rest_(k);
-    if (kept_[k] >= system_->contacts) continue;
-    touching_ += solution_(k) > 0 ? 1 : 0;
-    if (mean_(k) > 0) work_ += mean_(k) * (u(k, l) - before(k, mean));
-  }
   force.setZero();
   end.setZero();
   for (Eigen::Index k = 0; k < n; ++k) {
-    force(kept_[k]) = mean_(k);
-    end(kept_[k]) = solution_(k);
+    u(k, l) -= rest_(k);
+    force(kept_[k]) = law.force()(k);
+    end(kept_[k]) = law.end()(k);
+    if (kept_[k] >= system_->contacts) continue;
+    touching_ += law.end()(k) > 0 ? 1 : 0;
+    if (law.force()(k) > 0) work_ += law.force()(k) * (u(k, l) - law.start(k));
   }
+  in_residual_ = trial.in_residual;
   taken_ = l;
-  return status;
-}
-
-template <class T>
-double LookAheadBlock<T>::energy_in_residual() const noexcept {
-  if (!system_->yields || touching_ == 0) return 0;
-  const auto n = static_cast<Eigen::Index>(kept_.size());
-  double twice = 0;
-  for (Eigen::Index k = 0; k < n; ++k)
-    if (solution_(k) != 0) twice += solution_(k) * near_.R.col(k).head(n).dot(solution_.head(n));
-  return 0.5 * twice + energy_of(springs_, solution_);
+  return trial;
 }
 
 template <class T>
@@ -431,7 +293,7 @@ void LookAheadBlock<T>::predict_kept(double times) noexcept {
 }
 
 template <class T>
-void LookAheadBlock<T>::choose_kept(const MeanForce& mean) noexcept {
+void LookAheadBlock<T>::choose_kept(ContactLaw& law, const MeanForce& mean) noexcept {
   if (forced_)
     screening_.drop_margins();
   else
@@ -459,7 +321,7 @@ void LookAheadBlock<T>::choose_kept(const MeanForce& mean) noexcept {
     predict_kept(provision);
     keep_contacts(provision, mean);
   }
-  if (!kept_.empty()) gather();
+  gather(law);
 }
 
 /// Keeps the predicted contacts that must be kept if forces change by `times` their budgets, each with its
@@ -502,27 +364,16 @@ void LookAheadBlock<T>::keep(int point, const MeanForce& mean) noexcept {
         system_->plain->R(point, kept_[other]) * (mean.end()(kept_[other]) - held_force_(kept_[other]));
 }
 
+/// Gathers the matrices of the kept points.
 template <class T>
-void LookAheadBlock<T>::gather() noexcept {
-  const bool same = gathered_ == kept_;
-  if (!same) {
+void LookAheadBlock<T>::gather(ContactLaw& law) noexcept {
+  law.hold(kept_);
+  if (kept_.empty()) return;
+  if (gathered_ != kept_ || !near_.holds()) {
     gathered_ = kept_;
-    is_new_ = is_new_mean_ = true;
+    near_.take(*system_, gathered_);
   }
-  if (!same || !near_.holds()) near_.take(*system_, gathered_);
-  springs_.clear();
-  if (!system_->plain->springs.empty())
-    for (int i : kept_)
-      springs_.push_back(i < system_->contacts ? system_->plain->springs[i] : PatchSpring{});
-  with_friction_.clear();
-  law_.clear();
-  for (std::size_t k = 0; k < kept_.size(); ++k)
-    if (kept_[k] < system_->contacts && system_->law[kept_[k]] >= 0) {
-      with_friction_.push_back({static_cast<int>(k), position_[system_->tangential[kept_[k]]], 0});
-      law_.push_back(system_->law[kept_[k]]);
-    }
   const auto n = static_cast<Eigen::Index>(kept_.size());
-  knows_end_rest_ = false;
   held_push_.head(n).setZero();
   held_at_.head(n).setZero();
   for (Eigen::Index k = 0; k < n; ++k)
@@ -534,12 +385,12 @@ void LookAheadBlock<T>::gather() noexcept {
 
 /// Keeps further points that could now close. Returns whether there are any.
 template <class T>
-bool LookAheadBlock<T>::keep_more(const MeanForce& mean) noexcept {
+bool LookAheadBlock<T>::keep_more(ContactLaw& law, const MeanForce& mean) noexcept {
   predict_kept(1);
   const std::size_t before = kept_.size();
   keep_contacts(1, mean);
   if (kept_.size() == before) return false;
-  gather();
+  gather(law);
   return true;
 }
 

@@ -20,12 +20,10 @@
 #include <span>
 #include <vector>
 
-#include "contact/complementarity/contact_solver.hpp"
+#include "contact/law/contact_law.hpp"
 #include "contact/stepping/block_system.hpp"
 #include "contact/stepping/candidate_screening.hpp"
 #include "contact/stepping/gathered_system.hpp"
-#include "contact/stepping/mean_force.hpp"
-#include "contact/stepping/slip.hpp"
 
 namespace ricochet::contact {
 
@@ -42,18 +40,13 @@ class LookAheadBlock {
   void set_forcing(int l, const Vector& q, const Vector& v, const Vector& s) noexcept;
 
   /// Starts a block from q, q̇ (N) under the mean force λ̂ (m) of the previous step.
+  /// @param law  holds the kept points from now on
   /// @param mean  the forces at the last instants
-  void start(const Vector& q, const Vector& v, const Vector& force, const MeanForce& mean) noexcept;
+  void start(const Vector& q, const Vector& v, const Vector& force, ContactLaw& law,
+             const MeanForce& mean) noexcept;
 
-  /// Solvers of S and S_mean; the slip of points with friction, null if there are none.
-  struct Solvers {
-    ContactSolver &backward_euler, &mean;
-    Slip* slip = nullptr;
-    bool limited() const { return backward_euler.statistics().limited + mean.statistics().limited > 0; }
-  };
   /// Solves the next step and sets `force` to λ̄ and `end` to λ⁺, (m) each. A step that fails changes nothing.
-  /// Once a solver has cut a step short, points beyond their gap cannot go deeper and are not pushed back.
-  SolveStatus step(Solvers solvers, MeanForce& mean, Vector& force, Vector& end) noexcept;
+  StepTrial step(ContactLaw& law, const MeanForce& mean, Slip* slip, Vector& force, Vector& end) noexcept;
 
   /// Discards the block: the next one starts from the state before the step that failed.
   void take_back() noexcept;
@@ -70,9 +63,8 @@ class LookAheadBlock {
   bool over() const { return taken_ == system_->length; }
   int touching() const { return touching_; }  ///< number of points with λ > 0 at the end of the last step
   double work() const { return work_; }       ///< λ̄ᵀ (u_l − u_{l−1}) of the last step [J]
-  const MeanForce::Trial& trial() const { return trial_; }     ///< the last step
-  const SolveResidual& residual() const { return residual_; }  ///< of the last step
-  double energy_in_residual() const noexcept;  ///< ½ λᵀ R λ and the energy of springs after the last step
+  /// ½ λᵀ R λ and the energy of springs after the last step [J].
+  double energy_in_residual() const noexcept { return in_residual_; }
   /// Number of points that screening kept in the last step.
   int kept() const { return static_cast<int>(kept_.size()); }
 
@@ -84,19 +76,15 @@ class LookAheadBlock {
   double before(Eigen::Index position, const MeanForce& mean) noexcept {
     return taken_ > 0 ? u(static_cast<std::size_t>(position), taken_) : at_start(kept_[position], mean);
   }
-  SolveStatus solve(const Solvers& solvers, const MeanForce& mean, bool backward) noexcept;
-  MeanForce::Trial attempt(Solvers solvers, const MeanForce& mean, const MeanWeights& weights) noexcept;
-  void set_energies(const MeanForce& mean, const Slip* slip, MeanForce::Trial& trial) noexcept;
-  void record_slip(const FrictionSolver* solver, Slip& slip, MeanForce::Trial& trial) noexcept;
   void hold(const Vector& force) noexcept;
   void predict_rigid() noexcept;
   void predict(std::span<const int> rows) noexcept;
   void predict_kept(double times) noexcept;
   void keep_contacts(double times, const MeanForce& mean) noexcept;
-  void choose_kept(const MeanForce& mean) noexcept;
+  void choose_kept(ContactLaw& law, const MeanForce& mean) noexcept;
   void keep(int point, const MeanForce& mean) noexcept;
-  void gather() noexcept;
-  bool keep_more(const MeanForce& mean) noexcept;
+  void gather(ContactLaw& law) noexcept;
+  bool keep_more(ContactLaw& law, const MeanForce& mean) noexcept;
   void advance_rigid(bool keep_rates, simd::Sums& sums) noexcept;
   /// Whether a contact has a force, or could close if forces change by `times` their budgets.
   bool must_keep(int i, double times) const { return has_force_[i] != 0 || screening_.could_close(i, times); }
@@ -110,38 +98,28 @@ class LookAheadBlock {
   // State of this block
   std::vector<double> q_, v_, load_, held_;  ///< (modes) held_: Bᵀλ̂; load_: constant load minus held_
   std::vector<double> rigid_q_, rigid_v_, rigid_held_;
-  std::vector<double> forcing_;      ///< (L, 2, modes) response of q and q̇ to the forcing
-  Matrix s_;                         ///< (1, m); with forcing (L + 1, m)
-  std::vector<T> x_;                 ///< (L, modes)
-  std::vector<double> rates_;        ///< (L, modes)
-  Matrix rigid_motion_;              ///< (L, rigid)
-  Vector rigid_at_;                  ///< (L) u of a point by rigid motion
-  std::vector<double> predicted_u_;  ///< (L, width) ū of predicted points
-  std::vector<double> u_;            ///< (L, width) u of kept points, by position
-  std::vector<T> changes_;           ///< (points, L) λ̄ − λ̂
-  Vector held_force_;                ///< (points) λ̂
-  Vector held_rest_;                 ///< (points) R λ̂
-  // By position, (points): S λ̂; right side and solution λ⁺; λ̄; change of the step; λ; R λ⁺, R λ, M λ̄
-  Vector held_push_, rhs_, solution_, mean_, step_change_, start_, rest_, start_rest_, in_modes_;
-  Vector end_rest_, held_at_;  ///< by position: R λ after the last step, if known; R λ̂
-  bool knows_end_rest_ = false;
-  Vector slip_;                                 ///< by position: d of tangential rows
-  std::vector<PatchSpring> springs_;            ///< by position; empty if the system has none
-  std::vector<FrictionContact> with_friction_;  ///< kept contacts with friction, by position
-  std::vector<int> law_;                        ///< of these, index in the friction of StepSystem
-  Vector ended_;                                ///< (points) u at the end of the previous block
+  std::vector<double> forcing_;                      ///< (L, 2, modes) response of q and q̇ to the forcing
+  Matrix s_;                                         ///< (1, m); with forcing (L + 1, m)
+  std::vector<T> x_;                                 ///< (L, modes)
+  std::vector<double> rates_;                        ///< (L, modes)
+  Matrix rigid_motion_;                              ///< (L, rigid)
+  Vector rigid_at_;                                  ///< (L) u of a point by rigid motion
+  std::vector<double> predicted_u_;                  ///< (L, width) ū of predicted points
+  std::vector<double> u_;                            ///< (L, width) u of kept points, by position
+  std::vector<T> changes_;                           ///< (points, L) λ̄ − λ̂
+  Vector held_force_;                                ///< (points) λ̂
+  Vector held_rest_;                                 ///< (points) R λ̂
+  Vector held_push_, held_at_, step_change_, rest_;  ///< by position: S λ̂, R λ̂, change of force, R (λ⁺ − λ̂)
+  Vector ended_;                                     ///< (points) u at the end of the previous block
   std::vector<char> was_kept_, is_predicted_, has_changed_;  ///< (points)
   std::vector<char> has_force_;  ///< (contacts) at the start of the block, in λ̂ or at the last two instants
   std::vector<int> position_;    ///< (points) position in kept_, or −1
   std::vector<int> gathered_;    ///< the points of near_
   std::vector<int> pressed_, predicted_, kept_, have_changed_;  ///< λ̂ > 0; …; λ̄ ≠ λ̂ in this block
   std::vector<int> changed_;                                    ///< positions with λ̄ ≠ λ̂ in this step
-  std::vector<T> change_, factor_, sum_;     ///< λ̄ − λ̂ of changed_; scratch, (points) and (padded)
-  bool is_new_ = true, is_new_mean_ = true;  ///< the matrix changed: the solver's active set does not apply
+  std::vector<T> change_, factor_, sum_;  ///< λ̄ − λ̂ of changed_; scratch, (points) and (padded)
   int touching_ = 0;
-  double work_ = 0;
-  SolveResidual residual_;
-  MeanForce::Trial trial_;
+  double work_ = 0, in_residual_ = 0;
 };
 
 }  // namespace ricochet::contact

@@ -42,19 +42,14 @@ StepStatus LookAheadStepper<T>::step() noexcept {
     start_block();
   }
   Slip* const slip = contact_.slip.any() ? &contact_.slip : nullptr;
-  if (slip != nullptr) slip->begin(*state_.system, steps_ + 1);
-  const SolveStatus solved =
-      block_.step({solver_, mean_solver_, slip}, contact_.mean, next_force_, next_end_);
-  if (!has_forces(solved)) return failure(solved);
+  if (slip != nullptr) slip->begin(state_.system->belts, steps_ + 1);
+  const StepTrial trial = block_.step(law_, contact_.mean, slip, next_force_, next_end_);
+  if (!has_forces(trial.status)) return failure(trial.status);
   u_is_current_ = false;
-  const MeanForce::Trial& trial = block_.trial();
   if (trial.several) ++contact_.ambiguous;
   if (state_.forcing.any()) {
     state_.begin(steps_ + 1);
-    const Work at_points{
-        .contact = trial.removed + trial.belts + 0.5 * trial.in_residual - state_.energy().residual,
-        .friction = trial.heat,
-        .belts = trial.belts};
+    const Work at_points = work_of(trial, state_.energy().residual);
     if (!state_.step_under(next_force_, next_end_, slip != nullptr ? &at_points : nullptr)) {
       block_.take_back();
       return StepStatus::not_finite;
@@ -67,7 +62,7 @@ StepStatus LookAheadStepper<T>::step() noexcept {
     if (options_.every_state || block_.over())
       if (const StepStatus status = move_state(); status != StepStatus::ok) return status;
   }
-  end_contact(block_.touching(), -block_.work() / options_.step, block_.residual());
+  end_contact(block_.touching(), -block_.work() / options_.step, trial.violation);
   ++steps_;
   if (!options_.every_state && pending_ == 0) known_ = contact_;
   return StepStatus::ok;
@@ -83,7 +78,7 @@ void LookAheadStepper<T>::start_block() noexcept {
       block_.set_forcing(l, now.q, now.v, now.s);
     }
   }
-  block_.start(state_.q, state_.v, contact_.force, contact_.mean);
+  block_.start(state_.q, state_.v, contact_.force, law_, contact_.mean);
 }
 
 /// Advances q, q̇ and the ledger through the pending steps; steps_ does not yet include the last of them. If

@@ -35,7 +35,8 @@ double stepper_bytes(const ModelSize& size, const StepOptions& options) {
   if (!compliant) return number * n * N + 2 * square + solvers + number * near * near;
   const bool conserving = options.contact_step == ContactStep::conserving && size.has_residual;
   const double system = number * n * N + (conserving ? 4 : 3) * square;  // B; R, M, S and S_mean
-  if (options.block == 1 || size.points == 0) return system + solvers;
+  const double islands = size.pairs > 1 ? 4 * number * near * near : 0;
+  if (options.block == 1 || size.points == 0) return system + solvers + islands;
   const double T = options.precision == Precision::float64 ? sizeof(double) : sizeof(float);
   const auto length = static_cast<double>(look_ahead_length(options, size.points));
   const auto width = static_cast<double>(simd::padded(static_cast<std::size_t>(size.rows), simd::point_pad)),
@@ -46,7 +47,7 @@ double stepper_bytes(const ModelSize& size, const StepOptions& options) {
   // the matrices of the points that may touch.
   const double building = 2 * square + number * n * N;
   const double gathered = (T * length + number * (conserving ? 4 : 3)) * near * near;
-  return system + solvers + block + std::max(building, gathered);
+  return system + solvers + islands + block + std::max(building, gathered);
 }
 
 }  // namespace ricochet::contact

@@ -12,6 +12,7 @@ struct ModelSize {
   Eigen::Index rows = 0, points = 0, modes = 0;  ///< n, m, N
   Eigen::Index near = 0;  ///< rows of points that may touch; the matrices of blocks hold them again
   Eigen::Index held = 0;  ///< rows of the largest static correction of a kernel
+  std::size_t pairs = 1;  ///< if there are several, islands hold the matrices of their rows once more
   bool has_residual = false;
 };
 

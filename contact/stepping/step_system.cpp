@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "base/format.hpp"
+#include "contact/law/mean_force.hpp"
 #include "contact/stepping/forced_response.hpp"
-#include "contact/stepping/mean_force.hpp"
 #include "contact/stepping/propagator.hpp"
 #include "ricochet/error.hpp"
 

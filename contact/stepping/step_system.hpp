@@ -6,7 +6,7 @@
 #include <array>
 #include <memory>
 
-#include "contact/model/model.hpp"
+#include "contact/law/contact_law.hpp"
 #include "ricochet/step_options.hpp"
 
 namespace ricochet::contact {
@@ -45,6 +45,7 @@ struct StepSystem : ModeConstants {
   std::vector<Model::FrictionPoint> friction;
   std::vector<Model::Belt> belts;
   Vector norm;  ///< (m) |B_i|, of the impulse scheme
+  StepMatrices matrices() const { return {.M = M, .R = R, .S = S, .S_mean = S_mean}; }
   bool damped = false;
   int dropped = 0;  ///< modes moved into R
 };

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/stepping/stepper.hpp"
 
-#include <algorithm>
-
 #include "contact/stepping/compliant_stepper.hpp"
 #include "contact/stepping/event_stepper.hpp"
 #include "contact/stepping/impulse_stepper.hpp"
@@ -11,27 +9,20 @@
 namespace ricochet::contact {
 
 Stepper::Stepper(const StepOptions& options, Eigen::Index points, const SolveOptions& solver, bool conserving)
-    : options_(options),
-      points_(points),
-      solver_(static_cast<int>(points), solver),
-      mean_solver_(conserving ? static_cast<int>(points) : 0, solver),
-      contact_{.mean = {points, conserving}} {
+    : options_(options), points_(points), law_(points, solver), contact_{.mean = {points, conserving}} {
   for (Vector* x : {&contact_.force, &u_, &next_force_, &next_end_, &next_u_}) x->setZero(points);
 }
 
 Stepper::Stepper(const StepOptions& options, const Model& model)
     : options_(options),
       points_(model.points()),
-      solver_(static_cast<int>(model.rows()), {.same_matrix = true, .max_pivots = options.max_pivots},
-              !model.friction.empty(), options.friction_law, !model.springs().empty()),
-      mean_solver_(static_cast<int>(model.rows()), {.same_matrix = true, .max_pivots = options.max_pivots},
-                   !model.friction.empty(), options.friction_law, !model.springs().empty()),
-      contact_{.mean = {model.rows(), conserves(model, options)},
+      law_(model, options),
+      contact_{.mean = {model, conserves(model, options)},
                .slip = {std::ssize(model.friction), model.rows(), options.step}} {
   for (Vector* x : {&contact_.force, &u_, &next_force_, &next_end_, &next_u_}) x->setZero(model.rows());
 }
 
-SolveStatistics Stepper::solver() const noexcept { return solver_.statistics() + mean_solver_.statistics(); }
+SolveStatistics Stepper::solver() const noexcept { return law_.statistics(); }
 
 void Stepper::land(int steps) noexcept {
   contact_.force.setZero();
@@ -53,7 +44,7 @@ void Stepper::end_contact(int active, double persistency, const SolveResidual& r
   contact_.active = active;
   contact_.persistency = persistency;
   contact_.residual = residual;
-  contact_.mean.advance(next_end_);
+  law_.accept(contact_.mean, next_end_);
   contact_.slip.accept();
   contact_.force.swap(next_force_);
 }

@@ -5,11 +5,8 @@
 #include <cstdint>
 #include <memory>
 
-#include "contact/complementarity/contact_solver.hpp"
-#include "contact/model/model.hpp"
-#include "contact/stepping/mean_force.hpp"
+#include "contact/law/contact_law.hpp"
 #include "contact/stepping/modal_state.hpp"
-#include "contact/stepping/slip.hpp"
 #include "ricochet/step_options.hpp"
 
 namespace ricochet::contact {
@@ -37,7 +34,8 @@ class Stepper {
   const Vector& force() const { return contact_.force; }
   /// (n) λ_k and τ_k [N] at t_k, to which the residual responds; 0 for impulses
   const Vector& end_force() const { return contact_.mean.end(); }
-  const MeanWeights& weights() const { return contact_.mean.weights(); }  ///< of the mean λ̄_k
+  /// Of the mean λ̄_k at a row.
+  const MeanWeights& weights(Eigen::Index row) const { return contact_.mean.weights(row); }
   /// (n) u at t_k, including the residual [m]; while steps are pending, u at the last known state.
   virtual const Vector& displacement() const noexcept { return u_; }
   int active() const { return contact_.active; }  ///< points in contact at t_k
@@ -87,14 +85,16 @@ class Stepper {
   Stepper(const Stepper&) = default;
   Stepper& operator=(const Stepper&) = default;
 
-  ContactSolver& solver_of(const MeanWeights& weights) noexcept {
-    return weights == backward_euler ? solver_ : mean_solver_;
-  }
-  static bool has_forces(SolveStatus status) noexcept {
-    return status == SolveStatus::solved || status == SolveStatus::limited;
-  }
   static StepStatus failure(SolveStatus status) noexcept {
     return status == SolveStatus::not_finite ? StepStatus::not_finite : StepStatus::no_solution;
+  }
+
+  /// What contact and friction do in a step, for the ledger. @param residual  ½ λᵀRλ and springs before it
+  /// [J]
+  static Work work_of(const StepTrial& trial, double residual) noexcept {
+    return {.contact = trial.removed + trial.belts + trial.in_residual - residual,
+            .friction = trial.heat,
+            .belts = trial.belts};
   }
 
   /// Ends a free flight over `steps` contact steps.
@@ -105,8 +105,8 @@ class Stepper {
   void end_contact(int active, double persistency, const SolveResidual& residual) noexcept;
 
   StepOptions options_;
-  Eigen::Index points_;                 ///< m
-  ContactSolver solver_, mean_solver_;  ///< of S or A; of S_mean
+  Eigen::Index points_;  ///< m
+  ContactLaw law_;       ///< of impulses: its solver alone
   std::int64_t steps_ = 0;
   Contact contact_;
   mutable Vector u_;                       ///< (n); a scheme may compute it on demand

@@ -142,11 +142,14 @@ TableStepper::TableStepper(const Table& table, const StepOptions& options)
     rigid_acceleration_ -= bodies_[b].push * bodies_[b].gravity;
     velocity_.col(b) = bodies_[b].velocity;
   }
-  for (Vector* x : {&rhs_, &solution_, &rate_, &free_u_, &rest_, &rest_end_}) x->setZero(m);
+  for (Vector* x : {&rhs_, &solution_, &rate_}) x->setZero(m);
+  M_ = S_;
   if (contact_.mean.is_conserving()) {
     R_ = Eigen::Map<const Matrix>(table.residual.data(), m, m);
-    S_mean_ = conserving_mean.end * (S_ - R_) + R_;
+    M_ -= R_;
+    S_mean_ = conserving_mean.end * M_ + R_;
   }
+  for (Eigen::Index i = 0; i < m; ++i) law_.gap(i) = gap_(i);
   sub_.setZero(m, m);
   touching_.reserve(width);
   free_motion(0, u_);
@@ -179,8 +182,12 @@ StepStatus TableStepper::step() noexcept {
   next_force_.setZero();
   SolveStatus status = SolveStatus::solved;
   if (options_.scheme == Scheme::compliant) {
-    free_u_ = next_u_ - convolution_.history();
-    status = contact_.mean.solve([this](const MeanWeights& weights) { return attempt(weights); }).status;
+    law_.free = next_u_ - convolution_.history();
+    law_.start = u_;
+    status = law_.solve({.M = M_, .R = R_, .S = S_, .S_mean = S_mean_}, contact_.mean, nullptr).status;
+    next_u_ = law_.u();
+    next_force_ = law_.force();
+    next_end_ = law_.end();
   } else {
     status = impulses();
   }
@@ -192,37 +199,9 @@ StepStatus TableStepper::step() noexcept {
   const int active = static_cast<int>(((impulse ? next_force_ : next_end_).array() > 0).count());
   if (impulse) next_force_ /= options_.step;
   const double persistency = impulse ? 0 : -next_force_.dot(next_u_ - u_) / options_.step;
-  rest_.swap(rest_end_);
   complete(active, persistency, {});
   push_bodies();
   return StepStatus::ok;
-}
-
-MeanForce::Trial TableStepper::attempt(const MeanWeights& weights) noexcept {
-  const MeanForce& mean = contact_.mean;
-  const Eigen::MatrixXd& S = weights == backward_euler ? S_ : S_mean_;
-  next_force_ = weights.start * mean.end() + weights.before * mean.before();
-  next_u_ = free_u_;
-  if (weights != backward_euler) {
-    next_u_.noalias() -= S_ * next_force_;
-    next_u_.noalias() += R_ * next_force_;
-  }
-  rhs_ = next_u_ - gap_;
-  next_end_.setZero();
-  MeanForce::Trial out;
-  if (!(rhs_.array() < 0).all()) out.status = solver_of(weights).solve(S, rhs_, next_end_);
-  next_u_.noalias() -= S * next_end_;
-  next_force_ += weights.end * next_end_;
-  if (!mean.is_conserving()) return out;
-  rest_end_.noalias() = R_ * next_end_;
-  out.in_residual = next_end_.dot(rest_end_);
-  out.opens = (next_end_.array() == 0).all();
-  if (mean.begins() || out.opens)
-    for (Eigen::Index j = 0; j < next_force_.size(); ++j)
-      out.in_modes += next_force_(j) * (S_.col(j) - R_.col(j)).dot(next_force_);
-  out.removed =
-      next_force_.dot(next_u_ - u_ + rest_end_ - rest_) + 0.5 * (mean.end().dot(rest_) - out.in_residual);
-  return out;
 }
 
 SolveStatus TableStepper::impulses() noexcept {
@@ -242,7 +221,7 @@ SolveStatus TableStepper::impulses() noexcept {
     rhs_(j) = (1 + options_.restitution) * rate_(touching_[j]);
     for (Eigen::Index i = 0; i < n; ++i) sub_(i, j) = S_(touching_[i], touching_[j]);
   }
-  const SolveStatus status = solver_.solve(sub_.topLeftCorner(n, n), rhs_.head(n), solution_.head(n));
+  const SolveStatus status = law_.solver().solve(sub_.topLeftCorner(n, n), rhs_.head(n), solution_.head(n));
   for (Eigen::Index j = 0; j < n; ++j) next_force_(touching_[j]) = solution_(j);
   return status;
 }

@@ -49,7 +49,6 @@ class TableStepper final : public Stepper {
  private:
   void free_motion(std::int64_t k, Vector& u) const noexcept;
   void free_rate(std::int64_t k, Vector& v) const noexcept;
-  MeanForce::Trial attempt(const MeanWeights& weights) noexcept;
   SolveStatus impulses() noexcept;
   void push_bodies() noexcept;
 
@@ -57,15 +56,14 @@ class TableStepper final : public Stepper {
   std::vector<double> free_, free_velocity_;    ///< (K,m), (·,m)
   Vector rigid_velocity_, rigid_acceleration_;  ///< (m) of ũ, if `free_` is empty
   Vector gap_;
-  Eigen::MatrixXd S_;           ///< (m,m) S_0 or A
+  Eigen::MatrixXd S_, M_;       ///< (m,m) S_0 or A; S_0 − R
   Eigen::MatrixXd R_, S_mean_;  ///< (m,m) R; a M + R; empty unless steps are conserving
   std::vector<FreeBody> bodies_;
   Convolution convolution_;  ///< compliant: S (m rows); impulse: N and Ṅ (2m rows)
   Eigen::Matrix3Xd velocity_;
 
   // The current step
-  Vector rhs_, solution_, rate_;     ///< (m)
-  Vector free_u_, rest_, rest_end_;  ///< (m) û, R λ, R λ⁺
+  Vector rhs_, solution_, rate_;  ///< (m)
   Eigen::MatrixXd sub_;
   std::vector<int> touching_;
 };

@@ -1,0 +1,418 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "contact/law/contact_law.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace ricochet::contact {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+/// Largest ratio of the yields of R and of the modes at which R yields little. In an elastic bar whose
+/// modes are resolved up to half the rate, the ratio is 0.26 at any Δ: ∫ 1/x² dx over x > π divided by
+/// ∫ (1 − cos x)/x² dx over x < π. In solids, the near field of the patches makes R dominate.
+constexpr double shock_share = 0.5;
+
+/// Whether contact begins with a shock that the modes carry; λ̄ = a λ⁺ where contact begins.
+bool is_shock(const StepTrial& trial) noexcept {
+  const double a = conserving_mean.end;
+  return 2 * a * a * trial.in_residual < shock_share * trial.in_modes;
+}
+
+/// Weights with which points that open empty the bank.
+MeanWeights reduced(const StepTrial& opening, double bank) noexcept {
+  const double square = opening.in_modes, linear = opening.removed + square - opening.at_start;
+  const double x =
+      (linear + std::sqrt(linear * linear + 4 * square * (bank + opening.at_start))) / (2 * square);
+  // Just below the root, so that round-off does not overdraw the bank.
+  const double share = std::clamp(x * (1 - 1e-9), 0.0, 1.0);
+  return {conserving_mean.end, share * conserving_mean.start, share * conserving_mean.before};
+}
+
+/// y = A x of the leading n rows, for an x with few nonzero entries.
+void multiply(const MatrixXd& A, const Vector& x, Index n, Vector& y) noexcept {
+  y.head(n).setZero();
+  for (Index j = 0; j < n; ++j)
+    if (x(j) != 0) y.head(n) += x(j) * A.col(j).head(n);
+}
+
+SolveOptions options_of(const StepOptions& options) {
+  return {.same_matrix = true, .max_pivots = options.max_pivots};
+}
+
+std::vector<int> first_rows(Index n) {
+  std::vector<int> out(static_cast<std::size_t>(n));
+  std::iota(out.begin(), out.end(), 0);
+  return out;
+}
+
+}  // namespace
+
+ContactLaw::ContactLaw(Index rows, const SolveOptions& solver, bool springs)
+    : contacts_(rows),
+      gap_(Vector::Zero(rows)),
+      springs_(springs ? static_cast<std::size_t>(rows) : 0),
+      friction_of_(static_cast<std::size_t>(rows), -1),
+      sides_{{0, -1}},
+      euler_(static_cast<int>(rows), solver, false, FrictionLaw::coulomb, springs),
+      mean_(static_cast<int>(rows), solver, false, FrictionLaw::coulomb, springs) {
+  for (Vector* x : {&free, &start, &force_, &end_, &u_, &yielded_, &rest_, &end_rest_}) x->setZero(rows);
+  position_.assign(static_cast<std::size_t>(rows), -1);
+  parent_.assign(1, 0);
+  is_solved_.assign(1, 0);
+  trials_.resize(1);
+  island_.assign(1, 0);
+  next_.resize(1);
+  credit_.assign(1, 0);
+  Island& p = problem_;
+  for (Vector* x : {&p.free, &p.start, &p.rest, &p.gap, &p.belt, &p.before, &p.now, &p.force, &p.end, &p.u,
+                    &p.end_rest, &p.in_modes, &p.right})
+    x->setZero(rows);
+  for (std::vector<int>* x : {&rows_, &p.held, &p.last, &p.pair, &p.law})
+    x->reserve(static_cast<std::size_t>(rows));
+  p.springs.reserve(springs_.size());
+  hold(first_rows(rows));
+}
+
+ContactLaw::ContactLaw(const Model& model, const StepOptions& options)
+    : ContactLaw(model.rows(), options_of(options), !model.springs().empty()) {
+  contacts_ = model.points();
+  gap_.setConstant(std::numeric_limits<double>::infinity());
+  gap_.head(contacts_) = model.gap;
+  springs_ = model.springs();
+  friction_ = model.friction;
+  for (std::size_t f = 0; f < friction_.size(); ++f)
+    friction_of_[static_cast<std::size_t>(friction_[f].point)] = static_cast<int>(f);
+  problem_.contacts.reserve(friction_.size());
+  if (!friction_.empty())
+    for (ContactSolver* solver : {&euler_, &mean_})
+      *solver = ContactSolver(static_cast<int>(model.rows()), options_of(options), true, options.friction_law,
+                              !springs_.empty());
+  const std::size_t bodies = std::max<std::size_t>(model.bodies.size(), 1), pairs = model.pairs.size();
+  if (pairs < 2) return;
+  sides_.clear();
+  for (const Model::PairBlock& pair : model.pairs) sides_.push_back({pair.a, pair.b});
+  parent_.resize(bodies);
+  is_solved_.resize(bodies);
+  trials_.resize(bodies);
+  island_.resize(pairs);
+  next_.resize(pairs);
+  credit_.resize(pairs);
+  for (MatrixXd* x : {&problem_.M, &problem_.R, &problem_.S, &problem_.S_mean})
+    x->resize(model.rows(), model.rows());
+}
+
+void ContactLaw::hold(std::span<const int> rows) noexcept {
+  knows_rest_ = false;
+  if (std::equal(rows.begin(), rows.end(), rows_.begin(), rows_.end())) return;
+  for (const int row : rows_) position_[row] = -1;
+  rows_.assign(rows.begin(), rows.end());
+  for (std::size_t k = 0; k < rows_.size(); ++k) position_[rows_[k]] = static_cast<int>(k);
+  change_matrices();
+}
+
+void ContactLaw::change_matrices() noexcept {
+  knows_rest_ = false;
+  problem_.last.clear();
+  euler_.reset();
+  mean_.reset();
+}
+
+int ContactLaw::root(int body) const noexcept {
+  while (parent_[body] != body) body = parent_[body];
+  return body;
+}
+
+/// Assigns pairs to the islands of their bodies.
+void ContactLaw::find_islands() noexcept {
+  for (std::size_t p = 0; p < sides_.size(); ++p) {
+    const auto [a, b] = sides_[p];
+    island_[p] = b < 0 || root(a) == root(b) ? root(a) : -1;
+  }
+}
+
+StepTrial ContactLaw::solve(const StepMatrices& matrices, const MeanForce& before, Slip* slip) noexcept {
+  const Index k = std::ssize(rows_);
+  if (!knows_rest_) {
+    rest_.head(k).setZero();
+    for (Index j = 0; j < k && matrices.R.size() > 0; ++j)
+      if (const double force = before.end()(rows_[j]); force != 0)
+        rest_.head(k) += force * matrices.R.col(j).head(k);
+  }
+  knows_rest_ = true;
+  if (slip != nullptr) slip->begin_trial();
+  for (Vector* x : {&force_, &end_, &end_rest_, &yielded_}) x->head(k).setZero();
+  std::iota(parent_.begin(), parent_.end(), 0);
+  std::fill(is_solved_.begin(), is_solved_.end(), 0);
+  for (std::size_t p = 0; p < sides_.size(); ++p) {
+    next_[p] = {.bank = before.pairs()[p].bank};
+    if (const auto [a, b] = sides_[p]; b >= 0 && before.pairs()[p].carries) parent_[root(b)] = root(a);
+  }
+  find_islands();
+  StepTrial total;
+  do {
+    for (const int island : island_) {
+      if (island < 0 || is_solved_[island] != 0) continue;
+      is_solved_[island] = 1;
+      trials_[island] = solve_island(island, matrices, before, slip);
+      if (!has_forces(trials_[island].status)) return trials_[island];
+    }
+  } while (merge_at_closed_points(matrices, before));
+  for (std::size_t island = 0; island < parent_.size(); ++island) {
+    if (is_solved_[island] == 0 || parent_[island] != static_cast<int>(island)) continue;
+    const StepTrial& trial = trials_[island];
+    if (trial.status == SolveStatus::limited) total.status = trial.status;
+    if (trial.violation.scale > 0) total.violation = trial.violation;
+    total.opens = total.opens && trial.opens;
+    total.several = total.several || trial.several;
+    total.removed += trial.removed;
+    total.heat += trial.heat;
+    total.belts += trial.belts;
+    total.at_start += trial.at_start;
+    total.in_residual += trial.in_residual;
+  }
+  return total;
+}
+
+/// Computes u⁺ at points between islands. Merges the islands of those that close.
+bool ContactLaw::merge_at_closed_points(const StepMatrices& matrices, const MeanForce& before) noexcept {
+  if (std::count(island_.begin(), island_.end(), -1) == 0) return false;
+  const Index k = std::ssize(rows_);
+  bool merged = false;
+  for (Index i = 0; i < k; ++i) {
+    const int pair = before.pair_of_row()[rows_[i]];
+    if (island_[pair] >= 0) continue;
+    end_rest_(i) = matrices.R.size() > 0 ? matrices.R.row(i).head(k).dot(end_.head(k)) : 0;
+    yielded_(i) = end_rest_(i);
+    u_(i) = free(i) - matrices.M.row(i).head(k).dot(force_.head(k)) - end_rest_(i);
+    if (u_(i) <= gap_(rows_[i])) continue;
+    const auto [a, b] = sides_[pair];
+    if (root(a) == root(b)) continue;
+    is_solved_[root(a)] = 0;
+    parent_[root(b)] = root(a);
+    merged = true;
+  }
+  if (merged) find_islands();
+  return merged;
+}
+
+/// Solves an island with the weights that its bank allows, and stores its forces.
+StepTrial ContactLaw::solve_island(int island, const StepMatrices& matrices, const MeanForce& before,
+                                   Slip* slip) noexcept {
+  Island& p = problem_;
+  p.held.clear();
+  for (std::size_t k = 0; k < rows_.size(); ++k)
+    if (island_[before.pair_of_row()[rows_[k]]] == island) p.held.push_back(static_cast<int>(k));
+  // An island without forces keeps the factors of another one if nothing closes.
+  const bool rests = std::all_of(p.held.begin(), p.held.end(), [&](int at) {
+    const int row = rows_[at];
+    return before.end()(row) == 0 && before.before()(row) == 0 && (row >= contacts_ || free(at) < gap_(row));
+  });
+  if (rests) {
+    for (const int at : p.held) u_(at) = free(at);
+    return {};
+  }
+  const bool all = p.held.size() == rows_.size();
+  if (p.held != p.last) {
+    euler_.reset();
+    mean_.reset();
+    p.last = p.held;
+    if (!all) gather(matrices, before.is_conserving());
+  }
+  gather(before, slip);
+
+  bool shock = false, begins = true;
+  double bank = 0;
+  for (std::size_t k = 0; k < sides_.size(); ++k) {
+    if (island_[k] != island) continue;
+    const MeanForce::Pair& pair = before.pairs()[k];
+    shock = shock || pair.shock;
+    begins = begins && !pair.carries;
+    bank += pair.bank;
+  }
+  const StepMatrices part =
+      all ? matrices
+          : StepMatrices{
+                .M = p.M, .R = matrices.R.size() > 0 ? p.R : matrices.R, .S = p.S, .S_mean = p.S_mean};
+  const auto overdraws = [&](const StepTrial& trial) { return bank + trial.removed - trial.heat < 0; };
+  const bool mean = before.is_conserving() && !shock;
+  MeanForce::Pair next{.weights = mean ? conserving_mean : backward_euler, .restarts = shock};
+  StepTrial trial = attempt(part, next.weights, slip);
+  if (mean && has_forces(trial.status)) {
+    next.shock = next.restarts = begins && is_shock(trial);
+    if (trial.opens && overdraws(trial)) trial = attempt(part, next.weights = reduced(trial, bank), slip);
+    if (next.shock || trial.cools || overdraws(trial))
+      trial = attempt(part, next.weights = backward_euler, slip);
+  }
+  if (!has_forces(trial.status)) return trial;
+  for (Index k = 0; k < p.size; ++k) {
+    const int at = p.held[k];
+    force_(at) = p.force(k);
+    end_(at) = p.end(k);
+    u_(at) = p.u(k);
+    end_rest_(at) = yielded_(at) = p.end_rest(k);
+    if (!springs_.empty() && p.end(k) > 0 && p.springs[k].bulge > 0)
+      yielded_(at) += p.springs[k].displacement(p.end(k));
+  }
+  for (std::size_t k = 0; k < sides_.size(); ++k) {
+    if (island_[k] != island) continue;
+    next_[k] = next;
+    next_[k].bank = before.pairs()[k].bank + credit_[k];
+  }
+  share_bank(island, bank + trial.removed - trial.heat);
+  return trial;
+}
+
+/// Gathers the matrices of an island.
+void ContactLaw::gather(const StepMatrices& matrices, bool conserving) noexcept {
+  Island& p = problem_;
+  const Index n = std::ssize(p.held);
+  p.M.topLeftCorner(n, n) = matrices.M(p.held, p.held);
+  p.S.topLeftCorner(n, n) = matrices.S(p.held, p.held);
+  if (matrices.R.size() > 0) p.R.topLeftCorner(n, n) = matrices.R(p.held, p.held);
+  if (conserving) p.S_mean.topLeftCorner(n, n) = matrices.S_mean(p.held, p.held);
+}
+
+/// Gathers displacements, forces and contacts of an island.
+void ContactLaw::gather(const MeanForce& before, const Slip* slip) noexcept {
+  Island& p = problem_;
+  p.size = std::ssize(p.held);
+  p.pair.clear();
+  p.springs.clear();
+  p.contacts.clear();
+  p.law.clear();
+  for (Index k = 0; k < p.size; ++k) {
+    const int at = p.held[k], row = rows_[at];
+    p.free(k) = free(at);
+    p.start(k) = start(at);
+    p.rest(k) = rest_(at);
+    p.gap(k) = gap_(row);
+    p.belt(k) = slip != nullptr && row >= contacts_ ? slip->belt()(row) : 0;
+    p.now(k) = before.end()(row);
+    p.before(k) = before.before()(row);
+    p.pair.push_back(before.pair_of_row()[row]);
+    if (!springs_.empty()) p.springs.push_back(row < contacts_ ? springs_[row] : PatchSpring{});
+    if (row >= contacts_ || friction_of_[row] < 0) continue;
+    p.law.push_back(friction_of_[row]);
+    // Of the row among those held; below, of its position in the island.
+    p.contacts.push_back({static_cast<int>(k), position_[friction_[friction_of_[row]].tangential], 0});
+  }
+  if (p.held.size() == rows_.size()) return;
+  for (FrictionContact& contact : p.contacts)
+    contact.tangential =
+        static_cast<int>(std::lower_bound(p.held.begin(), p.held.end(), contact.tangential) - p.held.begin());
+}
+
+/// Solves an island with a mean.
+StepTrial ContactLaw::attempt(const StepMatrices& matrices, const MeanWeights& weights, Slip* slip) noexcept {
+  Island& p = problem_;
+  const Index n = p.size;
+  const bool euler = weights == backward_euler;
+  const MatrixXd& S = euler ? matrices.S : matrices.S_mean;
+  p.force.head(n) = weights.start * p.now.head(n) + weights.before * p.before.head(n);
+  multiply(matrices.M, p.force, n, p.in_modes);  // M h
+  p.u.head(n) = p.free.head(n) - p.in_modes.head(n);
+  // The energy theorem requires u ≤ g at the start. A step that max_pivots cuts short may end with u > g.
+  // From then on, max(g, u) at the start of a step replaces g: a point beyond g cannot go deeper, and it is
+  // not pushed out, because that would do work.
+  const bool deep = statistics().limited > 0;
+  bool closed = false;
+  for (Index k = 0; k < n; ++k) {
+    if (std::isinf(p.gap(k))) {
+      p.right(k) = p.u(k) - p.start(k) - p.belt(k);
+      continue;
+    }
+    p.right(k) = p.u(k) - p.gap(k);
+    if (deep) p.right(k) -= std::max(p.start(k) - p.gap(k), 0.0);
+    closed = closed || !(p.right(k) < 0);  // NaN included
+  }
+  p.end.head(n).setZero();
+  StepTrial out;
+  const FrictionSolver* friction = nullptr;
+  if (closed) {
+    for (std::size_t f = 0; f < p.contacts.size(); ++f) {
+      FrictionContact& contact = p.contacts[f];
+      contact.coefficient = slip->coefficient(friction_[p.law[f]].law, p.law[f], p.now(contact.normal) > 0,
+                                              p.right.segment<2>(contact.tangential).norm());
+    }
+    p.end.head(n) = p.now.head(n);
+    ContactSolver& solver = euler ? euler_ : mean_;
+    out.status = solver.solve(S.topLeftCorner(n, n), p.right.head(n), p.springs, p.contacts, p.end.head(n));
+    if (!has_forces(out.status)) return out;
+    out.violation = solver.residual();
+    if (!p.contacts.empty()) {
+      friction = &solver.friction();
+      out.several = friction->several();
+    }
+  }
+  p.force.head(n) += weights.end * p.end.head(n);
+  multiply(S, p.end, n, p.right);  // here S p⁺
+  p.u.head(n) -= p.right.head(n);
+  yield(p.springs, p.end, p.u);
+  if (matrices.R.size() > 0)
+    multiply(matrices.R, p.end, n, p.end_rest);
+  else
+    p.end_rest.head(n).setZero();
+  p.in_modes.head(n) += p.right.head(n) - p.end_rest.head(n);  // M p̄
+
+  std::fill(credit_.begin(), credit_.end(), 0.0);
+  const auto remove = [&](int pair, double energy) {
+    out.removed += energy;
+    credit_[pair] += energy;
+  };
+  for (Index k = 0; k < n; ++k) {
+    const double now = p.now(k), end = p.end(k), mean = p.force(k);
+    if (now == 0 && end == 0 && mean == 0) continue;
+    out.opens = out.opens && end == 0;
+    out.belts += mean * p.belt(k);
+    double stored = 0.5 * now * p.rest(k), stores = 0.5 * end * p.end_rest(k);
+    double moved = p.u(k) - p.start(k) - p.belt(k) + p.end_rest(k) - p.rest(k);
+    if (!p.springs.empty() && p.springs[k].bulge > 0) {
+      const PatchSpring& spring = p.springs[k];
+      stored += spring.energy(now);
+      stores += spring.energy(end);
+      moved += spring.displacement(end) - spring.displacement(now);
+    }
+    out.at_start += stored;
+    out.in_residual += stores;
+    out.in_modes += mean * p.in_modes(k);
+    remove(p.pair[k], mean * moved + stored - stores);
+  }
+  for (std::size_t f = 0; f < p.contacts.size(); ++f) {
+    const int t = p.contacts[f].tangential;
+    const Eigen::Vector2d d = (p.u - p.start - p.belt).segment<2>(t);
+    const double heat = slip->record(
+        p.law[f], friction != nullptr ? friction->states()[f] : ContactState::open, &p.force(t), d.data());
+    out.heat += heat;
+    credit_[p.pair[p.contacts[f].normal]] -= heat;
+    out.cools = out.cools || slip->cools(p.law[f]);
+  }
+  return out;
+}
+
+/// Makes the parts of the pairs in the bank of an island ≥ 0: what contact at a pair has gained is paid by
+/// the others, in proportion to what theirs removed.
+void ContactLaw::share_bank(int island, double bank) noexcept {
+  double positive = 0;
+  for (std::size_t k = 0; k < sides_.size(); ++k)
+    if (island_[k] == island) positive += std::max(next_[k].bank, 0.0);
+  bool first = true;  // round-off may leave a bank just below 0
+  for (std::size_t k = 0; k < sides_.size(); ++k) {
+    if (island_[k] != island) continue;
+    next_[k].bank = positive > 0 && bank > 0 ? std::max(next_[k].bank, 0.0) * (bank / positive)
+                    : first                  ? bank
+                                             : 0;
+    first = false;
+  }
+}
+
+void ContactLaw::accept(MeanForce& mean, const Vector& end) noexcept {
+  rest_.swap(end_rest_);
+  mean.advance(end, next_);
+}
+
+}  // namespace ricochet::contact

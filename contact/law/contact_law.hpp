@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// One step of compliant contact, the same for single steps, look-ahead blocks, tables and the player: from
+// the displacements that the contact points would have without contact in this step, to the forces p⁺ at its
+// end, their mean p̄, and what contact and friction remove.
+//
+//   0 ≤ λ⁺ ⟂ S p⁺ + s(λ⁺) − (û − M h − g) ≥ 0,   S = a M + R,   h = b p + c p⁻,   p̄ = a p⁺ + h
+//   Coulomb's law for τ⁺ and the slip d = u⁺ − u − belt of tangential rows
+//   u⁺ = û − M h − S p⁺ − s(λ⁺) = û − M p̄ − R p⁺ − s(λ⁺)
+//
+// The weights a, b, c are chosen for each island (mean_force.hpp). An open point between two islands belongs
+// to neither. It is checked once both are solved: if it closes, the islands merge and are solved together.
+//
+// A step holds some rows of a Model, in any order, and takes the others for open. Vectors are by position
+// among the rows that are held. Only the constructors allocate.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "contact/complementarity/contact_solver.hpp"
+#include "contact/law/mean_force.hpp"
+#include "contact/law/slip.hpp"
+#include "ricochet/step_options.hpp"
+
+namespace ricochet::contact {
+
+/// Flexibilities of k held rows over a step: the leading (k,k) of each matrix.
+struct StepMatrices {
+  const Eigen::MatrixXd& M;       ///< of the modes
+  const Eigen::MatrixXd& R;       ///< residual; empty: 0
+  const Eigen::MatrixXd& S;       ///< M + R
+  const Eigen::MatrixXd& S_mean;  ///< a M + R; unused unless steps are conserving
+};
+
+/// A step of an island, or of all, that is solved but not accepted yet.
+struct StepTrial {
+  SolveStatus status = SolveStatus::solved;
+  SolveResidual violation{};  ///< of complementarity; 0 unless the solver was cut short
+  bool opens = true;          ///< whether λ⁺ is 0
+  bool cools = false;         ///< whether the heat of a slip falls below 0
+  bool several = false;       ///< whether the forces are known not to be the only solution
+  double removed = 0;         ///< energy that contact and friction remove [J]
+  double heat = 0;            ///< of friction: part of `removed` [J]
+  double belts = 0;           ///< τ̄ᵀ × displacement of moving half-spaces [J]
+  double at_start = 0;        ///< energy in the residual and in springs before the step [J]
+  double in_residual = 0;     ///< the same after it [J]
+  double in_modes = 0;        ///< λ̄ᵀMλ̄ [J]
+};
+
+class ContactLaw {
+ public:
+  /// For compliant steps of a model.
+  ContactLaw(const Model& model, const StepOptions& options);
+  /// For n rows without friction that belong to one body. @param springs  whether rows may have springs
+  ContactLaw(Eigen::Index rows, const SolveOptions& solver, bool springs = false);
+
+  /// Holds these rows from now on, whatever forces they had. Tangential rows come with their normal row.
+  void hold(std::span<const int> rows) noexcept;
+  /// The matrices of the next step differ from those of the last one although the rows do not.
+  void change_matrices() noexcept;
+
+  double& gap(Eigen::Index row) { return gap_(row); }  ///< g [m]; ∞ in tangential rows
+  double gap(Eigen::Index row) const { return gap_(row); }
+  PatchSpring& spring(Eigen::Index row) { return springs_[static_cast<std::size_t>(row)]; }
+
+  /// û and u before the step [m]; the caller sets them before `solve`
+  Vector free, start;
+
+  /// Solves the step. @param before  the forces so far  @param slip  null if no point has friction
+  StepTrial solve(const StepMatrices& matrices, const MeanForce& before, Slip* slip) noexcept;
+  /// Completes the step that was solved last. @param end  (n) p⁺, in rows of the model
+  void accept(MeanForce& mean, const Vector& end) noexcept;
+
+  // Of the step that was solved last
+  const Vector& force() const { return force_; }      ///< p̄ [N]
+  const Vector& end() const { return end_; }          ///< p⁺ [N]
+  const Vector& u() const { return u_; }              ///< u⁺ [m]
+  const Vector& yielded() const { return yielded_; }  ///< R p⁺ + s(λ⁺) [m]
+
+  SolveStatistics statistics() const { return euler_.statistics() + mean_.statistics(); }
+  ContactSolver& solver() { return euler_; }
+
+ private:
+  struct Sides {
+    int a, b;  ///< bodies of a pair; b = −1: a half-space
+  };
+  /// The rows of one island.
+  struct Island {
+    Eigen::Index size = 0;
+    std::vector<int> held, last;  ///< positions; those of the problem that was solved before
+    Vector free, start, rest, gap, belt, before, now;
+    Vector force, end, u, end_rest, in_modes, right;
+    std::vector<int> pair, law;
+    std::vector<PatchSpring> springs;
+    std::vector<FrictionContact> contacts;
+    Eigen::MatrixXd M, R, S, S_mean;  ///< of an island that does not hold all rows
+  };
+
+  int root(int body) const noexcept;
+  void find_islands() noexcept;
+  bool merge_at_closed_points(const StepMatrices& matrices, const MeanForce& before) noexcept;
+  StepTrial solve_island(int island, const StepMatrices& matrices, const MeanForce& before,
+                         Slip* slip) noexcept;
+  void gather(const StepMatrices& matrices, bool conserving) noexcept;
+  void gather(const MeanForce& before, const Slip* slip) noexcept;
+  StepTrial attempt(const StepMatrices& matrices, const MeanWeights& weights, Slip* slip) noexcept;
+  void share_bank(int island, double bank) noexcept;
+
+  // Of the scene
+  Eigen::Index contacts_ = 0;         ///< m
+  Vector gap_;                        ///< (n)
+  std::vector<PatchSpring> springs_;  ///< (m); empty if no point has one
+  std::vector<Model::FrictionPoint> friction_;
+  std::vector<int> friction_of_;  ///< (m) index in friction_, or −1
+  std::vector<Sides> sides_;      ///< of pairs
+  ContactSolver euler_, mean_;    ///< of S, of S_mean
+
+  std::vector<int> rows_, position_;  ///< held rows; position of each row
+  bool knows_rest_ = false;
+  Vector force_, end_, u_, yielded_, rest_, end_rest_;  ///< rest: R p
+
+  std::vector<int> parent_;            ///< of bodies, in a forest of islands
+  std::vector<int> island_;            ///< of pairs; −1: between two islands
+  std::vector<char> is_solved_;        ///< of islands
+  std::vector<StepTrial> trials_;      ///< of islands
+  std::vector<MeanForce::Pair> next_;  ///< of pairs
+  std::vector<double> credit_;         ///< of pairs: removed − heat [J]
+  Island problem_;
+};
+
+}  // namespace ricochet::contact
