@@ -167,12 +167,10 @@ StepTrial ContactLaw::solve(const StepMatrices& matrices, const MeanForce& befor
     const StepTrial& trial = trials_[island];
     if (trial.status == SolveStatus::limited) total.status = trial.status;
     if (trial.violation.scale > 0) total.violation = trial.violation;
-    total.opens = total.opens && trial.opens;
     total.several = total.several || trial.several;
     total.removed += trial.removed;
     total.heat += trial.heat;
     total.belts += trial.belts;
-    total.at_start += trial.at_start;
     total.in_residual += trial.in_residual;
   }
   return total;

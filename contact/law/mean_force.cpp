@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/law/mean_force.hpp"
 
+#include <algorithm>
+
 namespace ricochet::contact {
 
 MeanForce::MeanForce(Eigen::Index rows, bool conserving)

@@ -40,7 +40,6 @@
 // have already paid for others.
 #pragma once
 
-#include <algorithm>
 #include <vector>
 
 #include "contact/model/model.hpp"

@@ -425,6 +425,15 @@ TEST(Report, names_the_shares_of_the_worst_quantity_and_what_is_unknown) {
       warnings(estimate, 0.04),
       ElementsAre(StartsWith("the error of the rebound is estimated at 0.041, above accuracy = 0.04; its "
                              "largest share (0.04) is that of the modes: use ")));
+  estimate.by_cause[Cause::step] = Errors{{Quantity::rebound, 0.001}, {Quantity::peak_force, 0.16}};
+  EXPECT_THAT(warnings(estimate, 0.05),
+              ElementsAre(StartsWith("the error of the peak_force is estimated at "
+                                     "0.16, and accuracy = 0.05 was not requested")));
+  EXPECT_THAT(warnings(estimate, 0.054), IsEmpty());  // 0.16 is below three times it
+  estimate.requested.push_back(Quantity::peak_force);
+  EXPECT_THAT(warnings(estimate, 0.05), ElementsAre(::testing::HasSubstr("above accuracy = 0.05")));
+  estimate.requested.pop_back();
+  estimate.by_cause[Cause::step] = Errors{{Quantity::impulse, 0.003}, {Quantity::rebound, 0.001}};
   EXPECT_TRUE(estimate.meets(0.05));
   EXPECT_FALSE(estimate.meets(0.04));
   estimate.scatter = 2;

@@ -144,6 +144,29 @@ TEST(Islands, that_merge_and_part_never_gain_energy) {
     }
 }
 
+// A contact that opens puts in energy with the weight of its last force, and its own part of the bank is empty.
+// The other contact of its island pays, so that no part is negative when the island splits.
+TEST(Islands, share_their_banks) {
+  const Model model = chain_of({{10, 0}, {7, 0}}, {{0, 1}, {1, -1}});
+  const StepOptions options{.step = 0.3, .block = 1};
+  const auto system = make_step_system(model, options);
+  ContactLaw law(model, options);
+  MeanForce mean(model, true);
+  const Vector force{{0.1, 0.1}};
+  mean.advance(force, {{.bank = 0}, {.bank = 1}});
+  mean.advance(force, {{.bank = 0}, {.bank = 1}});
+  law.start = Vector{{0, 0}};
+  law.free = Vector{{-0.5, 1e-3}};
+  const StepTrial trial = law.solve(system->matrices(), mean, nullptr);
+  ASSERT_EQ(trial.status, SolveStatus::solved);
+  ASSERT_EQ(law.force()(0), 0.25 * 0.1 + 0.125 * 0.1);  // of the mean with λ⁺ = 0: it opened
+  law.accept(mean, law.end());
+  const double first = mean.pairs()[0].bank, second = mean.pairs()[1].bank;
+  EXPECT_GE(first, 0);
+  EXPECT_LT(second, 1);
+  EXPECT_NEAR(first + second, 1 + trial.removed, 1e-15);
+}
+
 // A mass of 1 kg under 10 N that slides on one point: friction removes its motion as heat, and contact
 // nothing.
 TEST(Islands, give_no_credit_for_the_heat_of_friction) {
