@@ -239,8 +239,9 @@ Errors distances(const Quantities& a, const Quantities& b) {
 std::optional<Quantities> impact_quantities(const Model& model, const StepOptions& options,
                                             std::int64_t steps, bool receivers,
                                             const std::function<void()>& poll) {
-  const std::unique_ptr<Stepper> stepper = make_stepper(model, options);
-  Follower follower(model, options, receivers);
+  const std::shared_ptr<const Model> folded = fold(borrowed(model), options);
+  const std::unique_ptr<Stepper> stepper = make_stepper(folded, options);
+  Follower follower(*folded, options, receivers);
   const auto observe = [&](std::int64_t) {
     if (poll) poll();
     follower.observe(*stepper);

@@ -48,8 +48,8 @@ void save_kernel(const kernels::Kernel& kernel, const std::filesystem::path& pat
 
 struct Simulation::Impl {
   explicit Impl(const Scene& scene)
-      : model(model_of(scene)),
-        stepper(contact::make_stepper(model, step_options(scene))),
+      : shared(contact::fold(std::make_shared<const contact::Model>(model_of(scene)), step_options(scene))),
+        stepper(contact::make_stepper(shared, step_options(scene))),
         force(stepper->force().head(stepper->points())),
         rubbing(stepper->force().tail(stepper->force().size() - force.size())),
         tangential_force(contact::Matrix::Zero(force.size(), 3)),
@@ -116,7 +116,8 @@ struct Simulation::Impl {
 
   std::uint64_t identity = next_identity();
   std::vector<SharedKernel> kernels;  ///< the model contains pointers to them
-  contact::Model model;
+  std::shared_ptr<const contact::Model> shared;
+  const contact::Model& model = *shared;
   std::unique_ptr<contact::Stepper> stepper;
   contact::Vector force;             ///< (m) mean over the sample
   contact::Vector rubbing;           ///< (n − m) mean of the forces along the tangents over the sample

@@ -189,10 +189,11 @@ Eigen::Matrix<double, 2, 3> tangents_of(const Vector3d& normal) {
 
 std::vector<PatchSpring> Model::springs() const {
   std::vector<PatchSpring> out;
+  const Vector flexibility = patch_flexibility();
   for (Eigen::Index i = 0; i < bulge.size(); ++i) {
-    if (!(bulge(i) > 0) || !(R(i, i) > 0)) continue;
+    if (!(bulge(i) > 0) || !(flexibility(i) > 0)) continue;
     out.resize(static_cast<std::size_t>(points()));
-    out[static_cast<std::size_t>(i)] = PatchSpring::of(bulge(i), R(i, i));
+    out[static_cast<std::size_t>(i)] = PatchSpring::of(bulge(i), flexibility(i));
   }
   return out;
 }

@@ -15,6 +15,7 @@
 
 #include <Eigen/Dense>
 #include <Eigen/SparseCore>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -70,6 +71,10 @@ struct Model {
 
   Eigen::Index points() const { return gap.size(); }  ///< m
   Eigen::Index rows() const { return B.rows(); }      ///< n = m + 2 f
+  /// (n) R_ii of the kernels, and the share of body a in it: under the patches themselves, without folded
+  /// modes [m/N].
+  Vector patch_flexibility() const { return folded.modes.empty() ? Vector(R.diagonal()) : folded.R; }
+  Vector patch_flexibility_of_a() const { return folded.modes.empty() ? Vector(R_a.diagonal()) : folded.R_a; }
   /// (m) springs of the points; empty if no point has one.
   std::vector<PatchSpring> springs() const;
 
@@ -144,6 +149,16 @@ struct Model {
   };
   std::vector<Receiver> receivers;
 
+  /// Modes that respond at once, which fold() has moved into the other members. Their B, load, q0, v0 and
+  /// forces of loads are 0; the lift of supports keeps them.
+  struct Folded {
+    std::vector<int> modes{};  ///< ascending
+    Matrix B{};                ///< (n,modes) [kg^-1/2]
+    Vector load{};             ///< (modes) [kg^1/2 m/s²]
+    Matrix force{};            ///< (modes,forcings) of loads with a history of value 1
+    Vector R{}, R_a{};         ///< (n) diagonals of R and R_a without these modes
+  } folded{};
+
   /// Force of a pair on its body b [N]. @param force  (n)
   Eigen::Vector3d resultant(const PairBlock& pair, const Vector& force) const;
   /// The part of it due to friction [N].
@@ -169,6 +184,11 @@ struct Model {
 /// kernel lacks the tangential components.
 Model build_model(const Placement& placement, const Eigen::Vector3d& gravity,
                   const std::vector<ForcingRequest>& forcing = {});
+
+/// A pointer to a model that outlives it.
+inline std::shared_ptr<const Model> borrowed(const Model& model) {
+  return {std::shared_ptr<const Model>(), &model};
+}
 
 /// Adds the bulges to the gaps, which then are those between the means of patches, for laws without springs
 /// (impulses, tables).

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/output/contact_sides.hpp"
 
-#include "contact/stepping/forced_response.hpp"
-
 namespace ricochet::contact {
 
 ContactSides::ContactSides(const Model& model, const StepOptions& options)
@@ -15,8 +13,9 @@ ContactSides::ContactSides(const Model& model, const StepOptions& options)
   R_b_ = R_a_ - model.R.topRows(m);
   if (options.scheme != Scheme::impulse) springs_ = model.springs();
   share_a_.setZero(m);
+  const Vector flexibility = model.patch_flexibility(), of_a = model.patch_flexibility_of_a();
   for (Eigen::Index i = 0; i < m; ++i)
-    if (model.R(i, i) > 0) share_a_(i) = model.R_a(i, i) / model.R(i, i);
+    if (flexibility(i) > 0) share_a_(i) = of_a(i) / flexibility(i);
   s_a_ = model.static_a.head(m);
   s_b_ = s_a_ - model.static_displacement.head(m);
   driven_a_.setZero(m, model.forcing.size());
@@ -28,26 +27,6 @@ ContactSides::ContactSides(const Model& model, const StepOptions& options)
   if (options.scheme == Scheme::impulse) {
     R_a_.setZero();
     R_b_.setZero();
-  }
-  if (options.scheme != Scheme::compliant) return;
-  // The static response of modes above half the rate, which steps move into R and s.
-  Vector shape = Vector::Zero(model.omega.size()), a(m), b(m);
-  for (Eigen::Index n = 0; n < model.omega.size(); ++n) {
-    if (sampled(model.omega(n), options.step)) continue;
-    before_.q(n) = 0;
-    shape(n) = 1 / (model.omega(n) * model.omega(n));
-    along(shape, a, b);
-    shape(n) = 0;
-    R_a_ += a * model.B.col(n).transpose();
-    R_b_ += b * model.B.col(n).transpose();
-    s_a_ += model.load(n) * a;
-    s_b_ += model.load(n) * b;
-    for (std::size_t d = 0; d < model.forcing.size(); ++d) {
-      const Eigen::Index i = n - model.forcing[d].first_mode;
-      if (i < 0 || i >= model.forcing[d].force.size()) continue;
-      driven_a_.col(d) += model.forcing[d].force(i) * a;
-      driven_b_.col(d) += model.forcing[d].force(i) * b;
-    }
   }
 }
 

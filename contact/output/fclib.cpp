@@ -90,7 +90,7 @@ void write_vector(Writer& file, const std::string& name, const Vector& x, const 
 ProblemFiles::ProblemFiles(const Model& model, const StepOptions& step, ProblemOptions options)
     : model_(model),
       options_(std::move(options)),
-      system_(make_step_system(model, step)),
+      system_(make_step_system(borrowed(model), step)),
       slip_(std::ssize(model.friction), model.rows(), step.step),
       displacement_(model.initial_displacement()),
       force_(Vector::Zero(model.rows())) {

@@ -41,7 +41,7 @@ Histories::Histories(const Model& model, const StepOptions& step, const HistoryO
     : Histories(&model, step, options, options.bodies ? names_of(model.bodies) : std::vector<std::string>{}) {
   if (time_) time_->append(0);
   if (!velocity_.empty()) bodies_row(model.initial_rates(), 0);
-  if (energy_) energy_->append(initial_energy(model, step));
+  if (energy_) energy_->append(initial_energy(model));
   if (!options.receivers || model.receivers.empty()) return;
   receivers_.emplace(model, step);
   receiver_rows_.emplace(file_, model, step, options.receivers_every, true);

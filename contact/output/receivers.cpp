@@ -6,24 +6,8 @@ namespace ricochet::contact {
 Receivers::Receivers(const Model& model, const StepOptions& options)
     : model_(model),
       compliant_(options.scheme == Scheme::compliant),
-      receivers_(model.receivers),
       motion_(model.receivers.size()),
       acceleration_(Vector::Zero(model.omega.size())) {
-  if (compliant_)
-    for (Model::Receiver& receiver : receivers_) {
-      const Model::BodyBlock& body = model.bodies[receiver.body];
-      for (int i = 0; i < body.modes; ++i) {
-        const int n = body.first_mode + i;
-        if (sampled(model.omega(n), options.step)) continue;
-        const Eigen::Vector3d flexible = receiver.shape.col(i) / (model.omega(n) * model.omega(n));
-        receiver.constant += flexible * model.load(n);
-        receiver.flexibility -= flexible * model.B.col(n).transpose();
-        for (std::size_t d = 0; d < model.forcing.size(); ++d)
-          if (model.forcing[d].body == receiver.body)
-            receiver.forcing.col(d) += flexible * model.forcing[d].force(i);
-        receiver.shape.col(i).setZero();
-      }
-    }
   update(0, model.q0, model.initial_rates(), Vector::Zero(model.rows()));
 }
 
@@ -33,7 +17,7 @@ void Receivers::observe(const Stepper& stepper) noexcept {
 
 /// q̈ = f + F h − Bᵀ λ − 2δ q̇ − ω² q; impulses have already acted.
 void Receivers::update(double t, const Vector& q, const Vector& v, const Vector& force) noexcept {
-  if (receivers_.empty()) return;
+  if (model_.receivers.empty()) return;
   acceleration_ = model_.load;
   acceleration_.array() -= 2 * model_.decay.array() * v.array() + model_.omega.array().square() * q.array();
   for (const Model::Forcing& one : model_.forcing)
@@ -42,8 +26,8 @@ void Receivers::update(double t, const Vector& q, const Vector& v, const Vector&
     for (Eigen::Index i = 0; i < force.size(); ++i)
       if (force(i) != 0) acceleration_ -= force(i) * model_.B.row(i).transpose();
 
-  for (std::size_t k = 0; k < receivers_.size(); ++k) {
-    const Model::Receiver& receiver = receivers_[k];
+  for (std::size_t k = 0; k < model_.receivers.size(); ++k) {
+    const Model::Receiver& receiver = model_.receivers[k];
     const Model::BodyBlock& body = model_.bodies[receiver.body];
     ReceiverMotion& out = motion_[k];
     out.displacement = receiver.constant;

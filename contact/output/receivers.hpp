@@ -35,8 +35,6 @@ class Receivers {
 
   const Model& model_;
   bool compliant_;
-  std::vector<Model::Receiver>
-      receivers_;  ///< with the modes above half the step rate moved into the static correction
   std::vector<ReceiverMotion> motion_;
   Vector acceleration_;  ///< (N) q̈
 };

@@ -62,7 +62,7 @@ Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOp
   if (step.scheme == Scheme::at_rest) return;
   time_->append(0);
   bodies_row(model.initial_rates(), 0, 0);
-  energy_->append(initial_energy(model, step));
+  energy_->append(initial_energy(model));
   persistency_->append(0);
   if (snapshots_) snapshots_->append(0, model.q0, Vector::Zero(model.rows()));
   if (receiver_rows_) receiver_rows_->record(*receivers_);
@@ -153,7 +153,7 @@ void Recorder::make_model_rows(const StepOptions& step, int receivers_every) {
   }
   energy_.emplace(file_);
   persistency_ = &file_.rows("/contact/persistency", {}, "W");
-  if (snapshot_every_ > 0) snapshots_.emplace(file_, *model_, step);
+  if (snapshot_every_ > 0) snapshots_.emplace(file_, *model_);
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const Model::BodyBlock& body = model_->bodies[k];
     const std::string group = "/bodies/" + body.name;

@@ -9,8 +9,8 @@
 #include <numbers>
 #include <utility>
 
+#include "contact/model/folding.hpp"
 #include "contact/output/linearity_check.hpp"
-#include "contact/stepping/forced_response.hpp"
 
 namespace ricochet::contact {
 

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "contact/stepping/forced_response.hpp"
+#include "contact/model/folding.hpp"
 
 namespace ricochet::contact {
 namespace {

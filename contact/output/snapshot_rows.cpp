@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/output/snapshot_rows.hpp"
 
-#include "contact/stepping/forced_response.hpp"
+#include "contact/model/folding.hpp"
 
 namespace ricochet::contact {
 namespace {
@@ -10,10 +10,8 @@ std::span<const double> span_of(const Vector& x) { return {x.data(), static_cast
 
 }  // namespace
 
-SnapshotRows::SnapshotRows(base::hdf5::Writer& file, const Model& model, const StepOptions& step)
+SnapshotRows::SnapshotRows(base::hdf5::Writer& file, const Model& model)
     : model_(model), time_(file.rows("/snapshots/time", {}, "s")) {
-  for (Eigen::Index n = 0; n < model.omega.size() && step.scheme == Scheme::compliant; ++n)
-    if (!sampled(model.omega(n), step.step)) quasi_static_.push_back(n);
   for (const Model::BodyBlock& body : model.bodies) {
     const kernels::Kernel& kernel = *body.kernel;
     Body& rows = bodies_.emplace_back();
@@ -37,7 +35,7 @@ SnapshotRows::SnapshotRows(base::hdf5::Writer& file, const Model& model, const S
 void SnapshotRows::append(double time, const Vector& q, const Vector& p) {
   time_.append(time);
   Vector whole = q;
-  follow(time, p, whole);
+  set_folded(model_, time, p, whole);
   for (const Model::Forcing& one : model_.forcing)
     whole.segment(one.first_mode, one.lift.size()) += one.history.at(time) * one.lift;
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
@@ -55,17 +53,6 @@ void SnapshotRows::append(double time, const Vector& q, const Vector& p) {
     if (rows.motion != nullptr) rows.motion->append(span_of(motion));
   }
   ++count_;
-}
-
-/// q = (f + F h − Bᵀ p)/ω² of the modes that steps do not sample.
-void SnapshotRows::follow(double time, const Vector& p, Vector& q) const {
-  for (const Eigen::Index n : quasi_static_) {
-    double force = model_.load(n) - model_.B.col(n).dot(p);
-    for (const Model::Forcing& one : model_.forcing)
-      if (const Eigen::Index i = n - one.first_mode; i >= 0 && i < one.force.size())
-        force += one.history.at(time) * one.force(i);
-    q(n) = force / (model_.omega(n) * model_.omega(n));
-  }
 }
 
 /// The forces p on the relative displacements u = P u_C + … push the candidates of this body by −Pᵀ p.

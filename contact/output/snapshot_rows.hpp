@@ -20,7 +20,7 @@ namespace ricochet::contact {
 class SnapshotRows {
  public:
   /// Creates the datasets. `file` and `model` must outlive this object.
-  SnapshotRows(base::hdf5::Writer& file, const Model& model, const StepOptions& step);
+  SnapshotRows(base::hdf5::Writer& file, const Model& model);
 
   /// @param q, p  (N), (n) modal coordinates and forces at `time` [s]; p = 0 under impulses
   void append(double time, const Vector& q, const Vector& p);
@@ -33,14 +33,12 @@ class SnapshotRows {
     Rows *snapshot = nullptr, *candidate = nullptr, *force = nullptr;
     Rows *load = nullptr, *motion = nullptr;
   };
-  void follow(double time, const Vector& p, Vector& q) const;
   void append_forces(const Model::BodyBlock& body, const Body& rows, const Vector& p);
 
   const Model& model_;
   Rows& time_;
   std::int64_t count_ = 0;  ///< snapshots so far
   std::vector<Body> bodies_;
-  std::vector<Eigen::Index> quasi_static_;  ///< modes above half the step rate, whose q the steps leave at 0
 };
 
 }  // namespace ricochet::contact

@@ -39,8 +39,8 @@ SummaryObserver::SummaryObserver(const Model& model, double step, double wave_sp
   add_model(model);
 }
 
-void SummaryObserver::begin(const StepOptions& options) {
-  const Energy start = initial_energy(*model_, options);
+void SummaryObserver::begin() {
+  const Energy start = initial_energy(*model_);
   initial_strain_ = start.strain;
   energy_before_ = start.kinetic;
   initial_ledger_ = largest_energy_ = start.ledger();
@@ -58,8 +58,7 @@ SummaryObserver::SummaryObserver(const Table& table, const Model* source, const 
   out_.candidates = table.points();
   if (!source) return;
   add_model(*source);
-  if (options.scheme == Scheme::compliant)
-    for (const double omega : source->omega) out_.modes_in_residual += sampled(omega, step_) ? 0 : 1;
+  out_.modes_in_residual = static_cast<int>(source->folded.modes.size());
 }
 
 void SummaryObserver::add_model(const Model& model) {
@@ -97,7 +96,7 @@ void SummaryObserver::count_forces(const Stepper& stepper) {
 }
 
 void SummaryObserver::observe(const Stepper& stepper) {
-  if (observed_++ == 0 && model_) begin(stepper.options());
+  if (observed_++ == 0 && model_) begin();
   const ModalState* modal = stepper.modal();
   // Impulses are larger the shorter the step, so they are no measure of pressure, and their spectrum is flat.
   const bool compliant = stepper.options().scheme == Scheme::compliant;

@@ -38,7 +38,7 @@ class SummaryObserver {
 
  private:
   void add_model(const Model& model);
-  void begin(const StepOptions& options);
+  void begin();
   void count_forces(const Stepper& stepper);
   void observe_energy(const Energy& energy);
   Eigen::Matrix3Xd mean_velocities(double time) const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/output/visualisation_surface.hpp"
 
+#include "contact/model/folding.hpp"
 #include "contact/pairing/surface_projection.hpp"
 
 namespace ricochet::contact {
@@ -46,27 +47,14 @@ VisualisationSurface::VisualisationSurface(const Model& model, int body, const S
     if (residual.cols() > 0) column = residual.middleCols(3 * one.entry, 3) * to_body(one.vector);
     column += shape_ * one.lift.cast<float>();  // of a support: Ψ = (Ψ − ΦΓ) + ΦΓ
   }
-  if (options.scheme == Scheme::compliant) add_dropped(options);
-}
-
-/// Adds the static effect of modes above half the rate, which steps move into R and s.
-void VisualisationSurface::add_dropped(const StepOptions& options) {
-  for (Index i = 0; i < body_.modes; ++i) {
-    const Index n = body_.first_mode + i;
-    if (sampled(model_.omega(n), options.step)) continue;
-    const VectorXf flexible = shape_.col(i) / static_cast<float>(model_.omega(n) * model_.omega(n));
-    if (flexibility_.cols() == 0) flexibility_.setZero(shape_.rows(), model_.rows());
-    flexibility_ -= flexible * model_.B.col(n).transpose().cast<float>();
-    constant_ += flexible * static_cast<float>(model_.load(n));
-    for (std::size_t d = 0; d < of_body_.size(); ++d)
-      forcing_.col(d) += flexible * static_cast<float>(of_body_[d]->force(i));
-  }
 }
 
 const SurfaceMotion& VisualisationSurface::at(double t, const Vector& q, const Vector& v,
                                               const Vector& force) {
   const Index rows = shape_.rows(), elastic = body_.modes - rigid_;
-  const VectorXd own = q.segment(body_.first_mode, body_.modes),
+  whole_ = q;
+  set_folded(model_, t, force, whole_);
+  const VectorXd own = whole_.segment(body_.first_mode, body_.modes),
                  rate = v.segment(body_.first_mode, body_.modes);
   // A body may fly far, so the motion of its rigid modes is summed in double precision.
   const Eigen::MatrixXd rigid_shape = shape_.leftCols(rigid_).cast<double>();

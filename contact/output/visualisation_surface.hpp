@@ -43,7 +43,6 @@ class VisualisationSurface {
 
  private:
   using Values = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  void add_dropped(const StepOptions& options);
 
   const Model& model_;
   const Model::BodyBlock& body_;
@@ -54,6 +53,7 @@ class VisualisationSurface {
   Eigen::VectorXf constant_;        ///< (3V) under gravity [m]
   Values forcing_;  ///< (3V,forcings) displacement for a history of value 1, in the order of of_body_
   std::vector<const Model::Forcing*> of_body_;
+  Vector whole_;  ///< (N) q of all modes
   SurfaceMotion out_;
 };
 

@@ -23,26 +23,26 @@ BlockSystem<T>::BlockSystem(std::shared_ptr<const StepSystem> shared, int steps,
     : plain(std::move(shared)),
       loops(&simd::loops_of<T>(*simd::available().back())),
       length(steps),
-      points(static_cast<int>(plain->B.rows())),
+      points(static_cast<int>(plain->model->rows())),
       contacts(static_cast<int>(plain->gap.size())),
-      modes(simd::padded(plain->omega.size())),
+      modes(simd::padded(plain->model->omega.size())),
       width(simd::padded(points, simd::point_pad)),
       gap(Vector::Constant(points, std::numeric_limits<double>::infinity())),
       tangential(static_cast<std::size_t>(contacts), -1),
       law(tangential),
       elastic(*plain),
       softness(Vector::Zero(modes)),
-      rest(plain->s),
       band(bands),
       yields(!plain->R.isZero(0)) {
   const StepSystem& system = *plain;
+  const Model& model = *system.model;
   gap.head(contacts) = system.gap;
-  for (std::size_t f = 0; f < system.friction.size(); ++f) {
-    tangential[system.friction[f].point] = system.friction[f].tangential;
-    law[system.friction[f].point] = static_cast<int>(f);
+  for (std::size_t f = 0; f < model.friction.size(); ++f) {
+    tangential[model.friction[f].point] = model.friction[f].tangential;
+    law[model.friction[f].point] = static_cast<int>(f);
   }
   const auto m = static_cast<std::size_t>(points), L = static_cast<std::size_t>(steps);
-  const Eigen::Index N = system.omega.size();
+  const Eigen::Index N = model.omega.size();
   std::vector<int> ascending;  // elastic modes, by frequency
   for (int n = 0; n < N; ++n)
     if (system.stiffness(n) != 0) {
@@ -56,19 +56,18 @@ BlockSystem<T>::BlockSystem(std::shared_ptr<const StepSystem> shared, int steps,
 
   B.assign(m * modes, T(0));
   for (std::size_t i = 0; i < m; ++i)
-    for (int n : ascending) B[i * modes + n] = static_cast<T>(system.B(i, n));
-  rigid_B = system.B(Eigen::all, rigid);
+    for (int n : ascending) B[i * modes + n] = static_cast<T>(model.B(i, n));
+  rigid_B = model.B(Eigen::all, rigid);
 
   std::sort(ascending.begin(), ascending.end(),
-            [&](int x, int y) { return system.omega(x) < system.omega(y); });
+            [&](int x, int y) { return model.omega(x) < model.omega(y); });
   Eigen::MatrixXd far = Eigen::MatrixXd::Zero(points, bands);
   for (std::size_t k = 0; k < ascending.size(); ++k) {
     const int n = ascending[k], of = static_cast<int>(k * bands / ascending.size());
     band[of].push_back(n);
-    far.col(of) += system.B.col(n).cwiseAbs2() * softness(n);
-    rest += system.B.col(n) * (system.load(n) * softness(n));
+    far.col(of) += model.B.col(n).cwiseAbs2() * softness(n);
   }
-  const Eigen::MatrixXd bends = system.B * softness.head(N).asDiagonal() * system.B.transpose() + system.R;
+  const Eigen::MatrixXd bends = model.B * softness.head(N).asDiagonal() * model.B.transpose() + system.R;
   largest = bends.cwiseAbs().colwise().maxCoeff().transpose();
   reach.assign(bands * width, T(0));
   for (std::size_t of = 0; of < bands; ++of)
@@ -87,8 +86,8 @@ BlockSystem<T>::BlockSystem(std::shared_ptr<const StepSystem> shared, int steps,
   Vector held = Vector::Zero(N), more(N);  // c of the steps so far
   for (std::size_t d = 0; d < L; ++d) {
     for (Eigen::Index n = 0; n < N; ++n)
-      more(n) = mode_response(system.omega(n), system.decay(n), static_cast<double>(d + 1) * step).c;
-    const Eigen::MatrixXd now = system.B * (more - held).asDiagonal() * system.B.transpose();
+      more(n) = mode_response(model.omega(n), model.decay(n), static_cast<double>(d + 1) * step).c;
+    const Eigen::MatrixXd now = model.B * (more - held).asDiagonal() * model.B.transpose();
     held = more;
     for (std::size_t j = 0; j < m; ++j)
       for (std::size_t i = 0; i < m; ++i) {

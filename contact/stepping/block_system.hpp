@@ -32,7 +32,7 @@ struct BlockSystem {
   std::vector<T> residual;      ///< (points, width) R; empty if R is 0
   std::vector<T> reach;         ///< (bands, width) (Σ B²/ω²)^½ over the modes of a band
   Vector softness;              ///< (modes) 1/ω² of elastic modes; 0 for others
-  Vector rest, largest;         ///< (points) s + Σ B f/ω² of elastic modes; largest |flexibility|
+  Vector largest;               ///< (points) largest |flexibility|
   std::vector<std::vector<int>> band;  ///< elastic modes of a band
   std::vector<int> rigid;              ///< modes with ω = 0
   Matrix rigid_B;                      ///< (points, rigid)

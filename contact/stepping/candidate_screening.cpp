@@ -56,7 +56,7 @@ void CandidateScreening<T>::combine(const BlockSystem<T>& system, const std::vec
 /// Under a constant force, the energy of an elastic mode about its rest position never grows, and
 /// |Σ B y| ≤ (Σ B²/ω²)^½ (Σ ω²y² + ẏ²)^½.
 template <class T>
-void CandidateScreening<T>::bound_by_energy(const BlockSystem<T>& of, const Motion& free,
+void CandidateScreening<T>::bound_by_energy(const BlockSystem<T>& of, const Motion& free, const Vector& rest,
                                             const Vector& held_force, std::span<const int> pressed,
                                             const Matrix& rigid_motion) noexcept {
   factor_.clear();
@@ -65,7 +65,7 @@ void CandidateScreening<T>::bound_by_energy(const BlockSystem<T>& of, const Moti
   const double slack = 2 * held_force.cwiseAbs().sum() * static_cast<double>(pressed.size() + 2) *
                        static_cast<double>(std::numeric_limits<T>::epsilon());
   for (int i = 0; i < of.contacts; ++i)
-    margin_(i) = of.gap(i) - of.rest(i) + static_cast<double>(sum_[i]) - slack * of.largest(i);
+    margin_(i) = of.gap(i) - rest(i) + static_cast<double>(sum_[i]) - slack * of.largest(i);
 
   factor_.clear();
   for (const std::vector<int>& band : of.band) {

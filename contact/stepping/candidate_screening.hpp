@@ -35,11 +35,14 @@ class CandidateScreening {
     const double *q, *v, *load;  ///< load: constant force minus Bᵀλ̂
   };
   /// Sets the margins of all points from the energy of the modes, which move under λ̂.
-  /// @param pressed  points with λ̂ > 0   @param rigid_motion  (L, rigid)
-  void bound_by_energy(const BlockSystem<T>& system, const Motion& free, const Vector& held_force,
-                       std::span<const int> pressed, const Matrix& rigid_motion) noexcept;
+  /// @param rest  (n) bound on u with elastic modes at rest   @param pressed  points with λ̂ > 0
+  /// @param rigid_motion  (L, rigid)
+  void bound_by_energy(const BlockSystem<T>& system, const Motion& free, const Vector& rest,
+                       const Vector& held_force, std::span<const int> pressed,
+                       const Matrix& rigid_motion) noexcept;
   void set_margin(int point, double margin) noexcept { margin_(point) = margin; }
-  /// For blocks with forcing, under which the energy may grow: no point is skipped before it is predicted.
+  /// For blocks in which a history has a knot, where the energy may grow: no point is skipped before it is
+  /// predicted.
   void drop_margins() noexcept { margin_.setConstant(-1); }
 
   /// Whether the point could close if forces change by `times` their budgets.

@@ -3,8 +3,8 @@
 
 namespace ricochet::contact {
 
-CompliantStepper::CompliantStepper(const Model& model, const StepOptions& options)
-    : Stepper(options, model), state_(model, options), flight_(*state_.system, options) {
+CompliantStepper::CompliantStepper(std::shared_ptr<const Model> model, const StepOptions& options)
+    : Stepper(options, *model), state_(std::move(model), options), flight_(*state_.system, options) {
   state_.displacement(contact_.mean.end(), u_);
 }
 
@@ -18,10 +18,10 @@ StepStatus CompliantStepper::step() noexcept {
   const StepSystem& system = *state_.system;
   Slip* const slip = contact_.slip.any() ? &contact_.slip : nullptr;
   state_.begin(steps_ + 1);
-  contact_.slip.begin(system.belts, steps_ + 1);
+  contact_.slip.begin(system.model->belts, steps_ + 1);
   law_.start = displacement();
   law_.free = state_.now.s;
-  law_.free.noalias() += system.B * state_.next_q;
+  law_.free.noalias() += system.model->B * state_.next_q;
   const StepTrial trial = law_.solve(system.matrices(), contact_.mean, slip);
   if (!has_forces(trial.status)) return failure(trial.status);
   next_force_ = law_.force();

@@ -11,7 +11,7 @@ namespace ricochet::contact {
 class CompliantStepper final : public Stepper {
  public:
   /// Throws as make_stepper does.
-  CompliantStepper(const Model& model, const StepOptions& options);
+  CompliantStepper(std::shared_ptr<const Model> model, const StepOptions& options);
 
   StepStatus step() noexcept override;
   std::unique_ptr<Stepper> clone() const override { return std::make_unique<CompliantStepper>(*this); }

@@ -16,7 +16,7 @@ constexpr double closed = 0.5;
 
 EventLocation::EventLocation(const StepSystem& system) {
   for (Vector* x : {&knot_q_, &knot_v_, &q_, &v_, &force_, &slope_, &acceleration_})
-    x->setZero(system.omega.size());
+    x->setZero(system.stiffness.size());
   for (Vector* x : {&s_, &rate_, &bound_}) x->setZero(system.gap.size());
   open_.reserve(system.gap.size());
 }
@@ -46,9 +46,9 @@ double EventLocation::safe_time(double passed, const ModalState& state) noexcept
   double shortest = std::numeric_limits<double>::infinity();
   const double size = q_.norm();
   for (const int i : open_) {
-    const double distance = system.gap(i) - s_(i) - passed * rate_(i) - system.B.row(i).dot(q_);
+    const double distance = system.gap(i) - s_(i) - passed * rate_(i) - system.model->B.row(i).dot(q_);
     if (!(distance > closed * touching_margin(system, i, size, state.now.s(i)))) return 0;
-    const double rate = system.B.row(i).dot(v_) + rate_(i);
+    const double rate = system.model->B.row(i).dot(v_) + rate_(i);
     shortest = std::min(shortest, 2 * distance / (rate + std::sqrt(rate * rate + 2 * bound_(i) * distance)));
   }
   return shortest;
@@ -65,7 +65,7 @@ double EventLocation::first_closing(double from, double to, const ModalState& st
     forcing.points(t, s_, rate_);
     force_ += state.system->load;
     forcing.bound(length, force_, slope_, knot_q_, knot_v_, acceleration_);
-    for (const int i : open_) bound_(i) = state.system->B.row(i).cwiseAbs().dot(acceleration_);
+    for (const int i : open_) bound_(i) = state.system->model->B.row(i).cwiseAbs().dot(acceleration_);
     q_ = knot_q_;
     v_ = knot_v_;
     for (double passed = 0;;) {

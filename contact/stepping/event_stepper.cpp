@@ -3,12 +3,12 @@
 
 namespace ricochet::contact {
 
-EventStepper::EventStepper(const Model& model, const StepOptions& options)
-    : Stepper(options, model.gap.size(), {.max_pivots = options.max_pivots}, false),
-      state_(model, options),
+EventStepper::EventStepper(std::shared_ptr<const Model> model, const StepOptions& options)
+    : Stepper(options, model->points(), {.max_pivots = options.max_pivots}, false),
+      state_(std::move(model), options),
       problem_(state_, options),
       events_(*state_.system) {
-  impulse_.setZero(model.gap.size());
+  impulse_.setZero(points());
   state_.displacement(contact_.force, u_);
 }
 
@@ -35,7 +35,7 @@ StepStatus EventStepper::step() noexcept {
     work.damping += more.damping;
     work.forcing += more.forcing;
     next_u_ = state_.now.s;
-    next_u_.noalias() += system.B * state_.next_q;
+    next_u_.noalias() += system.model->B * state_.next_q;
     const SolveStatus status = problem_.solve(state_, next_u_, law_.solver(), next_force_);
     if (!has_forces(status)) return failure(status);
     state_.strike(next_force_, work);

@@ -13,7 +13,7 @@ namespace ricochet::contact {
 class EventStepper final : public Stepper {
  public:
   /// Throws as make_stepper does.
-  EventStepper(const Model& model, const StepOptions& options);
+  EventStepper(std::shared_ptr<const Model> model, const StepOptions& options);
 
   StepStatus step() noexcept override;
   std::unique_ptr<Stepper> clone() const override { return std::make_unique<EventStepper>(*this); }

@@ -7,56 +7,111 @@
 
 namespace ricochet::contact {
 
-ForcedResponse::ForcedResponse(const Model& model, double step, bool static_modes)
+ForcedResponse::ForcedResponse(const Model& model, double step)
     : step_(step),
       omega_(model.omega),
       decay_(model.decay),
+      gravity_(model.load),
       s_(model.static_displacement),
       forcing_(model.forcing) {
   const Eigen::Index N = model.omega.size();
-  whole_.resize(N);
-  for (Eigen::Index n = 0; n < N; ++n) {
-    if (static_modes && !sampled(omega_(n), step)) {
-      const Vector flexible = model.B.col(n) / (omega_(n) * omega_(n));
-      s_ += flexible * model.load(n);
-      for (Model::Forcing& forcing : forcing_)
-        if (const Eigen::Index i = n - forcing.first_mode; i >= 0 && i < forcing.force.size()) {
-          forcing.displacement += flexible * forcing.force(i);
-          forcing.force(i) = forcing.lift(i) = 0;
-        }
-      omega_(n) = decay_(n) = 0;
-    }
-    whole_[n] = mode_step(omega_(n), decay_(n), step);
+  for (Model::Forcing& one : forcing_)
+    for (const int n : model.folded.modes)
+      if (const Eigen::Index i = n - one.first_mode; i >= 0 && i < one.lift.size()) one.lift(i) = 0;
+  for (Eigen::Index n = 0; n < N; ++n) whole_.push_back(mode_step(omega_(n), decay_(n), step));
+  softness_ = (omega_.array() > 0).select(omega_.array().square().inverse(), 0.0);
+  rest_ = s_ + model.B * softness_.cwiseProduct(model.load);
+  for (const Model::Forcing& one : forcing_) {
+    const auto B = model.B.middleCols(one.first_mode, one.force.size());
+    const auto soft = softness_.segment(one.first_mode, one.force.size()),
+               decay = decay_.segment(one.first_mode, one.force.size());
+    const Vector flexed = soft.cwiseProduct(one.force);
+    rests_.push_back(
+        {one.displacement + B * flexed, B * (2 * decay.cwiseProduct(soft)).cwiseProduct(flexed)});
   }
-  for (Vector* x : {&value_, &slope_, &lift_}) x->setZero(N);
+  for (Vector* x : {&value_, &slope_, &lift_, &piece_.applied, &piece_.slope, &piece_.rest_q, &piece_.rest_v})
+    x->setZero(N);
+  piece_.load = gravity_;
+  piece_.s = s_;
+  piece_.rest = rest_;
+  piece_.drift.setZero(s_.size());
+  piece(0);
 }
 
-ForcedResponse::Interval ForcedResponse::start() const {
+ForcedResponse::Interval ForcedResponse::start() noexcept {
   Interval out;
   for (Vector* x : {&out.q, &out.v, &out.lift}) x->setZero(omega_.size());
-  out.s = out.rate = Vector::Zero(s_.size());
-  fill(out);
+  out.s = s_;
+  out.rate = Vector::Zero(s_.size());
+  fill_unless_steady(out);
   return out;
 }
 
-void ForcedResponse::step(std::int64_t k, Interval& out) const noexcept {
+const ForcedResponse::Piece& ForcedResponse::piece(double t) noexcept {
+  Piece& p = piece_;
+  if (forcing_.empty() || t == p.at || (p.steady && t > p.at && t < p.to)) return p;
+  p.at = t;
+  p.to = next_knot(t);
+  force(t, p.applied, p.slope);
+  p.load = gravity_ + p.applied;
+  p.loaded = !p.applied.isZero(0);
+  p.rest_v = softness_.cwiseProduct(p.slope);
+  p.rest_q = softness_.cwiseProduct(p.applied - 2 * decay_.cwiseProduct(p.rest_v));
+  p.steady = true;
+  p.s = s_;
+  p.rest = rest_;
+  p.drift.setZero();
+  for (std::size_t d = 0; d < forcing_.size(); ++d) {
+    const double value = forcing_[d].history.at(t), slope = forcing_[d].history.slope(t);
+    p.steady = p.steady && slope == 0;
+    p.s += value * forcing_[d].displacement;
+    p.rest += value * rests_[d].at - slope * rests_[d].lag;
+    p.drift += slope * rests_[d].at;
+  }
+  return p;
+}
+
+void ForcedResponse::set_times(std::int64_t k, Interval& out) const noexcept {
   out.from = static_cast<double>(k - 1) * step_;
   out.to = static_cast<double>(k) * step_;
   out.whole = true;
+}
+
+void ForcedResponse::step(std::int64_t k, Interval& out) noexcept {
+  set_times(k, out);
+  fill_unless_steady(out);
+}
+
+void ForcedResponse::forced_step(std::int64_t k, Interval& out) noexcept {
+  set_times(k, out);
   fill(out);
 }
 
-void ForcedResponse::interval(double from, double to, Interval& out) const noexcept {
+void ForcedResponse::interval(double from, double to, Interval& out) noexcept {
   out.from = from;
   out.to = to;
   out.whole = to == from + step_;
-  fill(out);
+  fill_unless_steady(out);
+}
+
+void ForcedResponse::fill_unless_steady(Interval& out) noexcept {
+  if (const Piece& p = piece(out.from); !p.steady || p.to <= out.to) {
+    fill(out);
+    return;
+  }
+  out.s = piece_.s;
+  if (out.forced) {
+    out.rate.setZero();
+    out.lift.setZero();
+  }
+  out.forced = false;
 }
 
 /// Response from rest, where ℓ is the time from a knot to the end:
 ///   loads:     q = F [h c + h' r] at the start, and F [J c(ℓ) + K r(ℓ)] from each knot; q̇ likewise by S, c
 ///   supports:  q = −Γ K S(ℓ), q̇ = −Γ K S'(ℓ) from each knot
-void ForcedResponse::fill(Interval& out) const noexcept {
+void ForcedResponse::fill(Interval& out) noexcept {
+  out.forced = true;
   points(out.to, out.s, out.rate);
   for (Vector* x : {&out.q, &out.v, &out.lift}) x->setZero();
   for (const Model::Forcing& forcing : forcing_) {

@@ -6,10 +6,15 @@
 //   u = Ψ ū + Φ q,   q̈ + 2δ q̇ + ω² q = f(t) − Γ d²ū/dt²
 // Histories are piecewise linear, so −Γ d²ū/dt² is a jump −Γ K of q̇ at each knot where the slope changes by
 // K, and f is a sum of ramps that begin at knots. The rates of the body itself are q̇ + Γ dū/dt.
+//
+// Between two knots, f = f₀ + k t, and an elastic mode moves about a rest position that moves steadily,
+//   q_r = f/ω² − 2δ k/ω⁴,   d²/dt² (q − q_r) + 2δ d/dt (q − q_r) + ω² (q − q_r) = 0
+// If nothing changes (k = 0, no support moves), loads are constants like gravity, and the interval is not
+// forced.
 #pragma once
 
 #include <cstdint>
-#include <numbers>
+#include <limits>
 #include <vector>
 
 #include "contact/model/model.hpp"
@@ -18,35 +23,52 @@
 
 namespace ricochet::contact {
 
-/// Whether steps sample a mode, that is, whether they are no longer than half its period.
-inline bool sampled(double omega, double step) { return !(omega * step > std::numbers::pi); }
-
 class ForcedResponse {
  public:
   /// An interval of time, and the forcing at its end.
   struct Interval {
     double from = 0, to = 0;
-    bool whole = false;  ///< one step long
-    Vector q, v;         ///< (N) response of a mode at rest to the forcing alone
-    Vector s, rate;      ///< (m) quasi-static displacement of the contact points and its rate, [m], [m/s]
-    Vector lift;         ///< (N) Γ dū/dt [kg^1/2 m/s]
+    bool whole = false;   ///< one step long
+    bool forced = false;  ///< otherwise, piece().load acts, q and v are undefined, rate and lift are 0
+    Vector q, v;          ///< (N) response of a mode at rest to the forcing alone
+    Vector s, rate;       ///< (n) quasi-static displacement of the contact points and its rate, [m], [m/s]
+    Vector lift;          ///< (N) Γ dū/dt [kg^1/2 m/s]
   };
-  /// @param static_modes  whether modes that steps do not sample respond at once: their q stays 0, and s
-  ///                      includes their loads
-  ForcedResponse(const Model& model, double step, bool static_modes);
+  /// The forcing at an instant, and its change up to the next knot.
+  struct Piece {
+    double at = std::numeric_limits<double>::quiet_NaN();
+    double to = std::numeric_limits<double>::infinity();  ///< the next knot
+    bool steady = true;                                   ///< whether nothing changes
+    bool loaded = false;                                  ///< whether a load acts
+    Vector load, applied;  ///< (N) modal force at `at`, with and without gravity [kg^1/2 m/s²]
+    Vector slope;          ///< (N) of both [kg^1/2 m/s³]
+    Vector rest_q,
+        rest_v;          ///< (N) the part of q_r that loads cause, at `at`, and its rate; 0 for rigid modes
+    Vector s;            ///< (n) as in Interval, at `at` [m]
+    Vector rest, drift;  ///< (n) u with elastic modes at q_r, at `at`, and its rate, [m], [m/s]
+  };
+
+  /// Of a folded model.
+  ForcedResponse(const Model& model, double step);
 
   bool any() const { return !forcing_.empty(); }
   /// Returns an interval at t = 0 whose vectors are allocated.
-  Interval start() const;
+  Interval start() noexcept;
+
+  /// The forcing at t.
+  const Piece& piece(double t) noexcept;
+  const Piece& piece() const { return piece_; }
 
   /// Computes the response in step k, from t_{k−1} to t_k.
-  void step(std::int64_t k, Interval& out) const noexcept;
+  void step(std::int64_t k, Interval& out) noexcept;
+  /// The same with q and v, also if the interval is not forced.
+  void forced_step(std::int64_t k, Interval& out) noexcept;
   /// Computes the response in any other interval. The interval and each knot inside cost one mode_response
   /// per forced mode.
-  void interval(double from, double to, Interval& out) const noexcept;
+  void interval(double from, double to, Interval& out) noexcept;
 
   /// Advances (q, v) from the start of an interval to its end, from knot to knot, under the forcing and the
-  /// modal force `constant`.
+  /// modal force `constant`, which excludes loads.
   Work advance(const Interval& over, const Vector& constant, Vector& q, Vector& v) noexcept;
 
   /// Computes the modal force of the loads at t and its slope up to the next knot [kg^1/2 m/s², kg^1/2 m/s³].
@@ -66,14 +88,25 @@ class ForcedResponse {
   void velocity_jump(double knot, Vector& v) const noexcept;
 
  private:
-  void fill(Interval& out) const noexcept;
+  /// What a load or a support of value 1 adds to `rest`, and, of slope 1, subtracts from it because of
+  /// damping.
+  struct Rest {
+    Vector at, lag;  ///< (n)
+  };
+  void set_times(std::int64_t k, Interval& out) const noexcept;
+  void fill(Interval& out) noexcept;
+  void fill_unless_steady(Interval& out) noexcept;
 
   double step_;
-  Vector omega_, decay_;                 ///< (N); 0 for modes that respond at once
+  Vector omega_, decay_;                 ///< (N)
+  Vector softness_;                      ///< (N) 1/ω² of elastic modes; 0 for others
+  Vector gravity_;                       ///< (N) constant modal force
   std::vector<ModeStep> whole_;          ///< (N) response over one step
-  Vector s_;                             ///< (m) of constant loads
-  std::vector<Model::Forcing> forcing_;  ///< those of the model, without the modes that respond at once
-  Vector value_, slope_, lift_;          ///< (N) scratch of `advance`
+  Vector s_, rest_;                      ///< (n) under gravity alone
+  std::vector<Model::Forcing> forcing_;  ///< those of the model; supports do not lift folded modes
+  std::vector<Rest> rests_;              ///< (forcings)
+  Piece piece_;
+  Vector value_, slope_, lift_;  ///< (N) scratch of `advance`
 };
 
 }  // namespace ricochet::contact

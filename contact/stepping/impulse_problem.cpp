@@ -11,7 +11,7 @@ double touching_margin(const StepSystem& system, Eigen::Index i, double size, do
 }
 
 ImpulseProblem::ImpulseProblem(const ModalState& state, const StepOptions& options)
-    : options_(options), next_(state.forcing.start()) {
+    : options_(options), next_(state.now) {
   const Eigen::Index m = state.system->gap.size();
   for (Vector* x : {&rhs_, &solution_}) x->setZero(m);
   sub_.setZero(m, m);
@@ -45,7 +45,7 @@ SolveStatus ImpulseProblem::solve(ModalState& state, const Vector& u, ContactSol
   const Eigen::Index n = touching_.size();
   for (Eigen::Index j = 0; j < n; ++j) {
     const int i = touching_[j];
-    rhs_(j) = (1 + options_.restitution) * (system.B.row(i).dot(*x) + (*rate)(i));
+    rhs_(j) = (1 + options_.restitution) * (system.model->B.row(i).dot(*x) + (*rate)(i));
     for (Eigen::Index l = 0; l < n; ++l) sub_(l, j) = system.S(touching_[l], i);
   }
   const SolveStatus status = solver.solve(sub_.topLeftCorner(n, n), rhs_.head(n), solution_.head(n));

@@ -3,9 +3,9 @@
 
 namespace ricochet::contact {
 
-ImpulseStepper::ImpulseStepper(const Model& model, const StepOptions& options)
-    : Stepper(options, model.gap.size(), {.max_pivots = options.max_pivots}, false),
-      state_(model, options),
+ImpulseStepper::ImpulseStepper(std::shared_ptr<const Model> model, const StepOptions& options)
+    : Stepper(options, model->points(), {.max_pivots = options.max_pivots}, false),
+      state_(std::move(model), options),
       problem_(state_, options) {
   state_.displacement(contact_.force, u_);
 }
@@ -14,7 +14,7 @@ StepStatus ImpulseStepper::step() noexcept {
   state_.begin(steps_ + 1);
   Work work = state_.free_step();
   next_u_ = state_.now.s;
-  next_u_.noalias() += state_.system->B * state_.next_q;
+  next_u_.noalias() += state_.system->model->B * state_.next_q;
   const SolveStatus status = problem_.solve(state_, next_u_, law_.solver(), next_force_);
   if (!has_forces(status)) return failure(status);
   const int active = state_.strike(next_force_, work);

@@ -12,7 +12,7 @@ namespace ricochet::contact {
 class ImpulseStepper final : public Stepper {
  public:
   /// Throws as make_stepper does.
-  ImpulseStepper(const Model& model, const StepOptions& options);
+  ImpulseStepper(std::shared_ptr<const Model> model, const StepOptions& options);
 
   StepStatus step() noexcept override;
   std::unique_ptr<Stepper> clone() const override { return std::make_unique<ImpulseStepper>(*this); }

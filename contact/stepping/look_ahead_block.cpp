@@ -10,11 +10,10 @@ namespace ricochet::contact {
 constexpr double provision = 1.5;
 
 template <class T>
-LookAheadBlock<T>::LookAheadBlock(std::shared_ptr<const BlockSystem<T>> system, bool forced)
+LookAheadBlock<T>::LookAheadBlock(std::shared_ptr<const BlockSystem<T>> system, bool forcing)
     : system_(std::move(system)),
       near_(*system_),
       screening_(*system_),
-      forced_(forced),
       taken_(system_->length),
       advanced_(system_->length) {
   const auto m = static_cast<std::size_t>(system_->points), L = static_cast<std::size_t>(system_->length);
@@ -23,8 +22,14 @@ LookAheadBlock<T>::LookAheadBlock(std::shared_ptr<const BlockSystem<T>> system, 
   for (std::vector<double>* x : {&rigid_q_, &rigid_v_, &rigid_held_}) x->assign(rigid, 0.0);
   rigid_motion_.setZero(system_->length, rigid);
   rigid_at_.setZero(system_->length);
-  if (forced_) forcing_.assign(2 * L * N, 0.0);
-  s_ = system_->plain->s.transpose().replicate(forced_ ? system_->length + 1 : 1, 1);
+  constant_ = system_->plain->load;
+  highest_rest_.setZero(system_->points);
+  s_.setZero(forcing ? system_->length + 1 : 1, system_->points);
+  if (forcing) {
+    for (Vector* x : {&rest_q_, &rest_v_}) x->setZero(constant_.size());
+    for (std::vector<double>* x : {&y_, &rate_}) x->assign(N, 0.0);
+    forcing_.assign(2 * L * N, 0.0);
+  }
   x_.assign(L * N, T(0));
   rates_.assign(L * N, 0.0);
   predicted_u_.assign(L * width, 0.0);
@@ -51,9 +56,22 @@ simd::Modes LookAheadBlock<T>::modes() const {
 }
 
 template <class T>
-void LookAheadBlock<T>::set_forcing(int l, const Vector& q, const Vector& v, const Vector& s) noexcept {
+bool LookAheadBlock<T>::set_forcing(const ForcedResponse::Piece& piece, double end) noexcept {
+  has_knot_ = piece.to <= end;
+  forced_ = has_knot_ || !piece.steady;
+  s_.row(0) = piece.s.transpose();
+  constant_ = forced_ ? system_->plain->load : piece.load;
+  highest_rest_ = piece.rest;
+  if (!forced_) return false;
+  highest_rest_ += ((end - piece.at) * piece.drift).cwiseMax(0);
+  rest_q_ = piece.rest_q;
+  rest_v_ = piece.rest_v;
+  return true;
+}
+
+template <class T>
+void LookAheadBlock<T>::set_response(int l, const Vector& q, const Vector& v, const Vector& s) noexcept {
   s_.row(l) = s.transpose();
-  if (l == 0) return;
   double* to = &forcing_[2 * (l - 1) * system_->modes];
   std::copy(q.begin(), q.end(), to);
   std::copy(v.begin(), v.end(), to + system_->modes);
@@ -72,9 +90,11 @@ void LookAheadBlock<T>::hold(const Vector& force) noexcept {
   }
   system_->loops->combine(system_->modes, system_->B.data(), system_->modes, pressed_.data(), pressed_.size(),
                           factor_.data(), sum_.data());
+  std::fill(load_.begin(), load_.end(), 0.0);
+  std::copy(constant_.begin(), constant_.end(), load_.begin());
   for (std::size_t n = 0; n < system_->modes; ++n) {
     held_[n] = static_cast<double>(sum_[n]);
-    load_[n] = system_->elastic.load[n] - held_[n];
+    load_[n] -= held_[n];
   }
   if (system_->yields) {
     system_->loops->combine(system_->width, system_->residual.data(), system_->width, pressed_.data(),
@@ -124,7 +144,7 @@ void LookAheadBlock<T>::predict_rigid() noexcept {
   const StepSystem& plain = *system_->plain;
   for (std::size_t r = 0; r < rigid_q_.size(); ++r) {
     const int n = system_->rigid[r];
-    const double load = plain.load(n) - rigid_held_[r];
+    const double load = constant_(n) - rigid_held_[r];
     double q = rigid_q_[r], v = rigid_v_[r];
     for (int l = 0; l < length(); ++l) {
       q += plain.b(n) * v + plain.c(n) * load;
@@ -145,7 +165,7 @@ double LookAheadBlock<T>::at_start(int point, const MeanForce& mean) const noexc
   if (was_kept_[point] != 0) return ended_(point);
   const StepSystem& plain = *system_->plain;
   double u = s_(0, point) - plain.R.col(point).dot(mean.end());
-  for (Eigen::Index n = 0; n < plain.B.cols(); ++n) u += plain.B(point, n) * q_[n];
+  for (Eigen::Index n = 0; n < constant_.size(); ++n) u += plain.model->B(point, n) * q_[n];
   if (point < system_->contacts && !plain.springs.empty() && mean.end()(point) > 0)
     u -= plain.springs[point].displacement(mean.end()(point));
   return u;
@@ -240,7 +260,7 @@ void LookAheadBlock<T>::advance_rigid(bool keep_rates, simd::Sums& sums) noexcep
       double push = rigid_held_[r];
       for (int i : have_changed_)
         push += system_->rigid_B(i, r) * static_cast<double>(changes_[i * length() + l]);
-      const double f = plain.load(n) - push, dq = plain.b(n) * v + plain.c(n) * f;
+      const double f = constant_(n) - push, dq = plain.b(n) * v + plain.c(n) * f;
       sums.damping += f * (plain.damp_ss(n) * f + plain.damp_sr(n) * v) + plain.damp_rr(n) * v * v;
       sums.contact += push * dq;
       q += dq;
@@ -294,11 +314,21 @@ void LookAheadBlock<T>::predict_kept(double times) noexcept {
 
 template <class T>
 void LookAheadBlock<T>::choose_kept(ContactLaw& law, const MeanForce& mean) noexcept {
-  if (forced_)
+  if (has_knot_) {
     screening_.drop_margins();
-  else
-    screening_.bound_by_energy(*system_, {q_.data(), v_.data(), load_.data()}, held_force_, pressed_,
+  } else {
+    const double *q = q_.data(), *v = v_.data();
+    if (forced_) {
+      for (Eigen::Index n = 0; n < rest_q_.size(); ++n) {
+        y_[n] = q[n] - rest_q_(n);
+        rate_[n] = v[n] - rest_v_(n);
+      }
+      q = y_.data();
+      v = rate_.data();
+    }
+    screening_.bound_by_energy(*system_, {q, v, load_.data()}, highest_rest_, held_force_, pressed_,
                                rigid_motion_);
+  }
   predict_kept(1);
   std::size_t needed = 0, covered = 0, contacts = 0;
   for (int i = 0; i < system_->contacts; ++i) needed += must_keep(i, 1) ? 1 : 0;

@@ -23,6 +23,7 @@
 #include "contact/law/contact_law.hpp"
 #include "contact/stepping/block_system.hpp"
 #include "contact/stepping/candidate_screening.hpp"
+#include "contact/stepping/forced_response.hpp"
 #include "contact/stepping/gathered_system.hpp"
 
 namespace ricochet::contact {
@@ -30,16 +31,17 @@ namespace ricochet::contact {
 template <class T>
 class LookAheadBlock {
  public:
-  /// @param forced  whether loads vary or supports move
+  /// @param forcing  whether there are loads with histories or moving supports
   /// Allocates all memory; the other functions allocate nothing.
-  LookAheadBlock(std::shared_ptr<const BlockSystem<T>> system, bool forced);
+  LookAheadBlock(std::shared_ptr<const BlockSystem<T>> system, bool forcing);
 
-  /// Sets the response of q, q̇ (N) to the forcing in step l = 1…L of the block that `start` begins, and s
-  /// (m) at the end of that step. For l = 0, sets only s at the start of the block. Call it for all l before
-  /// `start`.
-  void set_forcing(int l, const Vector& q, const Vector& v, const Vector& s) noexcept;
+  /// Sets the forcing of the block that `start` begins, from piece.at or later to `end` [s]. Returns whether
+  /// the block is forced; set_response must then be called for all steps before `start`.
+  bool set_forcing(const ForcedResponse::Piece& piece, double end) noexcept;
+  /// Sets the response of q, q̇ (N) to the forcing in step l = 1…L, and s (n) at the end of that step.
+  void set_response(int l, const Vector& q, const Vector& v, const Vector& s) noexcept;
 
-  /// Starts a block from q, q̇ (N) under the mean force λ̂ (m) of the previous step.
+  /// Starts a block from q, q̇ (N) under the mean force λ̂ (m) of the previous step, after `set_forcing`.
   /// @param law  holds the kept points from now on
   /// @param mean  the forces at the last instants
   void start(const Vector& q, const Vector& v, const Vector& force, ContactLaw& law,
@@ -51,9 +53,11 @@ class LookAheadBlock {
   /// Discards the block: the next one starts from the state before the step that failed.
   void take_back() noexcept;
 
-  /// Advances the state through the steps solved since the last call. Must not be used with forcing.
+  /// Advances the state through the steps solved since the last call. Must not be used in a forced block.
   /// @param keep_rates  whether to record q̇ after each of these steps for rate()
   simd::Sums advance(bool keep_rates) noexcept;
+  /// (N) q after these steps.
+  Eigen::Map<const Vector> q() const { return {q_.data(), constant_.size()}; }
   void copy_state(Vector& q, Vector& v) const noexcept;
   /// (N) q̇ after step l = 1…L.
   const double* rate(int l) const { return &rates_[(l - 1) * system_->modes]; }
@@ -93,13 +97,18 @@ class LookAheadBlock {
   std::shared_ptr<const BlockSystem<T>> system_;
   GatheredSystem<T> near_;
   CandidateScreening<T> screening_;
-  bool forced_;
+  bool forced_ = false;    ///< whether forcing_ acts in this block
+  bool has_knot_ = false;  ///< whether a history has a knot in this block
   int taken_, advanced_;
   // State of this block
-  std::vector<double> q_, v_, load_, held_;  ///< (modes) held_: Bᵀλ̂; load_: constant load minus held_
+  std::vector<double> q_, v_, load_, held_;  ///< (modes) held_: Bᵀλ̂; load_: constant_ minus held_
   std::vector<double> rigid_q_, rigid_v_, rigid_held_;
+  Vector constant_;                                  ///< (N) constant modal force; forced: of gravity alone
+  Vector highest_rest_;                              ///< (n) bound on u with elastic modes at rest
+  Vector rest_q_, rest_v_;                           ///< (N) forced: of the rest position under loads
+  std::vector<double> y_, rate_;                     ///< (modes) forced: q and q̇ about it
   std::vector<double> forcing_;                      ///< (L, 2, modes) response of q and q̇ to the forcing
-  Matrix s_;                                         ///< (1, m); with forcing (L + 1, m)
+  Matrix s_;                                         ///< (1, n); with forcing (L + 1, n)
   std::vector<T> x_;                                 ///< (L, modes)
   std::vector<double> rates_;                        ///< (L, modes)
   Matrix rigid_motion_;                              ///< (L, rigid)

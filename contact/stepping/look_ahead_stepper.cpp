@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/stepping/look_ahead_stepper.hpp"
 
+#include <utility>
+
 namespace ricochet::contact {
 namespace {
 
@@ -16,10 +18,10 @@ int look_ahead_length(const StepOptions& options, Eigen::Index points) {
 }
 
 template <class T>
-LookAheadStepper<T>::LookAheadStepper(const Model& model, const StepOptions& options)
-    : Stepper(options, model),
-      state_(model, options),
-      block_(std::make_shared<const BlockSystem<T>>(state_.system, look_ahead_length(options, model.points()),
+LookAheadStepper<T>::LookAheadStepper(std::shared_ptr<const Model> model, const StepOptions& options)
+    : Stepper(options, *model),
+      state_(std::move(model), options),
+      block_(std::make_shared<const BlockSystem<T>>(state_.system, look_ahead_length(options, points()),
                                                     options.step),
              state_.forcing.any()),
       flight_(*state_.system, options),
@@ -42,12 +44,12 @@ StepStatus LookAheadStepper<T>::step() noexcept {
     start_block();
   }
   Slip* const slip = contact_.slip.any() ? &contact_.slip : nullptr;
-  if (slip != nullptr) slip->begin(state_.system->belts, steps_ + 1);
+  if (slip != nullptr) slip->begin(state_.system->model->belts, steps_ + 1);
   const StepTrial trial = block_.step(law_, contact_.mean, slip, next_force_, next_end_);
   if (!has_forces(trial.status)) return failure(trial.status);
   u_is_current_ = false;
   if (trial.several) ++contact_.ambiguous;
-  if (state_.forcing.any()) {
+  if (forced_) {
     state_.begin(steps_ + 1);
     const Work at_points = work_of(trial, state_.energy().residual);
     if (!state_.step_under(next_force_, next_end_, slip != nullptr ? &at_points : nullptr)) {
@@ -70,13 +72,12 @@ StepStatus LookAheadStepper<T>::step() noexcept {
 
 template <class T>
 void LookAheadStepper<T>::start_block() noexcept {
-  if (state_.forcing.any()) {
+  const double from = time(), to = static_cast<double>(steps_ + block_.length()) * options_.step;
+  forced_ = block_.set_forcing(state_.forcing.piece(from), to);
+  for (int l = 1; forced_ && l <= block_.length(); ++l) {
     ForcedResponse::Interval& now = state_.now;
-    block_.set_forcing(0, now.q, now.v, state_.s);
-    for (int l = 1; l <= block_.length(); ++l) {
-      state_.forcing.step(steps_ + l, now);
-      block_.set_forcing(l, now.q, now.v, now.s);
-    }
+    state_.forcing.forced_step(steps_ + l, now);
+    block_.set_response(l, now.q, now.v, now.s);
   }
   block_.start(state_.q, state_.v, contact_.force, law_, contact_.mean);
 }
@@ -88,6 +89,8 @@ StepStatus LookAheadStepper<T>::move_state() noexcept {
   const simd::Sums sums = block_.advance(keeps_rates_);
   const double residual = block_.energy_in_residual();
   Work work{.damping = sums.damping, .contact = sums.contact};
+  if (const ForcedResponse::Piece& piece = state_.forcing.piece(); piece.loaded)
+    work.forcing = piece.applied.dot(block_.q() - state_.q);
   if (contact_.slip.any()) {
     work.contact = at_points_.contact + residual - state_.energy().residual;
     work.friction = at_points_.friction;
@@ -129,7 +132,7 @@ void LookAheadStepper<T>::keep(bool every_state, bool rates) noexcept {
 
 template <class T>
 const double* LookAheadStepper<T>::rate(int back) const noexcept {
-  return state_.forcing.any() || flew_ ? state_.v.data() : block_.rate(block_.advanced() - back);
+  return forced_ || flew_ ? state_.v.data() : block_.rate(block_.advanced() - back);
 }
 
 template <class T>

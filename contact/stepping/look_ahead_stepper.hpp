@@ -17,7 +17,7 @@ template <class T>
 class LookAheadStepper final : public Stepper {
  public:
   /// The model must have contact points. Throws as make_stepper does.
-  LookAheadStepper(const Model& model, const StepOptions& options);
+  LookAheadStepper(std::shared_ptr<const Model> model, const StepOptions& options);
 
   StepStatus step() noexcept override;
   std::unique_ptr<Stepper> clone() const override { return std::make_unique<LookAheadStepper>(*this); }
@@ -36,7 +36,8 @@ class LookAheadStepper final : public Stepper {
   ModalState state_;
   LookAheadBlock<T> block_;
   FreeFlight flight_;
-  bool flew_ = false;  ///< the last step was a free flight
+  bool forced_ = false;  ///< the block is forced
+  bool flew_ = false;    ///< the last step was a free flight
   bool keeps_rates_ = false;
   mutable bool u_is_current_ = true;
   Work at_points_;   ///< with friction: of the pending steps

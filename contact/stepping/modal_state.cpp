@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/stepping/modal_state.hpp"
 
+#include <utility>
+
 namespace ricochet::contact {
 
-ModalState::ModalState(const Model& model, const StepOptions& options)
-    : system(make_step_system(model, options)),
-      forcing(model, options.step, options.scheme == Scheme::compliant),
-      q(system->q0),
-      v(system->v0),
+ModalState::ModalState(std::shared_ptr<const Model> shared, const StepOptions& options)
+    : system(make_step_system(std::move(shared), options)),
+      forcing(model(), options.step),
+      q(model().q0),
+      v(model().v0),
       ledger({.kinetic = 0.5 * v.squaredNorm(), .strain = 0.5 * system->stiffness.dot(q.cwiseAbs2())}),
       now(forcing.start()) {
   s = now.s;
@@ -24,9 +26,10 @@ void ModalState::begin(std::int64_t k) noexcept {
 /// cancellation in the work of a force on a slow motion.
 Vector& ModalState::free_motion(const Vector& from_q, const Vector& from_v,
                                 const ForcedResponse::Interval& over) noexcept {
-  g_.array() = system->load.array() - system->stiffness.array() * from_q.array();
+  const Vector& load = over.forced ? system->load : forcing.piece().load;
+  g_.array() = load.array() - system->stiffness.array() * from_q.array();
   dq_.array() = system->b.array() * from_v.array() + system->c.array() * g_.array();
-  if (forcing.any()) dq_ += over.q;
+  if (over.forced) dq_ += over.q;
   return dq_;
 }
 
@@ -36,7 +39,7 @@ int ModalState::push(const Vector& force) noexcept {
   push_.setZero();
   for (Eigen::Index i = 0; i < force.size(); ++i)
     if (force(i) != 0) {
-      push_ += force(i) * system->B.row(i).transpose();
+      push_ += force(i) * model().B.row(i).transpose();
       ++active;
     }
   return active;
@@ -44,22 +47,25 @@ int ModalState::push(const Vector& force) noexcept {
 
 /// Work of the step that starts at (q, v) under the acceleration g_ and the forcing.
 Work ModalState::work() noexcept {
-  if (forcing.any()) {
+  if (now.forced) {
     work_q_ = q;
     work_v_ = v;
     push_.array() = g_.array() + system->stiffness.array() * q.array();
     return forcing.advance(now, push_, work_q_, work_v_);
   }
-  if (!system->damped) return {};
-  return {.damping = (system->damp_ss.array() * g_.array().square() +
-                      system->damp_sr.array() * g_.array() * v.array() +
-                      system->damp_rr.array() * v.array().square())
-                         .sum()};
+  Work out;
+  if (system->damped)
+    out.damping =
+        (system->damp_ss.array() * g_.array().square() + system->damp_sr.array() * g_.array() * v.array() +
+         system->damp_rr.array() * v.array().square())
+            .sum();
+  if (forcing.piece().loaded) out.forcing = forcing.piece().applied.dot(next_q - q);
+  return out;
 }
 
 Work ModalState::free_step() noexcept {
   next_v.array() = system->e.array() * v.array() + system->h.array() * g_.array();
-  if (forcing.any()) next_v += now.v;
+  if (now.forced) next_v += now.v;
   return work();
 }
 
@@ -105,11 +111,10 @@ int ModalState::strike(const Vector& impulse, Work& work) noexcept {
 }
 
 bool ModalState::commit(const Work& work, double residual) noexcept {
-  const Energy end{
-      .kinetic = 0.5 * (forcing.any() ? (next_v + now.lift).squaredNorm() : next_v.squaredNorm()),
-      .strain = 0.5 * (system->stiffness.array() * next_q.array().square()).sum(),
-      .residual = residual,
-      .loads = (system->load.array() * (next_q.array() - system->q0.array())).sum()};
+  const Energy end{.kinetic = 0.5 * (now.forced ? (next_v + now.lift).squaredNorm() : next_v.squaredNorm()),
+                   .strain = 0.5 * (system->stiffness.array() * next_q.array().square()).sum(),
+                   .residual = residual,
+                   .loads = (system->load.array() * (next_q.array() - system->q0.array())).sum()};
   if (!ledger.close(end, work)) return false;
   q.swap(next_q);
   v.swap(next_v);
@@ -119,7 +124,7 @@ bool ModalState::commit(const Work& work, double residual) noexcept {
 
 void ModalState::displacement(const Vector& force, Vector& u) const noexcept {
   u = s;
-  u.noalias() += system->B * q;
+  u.noalias() += model().B * q;
   for (Eigen::Index i = 0; i < force.size(); ++i)
     if (force(i) != 0) u -= force(i) * system->R.col(i);
   yield(system->springs, force, u);

@@ -14,11 +14,13 @@
 namespace ricochet::contact {
 
 struct ModalState {
-  /// Throws InputError if `model` cannot be stepped with these options.
-  ModalState(const Model& model, const StepOptions& options);
+  /// Throws InputError if a folded model cannot be stepped with these options.
+  ModalState(std::shared_ptr<const Model> model, const StepOptions& options);
 
   const Energy& energy() const { return ledger.energy(); }
-  int modes_in_residual() const { return system->dropped; }  ///< modes moved into R because ωΔ > π
+  int modes_in_residual() const {
+    return static_cast<int>(system->model->folded.modes.size());
+  }  ///< modes moved into R because ωΔ > π
 
   /// Starts step k: next_q is q after the motion from (q, v) without contact.
   void begin(std::int64_t k) noexcept;
@@ -49,6 +51,7 @@ struct ModalState {
  private:
   int push(const Vector& force) noexcept;
   Work work() noexcept;
+  const Model& model() const { return *system->model; }
   double residual_energy(const Vector& force) const noexcept;
 
   Vector g_, dq_, push_;    ///< (N) f − ω²q, q⁺ − q, Bᵀp

@@ -8,7 +8,6 @@
 
 #include "base/format.hpp"
 #include "contact/law/mean_force.hpp"
-#include "contact/stepping/forced_response.hpp"
 #include "contact/stepping/propagator.hpp"
 #include "ricochet/error.hpp"
 
@@ -62,71 +61,55 @@ void ModeConstants::set_step(Eigen::Index n, double omega, double decay, double 
 
 bool conserves(const Model& model, const StepOptions& options) {
   return options.scheme == Scheme::compliant && options.contact_step == ContactStep::conserving &&
-         (!model.R.isZero(0) ||
-          std::ranges::any_of(model.omega, [&](double omega) { return !sampled(omega, options.step); }));
+         !model.R.isZero(0);
 }
 
-std::shared_ptr<const StepSystem> make_step_system(const Model& model, const StepOptions& options) {
+std::shared_ptr<const StepSystem> make_step_system(std::shared_ptr<const Model> shared,
+                                                   const StepOptions& options) {
+  const Model& model = *shared;
   check(model, options);
   const bool compliant = options.scheme == Scheme::compliant;
-  const Eigen::Index N = model.omega.size(), m = model.gap.size();
+  const Eigen::Index N = model.omega.size(), m = model.points();
+  assert(model.rows() == m + 2 * std::ssize(model.friction) && model.B.cols() == N);
+  assert(model.R.rows() == model.rows() && model.R.cols() == model.rows());
+  assert(model.load.size() == N && model.q0.size() == N && model.v0.size() == N && model.decay.size() == N);
   StepSystem out;
-  out.omega = model.omega;
-  out.decay = model.decay;
+  out.model = std::move(shared);
   for (Vector* x : out.all()) x->setZero(N);
   out.stiffness = model.omega.cwiseAbs2();
   out.load = model.load;
   out.q0 = model.q0;
-  out.v0 = model.v0;
-  out.B = model.B;
   out.gap = model.gap;
   if (compliant)
     out.springs = model.springs();
   else if (model.bulge.size() > 0)
     out.gap += model.bulge;
-  out.R = model.R;
-  out.friction = model.friction;
-  out.belts = model.belts;
-  assert(out.B.rows() == m + 2 * std::ssize(out.friction) && out.B.cols() == N);
-  assert(out.R.rows() == out.B.rows() && out.R.cols() == out.B.rows());
-  assert(out.load.size() == N && out.q0.size() == N && model.v0.size() == N && out.decay.size() == N);
   for (Eigen::Index n = 0; n < N; ++n) {
-    const double omega = model.omega(n), delta = model.decay(n);
-    if (compliant && !sampled(omega, options.step)) {
-      // The mode has only its static displacement (f_n − Σ B_in λ_i)/ω², which moves the points through s
-      // (ForcedResponse) and R.
-      out.R.noalias() += out.B.col(n) * out.B.col(n).transpose() / out.stiffness(n);
-      out.B.col(n).setZero();
-      out.stiffness(n) = out.load(n) = out.q0(n) = out.v0(n) = 0;
-      ++out.dropped;
-      continue;
-    }
-    out.set_step(n, omega, delta, options.step);
-    out.damped = out.damped || delta > 0;
+    out.set_step(n, model.omega(n), model.decay(n), options.step);
+    out.damped = out.damped || model.decay(n) > 0;
   }
+  for (const int n : model.folded.modes)
+    for (Vector* x : out.all()) (*x)(n) = 0;
+  out.R = model.R;
   if (compliant) {
-    out.M = out.B * out.c.asDiagonal() * out.B.transpose();
+    out.M = model.B * out.c.asDiagonal() * model.B.transpose();
     out.S = out.M + out.R;
     if (conserves(model, options)) out.S_mean = conserving_mean.end * out.M + out.R;
   } else if (options.admittance == Admittance::jump) {
-    out.S = out.B * out.B.transpose();
+    out.S = model.B * model.B.transpose();
   } else {
-    out.S = out.B * (out.b / options.step).asDiagonal() * out.B.transpose();
+    out.S = model.B * (out.b / options.step).asDiagonal() * model.B.transpose();
   }
   if (!compliant && m > 0) {
     out.S.diagonal().array() += least_norm * out.S.diagonal().mean();
-    out.norm = out.B.rowwise().norm();
+    out.norm = model.B.rowwise().norm();
   }
-  out.s = ForcedResponse(model, options.step, compliant).start().s;
   return std::make_shared<const StepSystem>(std::move(out));
 }
 
-Energy initial_energy(const Model& model, const StepOptions& options) {
-  Energy out{.kinetic = 0.5 * model.v0.squaredNorm()};
-  for (Eigen::Index n = 0; n < model.omega.size(); ++n)
-    if (options.scheme != Scheme::compliant || sampled(model.omega(n), options.step))
-      out.strain += 0.5 * model.omega(n) * model.omega(n) * model.q0(n) * model.q0(n);
-  return out;
+Energy initial_energy(const Model& model) {
+  return {.kinetic = 0.5 * model.v0.squaredNorm(),
+          .strain = 0.5 * model.omega.cwiseProduct(model.q0).squaredNorm()};
 }
 
 }  // namespace ricochet::contact

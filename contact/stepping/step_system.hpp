@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "contact/law/contact_law.hpp"
+#include "contact/model/folding.hpp"
 #include "ricochet/step_options.hpp"
 
 namespace ricochet::contact {
@@ -29,34 +30,29 @@ struct ModeConstants {
   }
 };
 
-/// Constants of a modal system for a step Δ. Modes moved into R have constants and a B of 0.
+/// Constants of stepping a folded model for a step Δ.
 struct StepSystem : ModeConstants {
-  Vector omega, decay;  ///< (N)
-  Vector v0;            ///< (N) q̇ at t = 0
-  // Rows (n) as in Model: m normal ones, then the tangential ones of points with friction.
-  Matrix B;                          ///< (n,N)
-  Vector s;                          ///< (n) s of constant loads
+  std::shared_ptr<const Model> model;
   Vector gap;                        ///< (m) g; impulse: of the means of patches
-  Eigen::MatrixXd R;                 ///< (n,n) residual flexibility, including modes moved into it
+  Eigen::MatrixXd R;                 ///< (n,n) residual flexibility
   Eigen::MatrixXd M;                 ///< (n,n) compliant: B c Bᵀ
   Eigen::MatrixXd S;                 ///< (n,n) compliant: M + R; impulse: A
   Eigen::MatrixXd S_mean;            ///< (n,n) a M + R of conserving steps; empty if steps are not conserving
-  std::vector<PatchSpring> springs;  ///< (m), or empty; of R without the modes moved into it
-  std::vector<Model::FrictionPoint> friction;
-  std::vector<Model::Belt> belts;
-  Vector norm;  ///< (m) |B_i|, of the impulse scheme
+  std::vector<PatchSpring> springs;  ///< (m), or empty
+  Vector norm;                       ///< (m) |B_i|, of the impulse scheme
   StepMatrices matrices() const { return {.M = M, .R = R, .S = S, .S_mean = S_mean}; }
   bool damped = false;
-  int dropped = 0;  ///< modes moved into R
 };
 
-/// Whether steps are conserving. Without R, changes of force cost nothing, and backward Euler is used.
+/// Whether steps of a folded model are conserving. Without R, changes of force cost nothing, and backward
+/// Euler is used.
 bool conserves(const Model& model, const StepOptions& options);
 
-/// Throws InputError if `model` cannot be stepped with these options.
-std::shared_ptr<const StepSystem> make_step_system(const Model& model, const StepOptions& options);
+/// Throws InputError if a folded model cannot be stepped with these options.
+std::shared_ptr<const StepSystem> make_step_system(std::shared_ptr<const Model> model,
+                                                   const StepOptions& options);
 
 /// Kinetic and strain energy at t = 0 of the modes that the steps sample.
-Energy initial_energy(const Model& model, const StepOptions& options);
+Energy initial_energy(const Model& model);
 
 }  // namespace ricochet::contact

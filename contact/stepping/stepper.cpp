@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/stepping/stepper.hpp"
 
+#include <utility>
+
 #include "contact/stepping/compliant_stepper.hpp"
 #include "contact/stepping/event_stepper.hpp"
 #include "contact/stepping/impulse_stepper.hpp"
@@ -49,15 +51,21 @@ void Stepper::end_contact(int active, double persistency, const SolveResidual& r
   contact_.force.swap(next_force_);
 }
 
-std::unique_ptr<Stepper> make_stepper(const Model& model, const StepOptions& options) {
+std::unique_ptr<Stepper> make_stepper(std::shared_ptr<const Model> model, const StepOptions& options) {
+  model = fold(std::move(model), options);
   if (options.scheme == Scheme::impulse) {
-    if (options.instant == Instant::exact) return std::make_unique<EventStepper>(model, options);
-    return std::make_unique<ImpulseStepper>(model, options);
+    if (options.instant == Instant::exact) return std::make_unique<EventStepper>(std::move(model), options);
+    return std::make_unique<ImpulseStepper>(std::move(model), options);
   }
-  if (options.block == 1 || model.gap.size() == 0) return std::make_unique<CompliantStepper>(model, options);
+  if (options.block == 1 || model->points() == 0)
+    return std::make_unique<CompliantStepper>(std::move(model), options);
   if (options.precision == Precision::float64)
-    return std::make_unique<LookAheadStepper<double>>(model, options);
-  return std::make_unique<LookAheadStepper<float>>(model, options);
+    return std::make_unique<LookAheadStepper<double>>(std::move(model), options);
+  return std::make_unique<LookAheadStepper<float>>(std::move(model), options);
+}
+
+std::unique_ptr<Stepper> make_stepper(const Model& model, const StepOptions& options) {
+  return make_stepper(std::make_shared<const Model>(model), options);
 }
 
 }  // namespace ricochet::contact

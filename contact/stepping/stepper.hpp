@@ -80,7 +80,7 @@ class Stepper {
 
   /// For points without friction. @param conserving  whether steps are conserving
   Stepper(const StepOptions& options, Eigen::Index points, const SolveOptions& solver, bool conserving);
-  /// For compliant steps of a model.
+  /// For compliant steps of a folded model.
   Stepper(const StepOptions& options, const Model& model);
   Stepper(const Stepper&) = default;
   Stepper& operator=(const Stepper&) = default;
@@ -113,10 +113,11 @@ class Stepper {
   Vector next_force_, next_end_, next_u_;  ///< (n) of the current step: p̄, p⁺ and u⁺
 };
 
-/// Returns the stepper of the scheme in `options`. With `compliant`, steps do not sample modes with ωΔ > π:
-/// these modes move into R and into the static displacement, and their q and q̇ stay 0.
-/// Throws InputError for `impulse` with "difference" and ω_max Δ ≥ π, for a restitution outside [0, 1], and
-/// for max_pivots below 1.
+/// Returns the stepper of the scheme in `options`, and folds the model (folding.hpp). Outputs must see the
+/// folded model, too. Throws InputError for `impulse` with "difference" and ω_max Δ ≥ π, for a restitution
+/// outside [0, 1], and for max_pivots below 1.
+std::unique_ptr<Stepper> make_stepper(std::shared_ptr<const Model> model, const StepOptions& options);
+/// Of a copy of the model.
 std::unique_ptr<Stepper> make_stepper(const Model& model, const StepOptions& options);
 
 }  // namespace ricochet::contact

@@ -26,7 +26,9 @@ struct Series {
 
 }  // namespace
 
-Table table_from_modes(const Model& model, const StepOptions& options, std::int64_t steps) {
+Table table_from_modes(const Model& given, const StepOptions& options, std::int64_t steps) {
+  const std::shared_ptr<const Model> folded = fold(borrowed(given), options);
+  const Model& model = *folded;
   const bool compliant = options.scheme == Scheme::compliant;
   const Eigen::Index N = model.omega.size(), m = model.gap.size();
   // A mean rate needs one more sample and one more instant.
@@ -41,7 +43,8 @@ Table table_from_modes(const Model& model, const StepOptions& options, std::int6
   // The motion without contact is that of the same bodies out of reach of each other.
   Model apart = model;
   apart.gap.setConstant(1e300);
-  const std::unique_ptr<Stepper> motion = make_stepper(apart, options);
+  const std::unique_ptr<Stepper> motion =
+      make_stepper(std::make_shared<const Model>(std::move(apart)), options);
   for (std::int64_t k = 0; k < K; ++k) {
     if (k > 0 && motion->step() != StepStatus::ok)
       throw SolverError(base::format("the free motion stops being finite at t = {:.6g} s", motion->time()));
@@ -50,15 +53,11 @@ Table table_from_modes(const Model& model, const StepOptions& options, std::int6
     if (!compliant) table.free_velocity.insert(table.free_velocity.end(), rate.data(), rate.data() + m);
   }
 
-  Matrix at_once = model.R;
   std::vector<Series> series;
   std::vector<Eigen::Index> column;
   for (Eigen::Index n = 0; n < N; ++n) {
     const double stiffness = model.omega(n) * model.omega(n);
-    if (compliant && !sampled(model.omega(n), options.step)) {
-      at_once.noalias() += model.B.col(n) * model.B.col(n).transpose() / stiffness;
-      continue;
-    }
+    if (model.B.col(n).isZero(0)) continue;
     const ModeStep by = mode_step(model.omega(n), model.decay(n), options.step);
     series.push_back(compliant ? Series{stiffness, by.c, by.S, by} : Series{stiffness, 0, 1, by});
     column.push_back(n);
@@ -68,14 +67,14 @@ Table table_from_modes(const Model& model, const StepOptions& options, std::int6
   const auto append = [&](std::vector<double>& to, auto coefficient) {
     for (Eigen::Index n = 0; n < B.cols(); ++n) weighted.col(n) = coefficient(series[n]) * B.col(n);
     sample.noalias() = weighted * B.transpose();
-    if (compliant && to.empty()) sample += at_once;
+    if (compliant && to.empty()) sample += model.R;
     to.insert(to.end(), sample.data(), sample.data() + m * m);
   };
   const std::size_t size = L * m * m;
   for (std::vector<double>* kernel :
        compliant ? std::vector{&table.flexibility} : std::vector{&table.displacement, &table.velocity})
     kernel->reserve(size);
-  if (compliant && !at_once.isZero(0)) table.residual.assign(at_once.data(), at_once.data() + m * m);
+  if (compliant && !model.R.isZero(0)) table.residual.assign(model.R.data(), model.R.data() + m * m);
   for (std::int64_t l = 0; l < L; ++l) {
     if (compliant) {
       append(table.flexibility, [](const Series& s) { return s.q; });

@@ -29,8 +29,14 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-accuracy::Prepared prepare(Impact& impact, const ImpactRequest& request, store::KernelStore& store,
-                           console::Console& console) {
+/// The pairs of a scene and the model of its kernels, both empty if the table comes from a file.
+struct Paired {
+  accuracy::Prepared prepared{};
+  contact::Model model{};
+};
+
+Paired pair(Impact& impact, const ImpactRequest& request, store::KernelStore& store,
+            console::Console& console) {
   const scene::Scene& scene = impact.scene;
   console.begin("kernels");
   impact.kernels = store::read_kernels(scene, request.folder, store, request.skins);
@@ -38,16 +44,17 @@ accuracy::Prepared prepare(Impact& impact, const ImpactRequest& request, store::
   console.end(fmt::format("{} bodies", impact.kernels.kernel.size()));
 
   console.begin("pairing");
-  accuracy::Prepared out;
-  out.forcing = store::in_scene(scene, [&] { return store::forcing_of(scene); });
-  out.placement = store.placements.place(scene, impact.kernels.pointers());
-  const std::string memory = store::check_impact(scene, impact.kernels.pointers(), out.placement);
-  impact.model = store::in_scene(scene, [&] { return store::model_of(scene, out.placement, out.forcing); });
-  store::in_scene(scene, [&] { store::refuse_early_contact(scene, *impact.model); });
+  Paired out;
+  auto& [placement, forcing] = out.prepared;
+  forcing = store::in_scene(scene, [&] { return store::forcing_of(scene); });
+  placement = store.placements.place(scene, impact.kernels.pointers());
+  const std::string memory = store::check_impact(scene, impact.kernels.pointers(), placement);
+  out.model = store::in_scene(scene, [&] { return store::model_of(scene, placement, forcing); });
+  store::in_scene(scene, [&] { store::refuse_early_contact(scene, out.model); });
   if (scene.contact.scheme != Scheme::at_rest)
-    store::in_scene(scene, [&] { contact::refuse_sag(*impact.model); });
-  console.end(fmt::format("{} contact points, {} modes; {}", impact.model->gap.size(),
-                          impact.model->omega.size(), memory));
+    store::in_scene(scene, [&] { contact::refuse_sag(out.model); });
+  console.end(
+      fmt::format("{} contact points, {} modes; {}", out.model.gap.size(), out.model.omega.size(), memory));
   return out;
 }
 
@@ -59,7 +66,7 @@ struct ErrorReport {
 /// Chooses the settings of steps that a scene with an accuracy leaves open.
 /// @param open  the scene as read
 /// @param settings  chosen by ricochet-kernel; no value if unknown
-ErrorReport choose(Impact& impact, const accuracy::Prepared& prepared, const scene::Scene& open,
+ErrorReport choose(Impact& impact, Paired& paired, const scene::Scene& open,
                    const std::optional<accuracy::Settings>& settings, const std::filesystem::path& folder,
                    console::Console& console) {
   ErrorReport out{{}, impact.kernels.warnings};
@@ -71,9 +78,9 @@ ErrorReport choose(Impact& impact, const accuracy::Prepared& prepared, const sce
   };
   const auto coarser = settings ? accuracy::read_coarser(open, *settings, folder) : std::nullopt;
   contact::Dialled dialled =
-      accuracy::dial_of(impact.scene, impact.kernels, prepared, std::move(*impact.model), coarser,
+      accuracy::dial_of(impact.scene, impact.kernels, paired.prepared, std::move(paired.model), coarser,
                         settings ? settings->rate : Hertz{0}, poll);
-  impact.model = std::move(dialled.model);
+  paired.model = std::move(dialled.model);
   impact.scene = accuracy::resolved(std::move(impact.scene), dialled);
   out.estimate = dialled.estimate;
   if (out.estimate)
@@ -82,7 +89,7 @@ ErrorReport choose(Impact& impact, const accuracy::Prepared& prepared, const sce
   else
     out.warnings.push_back("nothing touches: no error is estimated");
   console.end(out.estimate ? fmt::format("error {:.2g}, {} contact points", out.estimate->total(),
-                                         impact.model->gap.size())
+                                         paired.model.gap.size())
                            : "");
   return out;
 }
@@ -134,7 +141,7 @@ contact::Summary steps(const Impact& impact, console::Console& console, ImpactOb
   const Clock::time_point started = Clock::now();
   const std::unique_ptr<contact::Stepper> stepper =
       impact.table ? table_stepper(impact) : store::in_scene(impact.scene, [&] {
-        return contact::make_stepper(*impact.model, impact.options);
+        return contact::make_stepper(impact.model, impact.options);
       });
   observer.started(impact, *stepper);
   contact::SummaryObserver figures =
@@ -164,12 +171,14 @@ ImpactResult run_impact(ImpactRequest request, store::KernelStore& store, consol
   auto data = std::make_unique<Impact>(Impact{.scene = std::move(closed.scene)});
   Impact& impact = *data;
   const bool by_table = impact.scene.contact.kernel == scene::ContactKernel::table;
-  accuracy::Prepared prepared;
-  if (impact.scene.contact.table.empty()) prepared = prepare(impact, request, store, console);
+  Paired paired;
+  if (impact.scene.contact.table.empty()) paired = pair(impact, request, store, console);
   observer.prepared(impact);
-  const ErrorReport report =
-      choose(impact, prepared, request.scene, closed.settings, request.folder, console);
+  const ErrorReport report = choose(impact, paired, request.scene, closed.settings, request.folder, console);
   impact.options = store::step_options(impact.scene);
+  if (impact.scene.contact.table.empty())
+    impact.model =
+        contact::fold(std::make_shared<const contact::Model>(std::move(paired.model)), impact.options);
 
   ImpactSummary summary;
   if (impact.scene.contact.scheme == Scheme::at_rest) {

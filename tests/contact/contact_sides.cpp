@@ -25,8 +25,9 @@ struct Row {
 /// The steps with a force, of one contact point. @param every  steps between rows
 std::vector<Row> rows_of(const Model& model, const StepOptions& options, int steps, int every = 1) {
   std::vector<Row> out;
-  const auto stepper = make_stepper(model, options);
-  ContactSides sides(model, options);
+  const auto folded = fold(borrowed(model), options);
+  const auto stepper = make_stepper(folded, options);
+  ContactSides sides(*folded, options);
   for (int k = 1; k <= steps; ++k) {
     EXPECT_EQ(stepper->step(), StepStatus::ok);
     if (stepper->force()(0) > 0 && k % every == 0) {

@@ -77,6 +77,56 @@ TEST(FreeFlight, gives_the_motion_of_contact_steps_in_fewer_steps) {
     }
 }
 
+/// Adds a load that lifts the body and bends it, or a support that moves its points and its modes.
+void drive(Model& model, bool support, ricochet::contact::History history) {
+  const Eigen::Index N = model.omega.size(), m = model.points();
+  model.bodies.resize(1);
+  model.bodies[0].modes = static_cast<int>(N);
+  Model::Forcing& one = model.forcing.emplace_back();
+  one.support = support;
+  one.history = std::move(history);
+  one.force.setZero(N);
+  one.lift = one.force;
+  if (support)
+    one.lift.setLinSpaced(1e-4, -2e-4);
+  else
+    one.force.setLinSpaced(-8, 40);
+  one.displacement.setLinSpaced(m, -1e-6, 2e-6);
+}
+
+// Flights are crossed unless a history has a knot meanwhile: of a dead load, of a load that grows steadily,
+// of one that begins and ends, and of a support that moves steadily. 1e-8: contact amplifies round-off.
+TEST(FreeFlight, is_crossed_between_the_knots_of_loads_and_supports) {
+  const int per_sample = 50;
+  const std::int64_t samples = 1500;
+  const double end = samples * sample;
+  const std::vector<std::pair<bool, History>> forcings{
+      {false, {{-1}, {1e-3}}},
+      {false, {{0}, {0.3}}},
+      {false, {{-1, 2 * end}, {0, 0.5}}},
+      {false, {{0.21 * end, 0.3 * end, 0.4 * end}, {0, 0.6, 0}}},
+      {true, {{0.1 * end, 2 * end}, {0, 1}}},
+  };
+  for (std::size_t which = 0; which < forcings.size(); ++which)
+    for (const int block : {1, 8}) {
+      SCOPED_TRACE(testing::Message() << which << " " << block);
+      Model model = thrown();
+      drive(model, forcings[which].first, forcings[which].second);
+      StepOptions options{.step = sample / per_sample, .block = block, .every_state = false};
+      const Course plain = run(model, options, samples * per_sample);
+      options.steps_per_sample = per_sample;
+      const Course jumped = run(model, options, samples);
+      EXPECT_GT(plain.touches, 10);
+      EXPECT_NEAR(jumped.touches, plain.touches, 1);
+      EXPECT_LT(jumped.calls - jumped.touches, (plain.calls - plain.touches) / 5);
+      EXPECT_LT((jumped.q - plain.q).norm(), 1e-8 * plain.q.norm());
+      EXPECT_LT((jumped.v - plain.v).norm(), 1e-8 * plain.v.norm());
+      EXPECT_NEAR(jumped.energy.damping, plain.energy.damping, 1e-8 * plain.energy.kinetic);
+      EXPECT_NEAR(jumped.energy.loads, plain.energy.loads, 1e-8 * plain.energy.kinetic);
+      EXPECT_NEAR(jumped.energy.ledger(), plain.energy.ledger(), 1e-10 * plain.energy.kinetic);
+    }
+}
+
 // A mode turns the point into the floor and back again between two samples. The ends of the jump show
 // nothing of this.
 TEST(FreeFlight, does_not_pass_through_a_floor_between_samples) {

@@ -144,12 +144,12 @@ TEST(Islands, that_merge_and_part_never_gain_energy) {
     }
 }
 
-// A contact that opens puts in energy with the weight of its last force, and its own part of the bank is empty.
-// The other contact of its island pays, so that no part is negative when the island splits.
+// A contact that opens puts in energy with the weight of its last force, and its own part of the bank is
+// empty. The other contact of its island pays, so that no part is negative when the island splits.
 TEST(Islands, share_their_banks) {
   const Model model = chain_of({{10, 0}, {7, 0}}, {{0, 1}, {1, -1}});
   const StepOptions options{.step = 0.3, .block = 1};
-  const auto system = make_step_system(model, options);
+  const auto system = make_step_system(borrowed(model), options);
   ContactLaw law(model, options);
   MeanForce mean(model, true);
   const Vector force{{0.1, 0.1}};

@@ -174,7 +174,8 @@ TEST(Result, gives_body_a_its_share_of_residual_and_fast_modes) {
   std::vector<double> displacement[2], velocity[2];
   for (int which = 0; which < 2; ++which) {
     const Folder folder;
-    const Model& model = which == 0 ? one : two;
+    const auto folded = fold(borrowed(which == 0 ? one : two), options);
+    const Model& model = *folded;
     Recorder recorder(model, options, {.path = folder / "rods.result.h5"});
     EXPECT_GT(run(model, options, 25, recorder)->modal()->modes_in_residual(), 0);
     recorder.commit();

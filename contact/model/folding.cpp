@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "contact/model/folding.hpp"
+
+#include <cassert>
+
+namespace ricochet::contact {
+namespace {
+
+/// The part of a column of B that is the motion of body a of each pair, if the mode is one of body k.
+Vector part_of_a(const Model& model, int k, const Vector& column) {
+  Vector out = Vector::Zero(column.size());
+  for (const Model::PairBlock& pair : model.pairs)
+    if (pair.a == k) out += pair.part_of(column);
+  return out;
+}
+
+/// Moves a mode of a body into R, the static displacements, the forcing and the receivers.
+void fold_mode(Model& model, int k, int n) {
+  const double stiffness = model.omega(n) * model.omega(n);
+  const Vector B = model.B.col(n), flexible = B / stiffness;
+  const bool apart = model.R_a.size() > 0;  // whether the shares of body a are known
+  const Vector of_a = apart ? part_of_a(model, k, flexible) : Vector();
+  model.R.noalias() += B * B.transpose() / stiffness;
+  model.static_displacement += flexible * model.load(n);
+  if (apart) {
+    model.R_a.noalias() += of_a * B.transpose();
+    model.static_a += of_a * model.load(n);
+  }
+  for (Model::Receiver& receiver : model.receivers) {
+    if (receiver.body != k) continue;
+    const int i = n - model.bodies[k].first_mode;
+    const Eigen::Vector3d motion = receiver.shape.col(i) / stiffness;
+    receiver.constant += motion * model.load(n);
+    receiver.flexibility -= motion * B.transpose();
+    for (std::size_t d = 0; d < model.forcing.size(); ++d)
+      if (model.forcing[d].body == k) receiver.forcing.col(d) += motion * model.forcing[d].force(i);
+    receiver.shape.col(i).setZero();
+  }
+  for (Model::Forcing& one : model.forcing) {
+    const Eigen::Index i = n - one.first_mode;
+    if (i < 0 || i >= one.force.size()) continue;
+    one.displacement += flexible * one.force(i);
+    if (apart) one.displacement_a += of_a * one.force(i);
+    one.force(i) = 0;
+  }
+  model.B.col(n).setZero();
+  model.load(n) = model.q0(n) = model.v0(n) = 0;
+}
+
+}  // namespace
+
+std::shared_ptr<const Model> fold(std::shared_ptr<const Model> model, const StepOptions& options) {
+  std::vector<int> modes;
+  for (int n = 0; n < model->omega.size() && options.scheme == Scheme::compliant; ++n)
+    if (!sampled(model->omega(n), options.step)) modes.push_back(n);
+  if (modes == model->folded.modes) return model;
+  assert(model->folded.modes.empty());
+  const auto out = std::make_shared<Model>(*model);
+  Model::Folded& folded = out->folded;
+  folded.B = model->B(Eigen::all, modes);
+  folded.load = model->load(modes);
+  folded.force.setZero(std::ssize(modes), std::ssize(model->forcing));
+  folded.R = model->R.diagonal();
+  folded.R_a = model->R_a.diagonal();
+  for (std::size_t j = 0; j < modes.size(); ++j)
+    for (std::size_t d = 0; d < model->forcing.size(); ++d) {
+      const Model::Forcing& one = model->forcing[d];
+      if (const Eigen::Index i = modes[j] - one.first_mode; i >= 0 && i < one.force.size())
+        folded.force(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(d)) = one.force(i);
+    }
+  int k = 0;
+  for (const int n : modes) {
+    while (static_cast<std::size_t>(k) + 1 < model->bodies.size() && n >= model->bodies[k + 1].first_mode)
+      ++k;
+    fold_mode(*out, k, n);
+  }
+  folded.modes = std::move(modes);
+  return out;
+}
+
+void set_folded(const Model& model, double t, const Vector& p, Vector& q) noexcept {
+  const Model::Folded& folded = model.folded;
+  for (std::size_t j = 0; j < folded.modes.size(); ++j) {
+    const auto column = static_cast<Eigen::Index>(j);
+    double force = folded.load(column) - folded.B.col(column).dot(p);
+    for (std::size_t d = 0; d < model.forcing.size(); ++d)
+      force += model.forcing[d].history.at(t) * folded.force(column, static_cast<Eigen::Index>(d));
+    const double omega = model.omega(folded.modes[j]);
+    q(folded.modes[j]) = force / (omega * omega);
+  }
+}
+
+}  // namespace ricochet::contact
