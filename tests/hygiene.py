@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Every source has its licence line; no tracked file is large, a fuzzing artefact or names a machine's folder.
+"""Every source has its licence line; C++ is formatted; no tracked file is large, a fuzzing artefact or names a
+machine's folder.
 
     python3 tests/hygiene.py [FOLDER]    # status 1 and one line per finding; 77 without a git checkout
 """
@@ -13,6 +14,7 @@ SOURCES = {".c", ".cmake", ".cpp", ".css", ".h", ".hpp", ".js", ".py", ".sh"}
 ARTEFACT = re.compile(r"(crash|leak|oom|timeout|slow-unit)-")
 HOME = re.compile(rb"/(home|root|work|Users)/\w")
 LARGEST = 1 << 20
+UNFORMATTED = re.compile(r"^(?:\./)?(\S+?):(\d+):\d+: error: code should be clang-formatted", re.MULTILINE)
 
 
 def is_source(path, content):
@@ -42,12 +44,33 @@ def findings(root, names):
             yield f"{name}:{line}: names a folder of one machine"
 
 
+def unformatted(root, names):
+    sources = [name for name in names if name.endswith((".cpp", ".hpp")) and (root / name).is_file()]
+    if not sources:
+        return
+    try:
+        run = subprocess.run(
+            ["clang-format", "--dry-run", "--Werror", *sources], cwd=root, capture_output=True, text=True
+        )
+    except FileNotFoundError:
+        yield "clang-format is not installed: run scripts/setup --tests"
+        return
+    first = {}  # line of each file
+    for name, line in UNFORMATTED.findall(run.stderr):
+        first.setdefault(name, line)
+    for name, line in first.items():
+        yield f"{name}:{line}: is not formatted: run clang-format -i {name}"
+    if run.returncode != 0 and not first:
+        yield run.stderr.strip()
+
+
 def main(root):
     listed = subprocess.run(["git", "-C", root, "ls-files", "-z"], capture_output=True, text=True)
     if listed.returncode != 0:
         print(f"{root}: not a git checkout")
         return 77
-    found = list(findings(root, filter(None, listed.stdout.split("\0"))))
+    names = list(filter(None, listed.stdout.split("\0")))
+    found = [*findings(root, names), *unformatted(root, names)]
     print("\n".join(found))
     return 1 if found else 0
 

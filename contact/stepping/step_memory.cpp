@@ -32,9 +32,9 @@ double stepper_bytes(const ModelSize& size, const StepOptions& options) {
   // Two solvers: the factor of an active set each, and with friction another one, with the matrix of the
   // points that touch, its factor and scratch.
   const double solvers = 2 * (rubs ? 5 : 1) * square;
-  if (!compliant) return number * n * N + 2 * square + solvers + number * near * near;
+  if (!compliant) return 2 * square + solvers + number * near * near;
   const bool conserving = options.contact_step == ContactStep::conserving && size.has_residual;
-  const double system = number * n * N + (conserving ? 4 : 3) * square;  // B; R, M, S and S_mean
+  const double system = (conserving ? 4 : 3) * square;  // R, M, S and S_mean
   const double islands = size.pairs > 1 ? 4 * number * near * near : 0;
   if (options.block == 1 || size.points == 0) return system + solvers + islands;
   const double T = options.precision == Precision::float64 ? sizeof(double) : sizeof(float);
