@@ -4,16 +4,11 @@ impacts.
 
     scripts/bench settings meshes/two-disks/two-disks.toml
     scripts/bench settings meshes/two-disks/two-disks.toml --json settings.json
-    scripts/bench settings meshes/two-disks/two-disks.toml --approximate
 
 The reference is the impact computed with the lowest 400 certified modes of each body, with residuals up to
 1e-8. Times are those of ricochet-kernel as a whole, including meshing and assembly. Memory is the peak of the
 rank that used most. The error of the frequencies is the largest one; each mode is compared with the mode of
 the same number in the reference.
-
-With --approximate, modes from block iterations are compared with certified modes with residuals up to 1e-4,
-whose frequencies are accurate to 1e-7. The measure is processor time on one rank, which other work on the
-machine affects less.
 """
 import json
 import tempfile
@@ -32,8 +27,6 @@ SETTINGS = [
     ("residuals up to 1e-6", "{{count=400,relative_residual=1e-6}}", []),
     ("residuals up to 1e-4", "{{count=400,relative_residual=1e-4}}", []),
     ("residuals up to 1e-2", "{{count=400,relative_residual=1e-2}}", []),
-    ("approximate, 1 block iteration", "{{count=400,approximate=1}}", []),
-    ("approximate, 2 block iterations", "{{count=400,approximate=2}}", []),
     ("200 modes", "{{count=200}}", []),
     ("100 modes", "{{count=100}}", []),
     ("100 modes, no residual flexibility", "{{count=100,residual_flexibility=false}}", []),
@@ -46,14 +39,6 @@ SETTINGS = [
     ("the same, block low-rank 1e-8", CONTACT + "1e-3,low_rank=1e-8}}", []),
     ("the same, block low-rank 1e-4", CONTACT + "1e-3,low_rank=1e-4}}", []),
 ]
-APPROXIMATE_COLUMNS = [
-    ("modes", "modes", ""),
-    ("processor time (s)", "seconds", ".1f"),
-    ("certified / this", "gain", ".2f"),
-    ("block iterations taken", "taken", ""),
-    ("error of frequencies: largest", "largest", ".1e"),
-    ("median", "median", ".1e"),
-]
 
 
 def frequencies(folder):
@@ -65,15 +50,15 @@ def frequencies(folder):
     return found
 
 
-def elastic_errors(omega, reference):
-    """Relative errors of the elastic frequencies that are in both arrays."""
-    n = min(len(omega), len(reference))
-    elastic = reference[:n] > 0
-    return np.abs(omega[:n][elastic] / reference[:n][elastic] - 1)
-
-
 def frequency_error(found, reference):
-    return max(elastic_errors(omega, reference[body]).max() for body, omega in found.items())
+    """Largest relative error of the elastic frequencies that are in both, over all bodies."""
+
+    def largest(omega, true):
+        n = min(len(omega), len(true))
+        elastic = true[:n] > 0
+        return np.abs(omega[:n][elastic] / true[:n][elastic] - 1).max()
+
+    return max(largest(omega, reference[body]) for body, omega in found.items())
 
 
 def measure(options, name, modes, of_bodies, reference):
@@ -99,41 +84,6 @@ def measure(options, name, modes, of_bodies, reference):
         }
 
 
-def approximate(options, iterations=(0, 1, 2)):
-    """Prints a table of certified modes (0) and of approximate modes with so many block iterations, for all
-    bodies."""
-    table = tables.Table(APPROXIMATE_COLUMNS)
-    truth, first = None, None
-    for count in iterations:
-        bound = f"approximate={count}" if count else "relative_residual=1e-4"
-        words = [f"modes={{count={options.count},{bound}}}", "output.view=false"]
-        with tempfile.TemporaryDirectory(prefix="ricochet-settings-") as folder:
-            words = ["--quiet", *programs.with_set(words, folder)]
-            seconds = launch.measured(programs.kernel_command(options.scene, words, 1)).cpu_seconds
-            found, taken = frequencies(Path(folder)), iterations_taken(Path(folder))
-        if not count:
-            truth, first = found, seconds
-        errors = np.concatenate([elastic_errors(omega, truth[body]) for body, omega in found.items()])
-        table.row(
-            {
-                "modes": f"`approximate = {count}`" if count else "certified, residuals up to 1e-4",
-                "seconds": seconds,
-                "gain": first / seconds,
-                "taken": taken if count else None,
-                "largest": errors.max() if count else None,
-                "median": np.median(errors) if count else None,
-            }
-        )
-
-
-def iterations_taken(folder):
-    taken = []
-    for path in sorted(folder.glob("*.kernel.h5")):
-        with h5py.File(path) as kernel:
-            taken.append(int(kernel["modes/certificate"].attrs.get("approximate", 0)))
-    return ", ".join(str(count) for count in taken)
-
-
 class Reference:
     """The result of the first setting that was measured."""
 
@@ -143,19 +93,10 @@ class Reference:
 
 def add_arguments(parser):
     impacts.add_arguments(parser)
-    parser.add_argument(
-        "--approximate", action="store_true", help="compare approximate modes with certified ones instead"
-    )
-    parser.add_argument(
-        "--count", type=int, default=400, help="number of those modes of each body (default: 400)"
-    )
 
 
 def run(options):
     launch.build("ricochet-kernel", "ricochet-contact")
-    if options.approximate:
-        approximate(options)
-        return
     reference = Reference(Impacts(options, None).bodies)
     rows = []
     table = tables.Table(

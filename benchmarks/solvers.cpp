@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "src/modes/approximate.hpp"
 #include "src/modes/contact_basis.hpp"
 #include "src/modes/residual.hpp"
 #include "src/surface/patches.hpp"
@@ -112,12 +111,6 @@ Found by_ricochet(const Problem& problem) {
   const scene::Modes& wanted = problem.request.modes;
   const Stopwatch watch(problem.teams.world());
   modes::Factorisation factor(problem.body.stiffness, problem.body.mass);
-  if (wanted.approximate > 0) {
-    const modes::ModeSet set = modes::approximate_modes(
-        problem.teams, problem.mesh, problem.body, factor, problem.request.body.materials, "mesh",
-        {.up_to = wanted.up_to, .count = wanted.count, .iterations = wanted.approximate});
-    return found_by_us(set, watch.seconds());
-  }
   std::vector<std::pair<std::string, double>> phases;
   modes::Progress progress;
   progress.begin = [&](const std::string& phase) { phases.emplace_back(phase, watch.seconds()); };

@@ -122,8 +122,8 @@ Kernel rescaled(Kernel kernel, const Similarity& factors, const Damping& damping
     auto& [basis, omega, decay, residual, certificate] = modes;
     multiply(omega, frequency);
     decay = decay_rates(damping, omega);
-    auto& [below, upto_hz, by_inertia, shift, modes_below, found, left_out, complete, orthonormality, error,
-           approximate] = certificate;
+    auto& [below, upto_hz, by_inertia, shift, modes_below, found, left_out, complete, orthonormality, error] =
+        certificate;
     upto_hz *= frequency;
     multiply(shift, frequency * frequency);
   }

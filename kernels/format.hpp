@@ -89,7 +89,6 @@ void list_modes(auto& file, auto& modes) {
   file.attribute(group, "complete", certificate.complete);
   file.attribute(group, "orthonormality", certificate.orthonormality);
   file.attribute(group, "flexibility_error", certificate.flexibility_error);
-  file.optional_attribute(group, "approximate", certificate.approximate);
   const std::size_t shifts = file.rows(group + "/shift", certificate.shift, 1);
   file.optional_dataset(group + "/shift", certificate.shift, {shifts}, "rad^2/s^2");
   file.optional_dataset(group + "/modes_below", certificate.modes_below, {shifts}, "1");

@@ -133,7 +133,7 @@ void validate_modes(const Modes& modes, const Validator& check) {
   check.not_negative("/modes/residual", modes.residual);
   const Certificate& certificate = modes.certificate;
   if (certificate.below < 0 || certificate.count_by_inertia < 0 || certificate.count_found < 0 ||
-      certificate.left_out < 0 || certificate.approximate < 0)
+      certificate.left_out < 0)
     check.fail("group \"/modes/certificate\"", "contains a negative count.");
   if (!(std::isfinite(certificate.upto_hz) && certificate.upto_hz >= 0 &&
         std::isfinite(certificate.orthonormality) && certificate.orthonormality >= 0 &&

@@ -134,7 +134,7 @@ EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium,
         std::max(0.0, (equilibrium.displacement.head(model.points()) - model.gap).maxCoeff());
   for (const Model::BodyBlock& body : model.bodies) {
     out.modes[body.name] = body.modes;
-    out.basis[body.name] = body.kernel->modes.kind();
+    out.basis[body.name] = body.kernel->modes.basis;
     const double angle = rigid_motion(body, pseudo_inverse(body.inertia), equilibrium.q).rotation.norm();
     if (auto warning = rotation_warning(body.name, angle); warning && equilibrium.active > 0)
       out.warnings.push_back(*warning);

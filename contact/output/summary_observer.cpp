@@ -64,7 +64,7 @@ SummaryObserver::SummaryObserver(const Table& table, const Model* source, const 
 void SummaryObserver::add_model(const Model& model) {
   for (const Model::BodyBlock& body : model.bodies) {
     out_.modes[body.name] = body.modes;
-    out_.basis[body.name] = body.kernel->modes.kind();
+    out_.basis[body.name] = body.kernel->modes.basis;
   }
   for (const Model::PairBlock& pair : model.pairs) out_.unpaired += pair.unpaired;
   out_.candidates = static_cast<int>(model.gap.size());

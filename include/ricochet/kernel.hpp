@@ -34,7 +34,6 @@ struct Certificate {
   /// Estimated error of the flexibility of the contact surface over the band of the scene; 0 if no bound on
   /// it was requested.
   double flexibility_error = 0;
-  std::int64_t approximate = 0;  ///< block iterations that replaced the certified search, or 0
   bool operator==(const Certificate&) const = default;
 };
 
@@ -45,8 +44,6 @@ struct Modes {
   std::vector<double> residual;  ///< (N) ‖Kφ − ω²Mφ‖₂ / ‖Kφ‖₂ (rigid: over ‖diag K‖∞ ‖φ‖₂)
   Certificate certificate;
   std::size_t size() const { return angular_frequency.size(); }
-  /// Kind of the modes for reports: "modes" (certified), "approximate modes", "contact" or "imported".
-  std::string kind() const { return certificate.approximate > 0 ? "approximate " + basis : basis; }
   /// Whether these are the load-dependent Ritz vectors of a contact-adapted basis. They are not modes of the
   /// body, and the basis is useful only as a whole.
   bool contact_adapted() const { return basis == "contact"; }

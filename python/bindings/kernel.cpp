@@ -48,7 +48,6 @@ py::dict certificate(const Kernel& kernel) {
   out["complete"] = c.complete;
   out["orthonormality"] = c.orthonormality;
   out["flexibility_error"] = c.flexibility_error;
-  out["approximate"] = c.approximate;
   return out;
 }
 
@@ -86,7 +85,7 @@ void bind_kernel(py::module_& module) {
       .def_readonly("order", &Kernel::order)
       .def_readonly("mass", &Kernel::mass)
       .def_readonly("supported", &Kernel::supported)
-      .def_property_readonly("basis", [](const Kernel& k) { return k.modes.kind(); })
+      .def_property_readonly("basis", [](const Kernel& k) { return k.modes.basis; })
       .def_property_readonly("certificate", &certificate)
       .def_property_readonly("centre", [](const Kernel& k) { return copy(k.centre); })
       .def_property_readonly("inertia",

@@ -30,7 +30,6 @@ class Certificate:
     complete: bool  #: the counts agree and all errors are within their bounds
     orthonormality: float  #: max |Φᵀ M Φ − I|
     flexibility_error: float  #: relative error of the contact flexibility over the band; 0 if there is no bound
-    approximate: int  #: number of block iterations; 0: certified search
 
 
 @dataclass(frozen=True)
@@ -66,9 +65,7 @@ class Kernel:
 
     body: str = of_core("body", "The scene's name for the body.")
     hash: str = of_core("hash", "SHA-256 of all that the kernel depends on: equal hash, equal kernel.")
-    basis: str = of_core(
-        "basis", "`modes` (certified), `approximate modes`, `contact` (fitted to contact), or `imported`."
-    )
+    basis: str = of_core("basis", "`modes` (certified), `contact` (fitted to contact), or `imported`.")
 
     @property
     def certificate(self) -> Certificate:

@@ -145,11 +145,10 @@ void fix_signs(const Operators& operators, Eigen::MatrixXd& shape) {
 }
 
 std::vector<Eigen::Index> certify(const parallel::Teams& teams, const Operators& operators,
-                                  const std::vector<Probe>& counts, std::optional<double> tolerance,
-                                  ModeSet& set, const std::optional<std::vector<Eigen::Index>>& changed) {
-  const double bound = tolerance ? orthonormality_of_modes : orthonormality_of_ritz_vectors;
+                                  const std::vector<Probe>& counts, double tolerance, ModeSet& set,
+                                  const std::optional<std::vector<Eigen::Index>>& changed) {
   const std::vector<Eigen::Index> doubtful =
-      measure(teams, operators, tolerance, bound, changed ? *changed : all_modes(set), set);
+      measure(teams, operators, tolerance, orthonormality_of_modes, changed ? *changed : all_modes(set), set);
 
   kernels::Certificate& certificate = set.certificate;
   certificate.shift.clear();

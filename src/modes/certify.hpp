@@ -14,13 +14,12 @@ void fix_signs(const Operators& operators, Eigen::MatrixXd& shape);
 /// Fills the certificate of a set and its residuals, both from the set itself: residuals and M-orthonormality
 /// from K and M, and the number of its modes below each shift, for comparison with the inertia there.
 /// @param counts     shifts with their inertia, ascending; the last one at the end of the set
-/// @param tolerance  bound on the residuals, unless round-off explains them; without it, they are only
-/// recorded
+/// @param tolerance  bound on the residuals, unless round-off explains them
 /// @param changed    modes whose residuals and products are computed, ascending; without it, all
 /// @return the modes whose residual or M-orthonormality exceeds its bound. Collective on all ranks.
 std::vector<Eigen::Index> certify(const parallel::Teams& teams, const Operators& operators,
-                                  const std::vector<Probe>& counts, std::optional<double> tolerance,
-                                  ModeSet& set, const std::optional<std::vector<Eigen::Index>>& changed = {});
+                                  const std::vector<Probe>& counts, double tolerance, ModeSet& set,
+                                  const std::optional<std::vector<Eigen::Index>>& changed = {});
 
 /// Throws SolverError unless the certificate is complete.
 /// @param doubtful  from `certify`

@@ -34,21 +34,21 @@ Eigen::VectorXd decomposition(Eigen::Index rows, const Solve& solve) {
   return values;
 }
 
-}  // namespace
-
-Eigen::VectorXd eigen_decomposition(Eigen::MatrixXd& matrix) {
+Eigen::VectorXd on_this_rank(Eigen::MatrixXd& matrix) {
   return decomposition(matrix.rows(), [&](int n, double* values, double* work, int work_size, int* whole,
                                           int whole_size, int& status) {
     dsyevd_("V", "L", &n, matrix.data(), &n, values, work, &work_size, whole, &whole_size, &status);
   });
 }
 
+}  // namespace
+
 Eigen::VectorXd eigen_decomposition(MPI_Comm comm, Eigen::MatrixXd& matrix) {
-  if (parallel::size_of(comm) == 1) return eigen_decomposition(matrix);
+  if (parallel::size_of(comm) == 1) return on_this_rank(matrix);
   Eigen::VectorXd values;
   int converged = 1;
   if (parallel::rank_of(comm) == 0) try {
-      values = eigen_decomposition(matrix);
+      values = on_this_rank(matrix);
     } catch (const SolverError&) {
       converged = 0;
     }

@@ -11,11 +11,9 @@ namespace ricochet::modes {
 
 /// Returns the eigenvalues of a symmetric matrix in ascending order. Reads only the lower triangle, and
 /// overwrites the matrix with the eigenvectors. Throws SolverError if the solver does not converge.
-Eigen::VectorXd eigen_decomposition(Eigen::MatrixXd& matrix);
-
-/// The same, computed by the first rank of `comm` for all: on unlike processors, LAPACK rounds differently,
-/// and ranks that decide by its results must not disagree. Collective; `matrix` has the same size on every
-/// rank.
+///
+/// The first rank of `comm` computes them for all: on unlike processors, LAPACK rounds differently, and ranks
+/// that decide by its results must not disagree. Collective; `matrix` has the same size on every rank.
 Eigen::VectorXd eigen_decomposition(MPI_Comm comm, Eigen::MatrixXd& matrix);
 
 /// Returns the eigenvalues θ of A x = θ B x in ascending order, with B positive definite. Reads only the

@@ -13,7 +13,6 @@
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/partition.hpp"
 #include "src/mesh/parts.hpp"
-#include "src/modes/approximate.hpp"
 #include "src/modes/contact_basis.hpp"
 #include "src/modes/eps_solve.hpp"
 #include "src/modes/modes.hpp"
@@ -63,9 +62,7 @@ double expected_mib(const scene::Modes& wanted, const Discretised& made, std::in
   }
   if (fitted) return adapted;
   const double search =
-      wanted.approximate > 0
-          ? modes::expected_approximate_mib(*made.factor, rows, count, teams)
-          : modes::expected_mib(*made.factor, rows, count > 0 ? count : per_shift, per_shift, teams);
+      modes::expected_mib(*made.factor, rows, count > 0 ? count : per_shift, per_shift, teams);
   return std::max(adapted, loads + search);
 }
 
@@ -120,12 +117,6 @@ Discretised assembled(const scene::KernelRequest& request, Source& source, int c
 
   if (request.friction && made.mesh.dim == 1)
     throw InputError(fmt::format("{}: {}", file, store::friction_on_rod(body.name)));
-  if (request.modes.approximate > 0 && made.mesh.order < 2)
-    throw InputError(
-        fmt::format("{}: modes.approximate = {}: elements of order 1 have no lower order to start from: "
-                    "raise the order, "
-                    "or leave it out",
-                    file, request.modes.approximate));
   console.begin(body.name + ": assembly");
   made.sources = surface::make_sources(made.mesh, request);
   if (body.imported())

@@ -38,11 +38,8 @@ std::string report(const contact::Summary& s) {
   std::string modes;
   for (const auto& [name, count] : s.modes) {
     if (name.find('.') != std::string::npos) continue;  // a further strike: no body of a file has a dot
-    const std::string& basis = s.basis.at(name);
     modes += fmt::format("{}{} {}{}", modes.empty() ? "" : ", ", name, count,
-                         basis == "approximate modes" ? " (approximate)"
-                         : basis == "imported"        ? " (imported)"
-                                                      : "");
+                         s.basis.at(name) == "imported" ? " (imported)" : "");
   }
   if (s.modes_in_residual > 0)
     modes += fmt::format(" ({} above half the rate: quasi-static)", s.modes_in_residual);

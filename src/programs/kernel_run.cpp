@@ -13,7 +13,6 @@
 #include "src/accuracy/loop.hpp"
 #include "src/mesh/extent.hpp"
 #include "src/mesh/gmsh_session.hpp"
-#include "src/modes/approximate.hpp"
 #include "src/modes/contact_basis.hpp"
 #include "src/modes/search.hpp"
 #include "src/modes/validate.hpp"
@@ -77,14 +76,6 @@ modes::ModeSet find_modes(const scene::KernelRequest& request, Discretised& made
     up_to = modes::needed_up_to(*made.teams, made.mesh, contact_basis(error, {}), loads, pressed,
                                 *wanted.up_to, error);
   }
-  if (wanted.approximate > 0) {
-    modes::ModeSet modes = modes::approximate_modes(
-        *made.teams, made.mesh, made.matrices, *made.factor, request.body.materials,
-        request.body.mesh.filename().string(),
-        {.up_to = wanted.up_to, .count = wanted.count, .iterations = wanted.approximate}, progress);
-    lift(modes.static_shift);
-    return modes;
-  }
   modes::ModeSet modes = modes::compute_modes(*made.teams, made.mesh, made.matrices, *made.factor,
                                               {.up_to = up_to,
                                                .count = wanted.count,
@@ -100,8 +91,7 @@ modes::ModeSet find_modes(const scene::KernelRequest& request, Discretised& made
 std::string summary_of(const scene::KernelRequest& request, const modes::ModeSet& modes) {
   const std::size_t n = modes.angular_frequency.size();
   if (request.modes.basis == scene::Basis::modes)
-    return fmt::format("{} {}modes up to {:.6g} Hz, count proved", n, modes.exact ? "" : "approximate ",
-                       modes.certificate.upto_hz);
+    return fmt::format("{} modes up to {:.6g} Hz, count proved", n, modes.certificate.upto_hz);
   return fmt::format("{} vectors, flexibility up to {:.6g} Hz within {:.2g}", n, request.modes.up_to->value,
                      modes.certificate.flexibility_error);
 }

@@ -78,7 +78,7 @@ bool same_modes(const Modes& had, const Modes& wanted, double frequency) {
 /// @param adapted  whether the stored basis is adapted to the requested candidates
 kernels::Kernel with_modes(kernels::Kernel kernel, const Modes& had, const Modes& wanted, double frequency,
                            bool adapted) {
-  if (had.basis != wanted.basis || had.low_rank != wanted.low_rank || had.approximate != wanted.approximate ||
+  if (had.basis != wanted.basis || had.low_rank != wanted.low_rank ||
       had.relative_residual > wanted.relative_residual)
     fail(kernel, "its modes were computed with other settings: compute the kernel");
   if (wanted.residual_flexibility && !had.residual_flexibility)

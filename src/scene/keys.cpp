@@ -258,12 +258,7 @@ const Section modes_keys{
      {"solver", Type::text, "", shown(Modes{}.solver),
       one_of({"ricochet", "krylovschur", "subspace", "arnoldi"}),
       "solver that finds the modes, as a type of SLEPc's EPS. Whichever it is, the same certificate proves "
-      "that no mode is missing. For `basis = \"modes\"`, without `approximate`"},
-     {"approximate", Type::integer, "", shown(Modes{}.approximate),
-      from_to("0", "5", " block iterations (0: certified modes)"),
-      "number of block iterations that improve the modes of the next lower element order, in place of the "
-      "certified search; 0: certified modes. Needs `basis = \"modes\"` with `up_to_hz` or `count` alone, "
-      "and elements of order 2 or more"},
+      "that no mode is missing. For `basis = \"modes\"`"},
      {"low_rank", Type::number, "1", shown(Modes{}.low_rank),
       Range{.low = "1e-12", .high = "1e-3", .or_zero = true},
       "threshold of MUMPS's block low-rank factorisation, for `basis = \"contact\"` only; 0: full rank. It "

@@ -28,18 +28,9 @@ Modes read_modes(Table& root, bool may_stay_open) {
       table->complain("low_rank", "does not allow an inertia count: use it with basis = \"contact\"");
     modes.low_rank = *threshold;
   }
-  if (const auto iterations = table->integer("approximate")) {
-    if (*iterations > 0 && modes.basis == Basis::contact)
-      table->complain("approximate",
-                      "is for basis = \"modes\": a contact-adapted basis needs no initial modes");
-    if (*iterations > 0 && (modes.flexibility_error || (!modes.up_to && !modes.count)))
-      table->complain("approximate", "needs up_to_hz or count, without flexibility_error");
-    modes.approximate = static_cast<int>(*iterations);
-  }
   if (const auto solver = table->text("solver")) {
-    if (*solver != modes.solver && (modes.basis == Basis::contact || modes.approximate > 0))
-      table->complain("solver",
-                      "finds certified modes: leave it out with basis = \"contact\" or approximate");
+    if (*solver != modes.solver && modes.basis == Basis::contact)
+      table->complain("solver", "finds certified modes: leave it out with basis = \"contact\"");
     modes.solver = *solver;
   }
   if (may_stay_open && modes.open()) {

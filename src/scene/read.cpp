@@ -127,9 +127,6 @@ void find_open(Scene& scene) {
 /// Refuses settings of modes that need elements or a wave speed: an imported body has neither.
 void refuse_what_needs_elements(Table& root, const Scene& scene) {
   const Modes& modes = scene.modes;
-  const char* what = modes.approximate > 0 ? "modes.approximate"
-                     : modes.low_rank > 0  ? "modes.low_rank"
-                                           : nullptr;
   for (const Body& body : scene.bodies) {
     if (!body.imported()) continue;
     if (modes.open())
@@ -137,8 +134,8 @@ void refuse_what_needs_elements(Table& root, const Scene& scene) {
                     fmt::format("is missing: accuracy cannot choose modes for bodies.{}, a body file: "
                                 "give up_to_hz or count",
                                 body.name));
-    if (what != nullptr)
-      root.complain(what,
+    if (modes.low_rank > 0)
+      root.complain("modes.low_rank",
                     fmt::format("is not possible with bodies.{}, a body file: leave it out", body.name));
   }
 }

@@ -94,8 +94,7 @@ struct Modes {
   bool all_components = false;
   double relative_residual = 1e-8;  ///< bound on each mode's residual
   std::string solver = "ricochet";  ///< basis `modes`: type of SLEPc's EPS
-  int approximate = 0;  ///< basis `modes`: block iterations from the next lower order; 0: certified modes
-  double low_rank = 0;  ///< basis `contact`: threshold of block low-rank factors; 0: full rank
+  double low_rank = 0;              ///< basis `contact`: threshold of block low-rank factors; 0: full rank
   bool open() const { return !up_to && !count; }
   bool operator==(const Modes&) const = default;
 };

@@ -113,7 +113,6 @@ std::string toml_modes(const Modes& modes) {
   if (modes.flexibility_error)
     text += fmt::format("flexibility_error = {}\n", toml_number(*modes.flexibility_error));
   if (modes.solver != Modes{}.solver) text += fmt::format("solver = \"{}\"\n", modes.solver);
-  if (modes.approximate > 0) text += fmt::format("approximate = {}\n", modes.approximate);
   if (modes.low_rank > 0) text += fmt::format("low_rank = {}\n", toml_number(modes.low_rank));
   if (modes.all_components) text += "residual_components = \"all\"\n";
   return text + fmt::format("residual_flexibility = {}\nrelative_residual = {}\n", modes.residual_flexibility,

@@ -312,7 +312,7 @@ TEST(Json, holds_what_the_summary_holds_and_null_for_what_is_not_known) {
                 {.start_s = 1, .end_s = {}}};
   s.exit_velocity["upper"] = {1, 2, 3};
   s.modes["upper"] = 50;
-  s.basis["upper"] = "approximate modes";
+  s.basis["upper"] = "imported";
   s.sounds["mic"] = {"x.mic.wav", 0.25, 48000};
   s.warnings = {"too fast"};
   write_json(s, folder / "x.summary.json");
@@ -341,7 +341,7 @@ TEST(Json, holds_what_the_summary_holds_and_null_for_what_is_not_known) {
   EXPECT_TRUE(json["episodes"][1]["end_s"].is_null());
   EXPECT_EQ(json["exit_velocity"]["upper"], (std::vector<double>{1, 2, 3}));
   EXPECT_EQ(json["modes"]["upper"], 50);
-  EXPECT_EQ(json["basis"]["upper"], "approximate modes");
+  EXPECT_EQ(json["basis"]["upper"], "imported");
   EXPECT_EQ(json["sounds"]["mic"]["file"], "x.mic.wav");
   EXPECT_EQ(json["sounds"]["mic"]["full_scale_m_per_s"], 0.25);
   EXPECT_EQ(json["warnings"], std::vector<std::string>{"too fast"});

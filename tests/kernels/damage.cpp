@@ -325,13 +325,19 @@ TEST_F(Damage, a_group_in_the_place_of_a_dataset_is_refused) {
   expect_refused({"\"/modes/decay_rate\" is not a dataset"});
 }
 
-// Units are informative, and only those of loads are read. Older files have no attribute "approximate".
+// Units are informative, and only those of loads are read.
 TEST_F(Damage, whatever_stands_in_the_place_of_an_object_is_refused_in_one_line) {
-  ricochet::test::for_each_hostile_change(path_, {"unit", "approximate", "parts", "held_on_lines"},
+  ricochet::test::for_each_hostile_change(path_, {"unit", "parts", "held_on_lines"},
                                           [&](const std::string& what) {
                                             SCOPED_TRACE(what);
                                             expect_refused({});
                                           });
+}
+
+TEST_F(Damage, approximate_modes_of_earlier_versions_are_refused) {
+  const std::int64_t iterations = 1;
+  replace_attribute("/modes/certificate", "approximate", H5T_NATIVE_INT64, &iterations);
+  expect_refused({"its modes are not certified", "Compute it again with ricochet-kernel."});
 }
 
 TEST_F(Damage, a_certificate_of_negative_counts_is_refused) {

@@ -71,8 +71,7 @@ inline Kernel sample_kernel(int components, std::size_t n = 5, std::size_t m = 4
                        .left_out = 2,
                        .complete = true,
                        .orthonormality = 3e-14,
-                       .flexibility_error = 1e-3,
-                       .approximate = 2};
+                       .flexibility_error = 1e-3};
 
   Surface& surface = kernel.surface;
   surface.components = components;

