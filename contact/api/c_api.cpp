@@ -195,15 +195,6 @@ int ricochet_scene_impulse(ricochet_scene* scene, int admittance, double restitu
   });
 }
 
-int ricochet_scene_friction_law(ricochet_scene* scene, int law) {
-  return checked([&] {
-    if (law != RICOCHET_COULOMB && law != RICOCHET_ASSOCIATED)
-      throw InputError("law = " + std::to_string(law) + ": must be RICOCHET_COULOMB or RICOCHET_ASSOCIATED.");
-    given(scene, "scene").scene.friction_law =
-        law == RICOCHET_COULOMB ? ricochet::FrictionLaw::coulomb : ricochet::FrictionLaw::associated;
-  });
-}
-
 ricochet_simulation* ricochet_simulation_new(const ricochet_scene* scene) {
   return guarded<ricochet_simulation*>(
       nullptr, [&] { return new ricochet_simulation{ricochet::Simulation(given(scene, "scene").scene)}; });

@@ -175,7 +175,6 @@ StepOptions step_options(const Scene& scene) {
           .admittance = scene.admittance,
           .restitution = scene.restitution,
           .contact_step = scene.integration,
-          .friction_law = scene.friction_law,
           .step = 1 / (scene.rate_hz * ratio),
           .steps_per_sample = static_cast<int>(ratio),
           .precision = scene.single_precision ? Precision::float32 : Precision::float64};

@@ -16,12 +16,10 @@ class ContactSolver {
  public:
   /// @param rows  capacity   @param friction  whether problems may have points with friction
   /// @param springs  whether they may have springs
-  ContactSolver(int rows, const SolveOptions& options, bool friction = false,
-                FrictionLaw law = FrictionLaw::coulomb, bool springs = false)
+  ContactSolver(int rows, const SolveOptions& options, bool friction = false, bool springs = false)
       : frictionless_(rows, options),
         friction_(friction ? rows : 0,
-                  {.law = law,
-                   .same_matrix = options.same_matrix,
+                  {.same_matrix = options.same_matrix,
                    .max_iterations = std::min(options.max_pivots, FrictionOptions{}.max_iterations)}),
         newton_(springs ? rows : 0, options) {}
 

@@ -20,9 +20,8 @@ double FrictionSystem::admitted(int k, int d) const noexcept {
   const Touch& touch = touch_[k];
   const double w = w_[touch.row + d];
   if (touch.state == ContactState::stick) return 0;
-  if (touch.state == ContactState::slip) return touch.slip * (d == 0 ? share(touch) : touch.direction(d - 1));
-  if (d > 0) return w;
-  return std::max(w, share(touch) > 0 ? share(touch) * std::hypot(w_[touch.row + 1], w_[touch.row + 2]) : 0);
+  if (touch.state == ContactState::slip) return d == 0 ? 0 : touch.slip * touch.direction(d - 1);
+  return d == 0 ? std::max(w, 0.0) : w;
 }
 
 /// Moves r in shares from a value for which the answer kept is a solution to the given one. Fewer states

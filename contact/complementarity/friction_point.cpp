@@ -11,13 +11,13 @@ namespace {
 constexpr double pi = std::numbers::pi;
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
-/// g(θ) = Σ_k a_k cos kθ + b_k sin kθ, k ≤ 3, through its values at seven equidistant angles.
+/// g(θ) = Σ_k a_k cos kθ + b_k sin kθ, k ≤ 2, through its values at five equidistant angles.
 class Trigonometric {
  public:
-  static constexpr int samples = 7;
+  static constexpr int samples = 5;
 
   explicit Trigonometric(const std::array<double, samples>& value) noexcept {
-    for (int k = 0; k < 4; ++k) {
+    for (int k = 0; k < 3; ++k) {
       for (int i = 0; i < samples; ++i) {
         const double angle = 2 * pi * ((k * i) % samples) / samples;
         a_[k] += (k == 0 ? 1.0 : 2.0) / samples * value[i] * std::cos(angle);
@@ -39,7 +39,7 @@ class Trigonometric {
     const double c = std::cos(angle), s = std::sin(angle);
     Value out{a_[0], 0};
     double ck = 1, sk = 0;
-    for (int k = 1; k < 4; ++k) {
+    for (int k = 1; k < 3; ++k) {
       const double next = ck * c - sk * s;
       sk = sk * c + ck * s;
       ck = next;
@@ -65,7 +65,7 @@ class Trigonometric {
   }
 
  private:
-  std::array<double, 4> a_{}, b_{};
+  std::array<double, 3> a_{}, b_{};
   double largest_ = 0, curvature_ = 0;
 };
 
@@ -74,12 +74,10 @@ class Trigonometric {
 /// Adds the solution that slips along t, if p_n ≥ 0 and w_t points along t.
 void FrictionPoint::add_slip(double angle, Solutions& found) const noexcept {
   const Eigen::Vector2d t(std::cos(angle), std::sin(angle));
-  const double share = law == FrictionLaw::associated ? coefficient : 0;
   const Eigen::Vector3d along(1, -coefficient * t.x(), -coefficient * t.y());
   const Eigen::Vector3d push = S * along;
-  const double effect = push(0) - share * t.dot(push.tail<2>());
-  if (effect == 0) return;
-  const double normal = (r(0) - share * t.dot(r.tail<2>())) / effect;
+  if (push(0) == 0) return;
+  const double normal = r(0) / push(0);
   if (!(normal > 0) || !std::isfinite(normal) || found.count == most) return;
   if (!(t.dot(normal * push.tail<2>() - r.tail<2>()) >= 0)) return;
   for (int k = 0; k < found.count; ++k)  // a double root is found in several intervals
@@ -87,18 +85,15 @@ void FrictionPoint::add_slip(double angle, Solutions& found) const noexcept {
   found.at[found.count++] = {normal * along, ContactState::slip, t};
 }
 
-/// w_t is parallel to t if g = (e·r) (t⊥·S d) − (t⊥·r) (e·S d) = 0 with d = n − μ t, and e = n, or d of the
-/// associated law. Intervals are divided until bounds of g' or g'' show that they contain no root or that g
-/// is monotone.
+/// w_t is parallel to t if g = (n·r) (t⊥·S d) − (t⊥·r) (n·S d) = 0 with d = n − μ t. Intervals are divided
+/// until bounds of g' or g'' show that they contain no root or that g is monotone.
 void FrictionPoint::add_slips(bool all, Solutions& found) const noexcept {
-  const double share = law == FrictionLaw::associated ? coefficient : 0;
   std::array<double, Trigonometric::samples> value;
   for (int i = 0; i < Trigonometric::samples; ++i) {
     const double angle = 2 * pi * i / Trigonometric::samples;
     const Eigen::Vector2d t(std::cos(angle), std::sin(angle)), across(-t.y(), t.x());
     const Eigen::Vector3d push = S * Eigen::Vector3d(1, -coefficient * t.x(), -coefficient * t.y());
-    value[i] = (r(0) - share * t.dot(r.tail<2>())) * across.dot(push.tail<2>()) -
-               across.dot(r.tail<2>()) * (push(0) - share * t.dot(push.tail<2>()));
+    value[i] = r(0) * across.dot(push.tail<2>()) - across.dot(r.tail<2>()) * push(0);
   }
   const Trigonometric g(value);
   if (!(g.largest() > 0)) return;
@@ -129,8 +124,7 @@ void FrictionPoint::add_slips(bool all, Solutions& found) const noexcept {
 
 FrictionPoint::Solutions FrictionPoint::solve(bool all) const noexcept {
   Solutions found;
-  const double share = law == FrictionLaw::associated ? coefficient : 0;
-  if (-r(0) >= share * r.tail<2>().norm()) {
+  if (r(0) <= 0) {
     found.at[found.count++] = {Eigen::Vector3d::Zero(), ContactState::open, Eigen::Vector2d::Zero()};
     if (!all) return found;
   }

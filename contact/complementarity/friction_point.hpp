@@ -1,19 +1,17 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Coulomb's law at one point, solved exactly: all p with w = S p − r that satisfy it.
 //
-//   open    p = 0,   w_n ≥ 0                                (associated: w_n ≥ μ |w_t|)
+//   open    p = 0,   w_n ≥ 0
 //   stick   w = 0,   |p_t| ≤ μ p_n
-//   slip    p_t = −μ p_n t,   w_t = |w_t| t,   w_n = 0      (associated: w_n = μ |w_t|),   |t| = 1
+//   slip    p_t = −μ p_n t,   w_t = |w_t| t,   w_n = 0,   |t| = 1
 //
-// Without p_n, the angle of t is a root of a trigonometric polynomial of degree 2 (associated: 3), so that at
-// most 4 (6) directions are possible. If S_nn ≤ μ |S_nt|, friction may turn the effect of p_n on w_n, and
-// several solutions may exist although S is definite.
+// Without p_n, the angle of t is a root of a trigonometric polynomial of degree 2, so that at most 4
+// directions are possible. If S_nn ≤ μ |S_nt|, friction may turn the effect of p_n on w_n, and several
+// solutions may exist although S is definite.
 #pragma once
 
 #include <Eigen/Dense>
 #include <array>
-
-#include "ricochet/step_options.hpp"
 
 namespace ricochet::contact {
 
@@ -23,14 +21,13 @@ struct FrictionPoint {
   Eigen::Matrix3d S;  ///< symmetric, rows: normal, two tangents
   Eigen::Vector3d r;
   double coefficient = 0;  ///< μ > 0
-  FrictionLaw law = FrictionLaw::coulomb;
 
   struct Solution {
     Eigen::Vector3d p;
     ContactState state;
     Eigen::Vector2d direction;  ///< t of slip, otherwise 0
   };
-  static constexpr int most = 8;
+  static constexpr int most = 6;
   struct Solutions {
     std::array<Solution, most> at;
     int count = 0;

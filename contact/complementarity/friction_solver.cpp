@@ -14,9 +14,7 @@ constexpr double ill_conditioned = 1e7;
 }  // namespace
 
 FrictionSolver::FrictionSolver(int capacity, const FrictionOptions& options)
-    : options_(options),
-      frictionless_(capacity, {.same_matrix = options.same_matrix}),
-      system_(capacity, options.law) {
+    : options_(options), frictionless_(capacity, {.same_matrix = options.same_matrix}), system_(capacity) {
   const auto n = static_cast<std::size_t>(std::max(capacity, 1));
   points_.resize(n);
   touching_.resize(n);
@@ -128,7 +126,8 @@ bool FrictionSolver::add_closing(const Symmetric& S, const Right& r) noexcept {
     sum += std::abs(system_.p()[i]);
   }
   const double reach = std::sqrt(std::max(square, 0.0) + sum * system_.tolerance());
-  const auto w_of = [&](int row) {
+  const double tolerance = std::max(system_.normal_tolerance(), 1e-15 * largest_normal_r_);
+  const auto gap_of = [&](int row) {
     const double* const column = &S.coeffRef(0, row);
     double w = -r(row);
     for (int k = 0; k < before; ++k) {
@@ -143,15 +142,7 @@ bool FrictionSolver::add_closing(const Symmetric& S, const Right& r) noexcept {
   for (int k = 0; k < point_count_; ++k) {
     Point& point = points_[k];
     if (point.touches) continue;
-    const double share = options_.law == FrictionLaw::associated ? point.coefficient : 0;
-    if (share == 0 && r(point.normal) < -root_(point.normal) * reach) continue;
-    double gap = w_of(point.normal);
-    double tolerance = std::max(system_.normal_tolerance(), 1e-15 * largest_normal_r_);
-    if (share > 0) {
-      gap -= share * std::hypot(w_of(point.tangential), w_of(point.tangential + 1));
-      tolerance = std::max(system_.tolerance(), 1e-15 * largest_r_);
-    }
-    if (gap >= -tolerance) continue;
+    if (r(point.normal) < -root_(point.normal) * reach || gap_of(point.normal) >= -tolerance) continue;
     point.touches = true;
     touching_[system_.points()] = k;
     system_.add(point.coefficient);

@@ -5,10 +5,6 @@
 //   normal rows          0 ≤ p_n  ⟂  w_n ≥ 0
 //   tangential rows      |p_t| ≤ μ p_n,   w_t ≠ 0  ⇒  p_t = −μ p_n w_t / |w_t|
 //
-// The law `associated` minimises ½ pᵀ S p − rᵀ p over the cones |p_t| ≤ μ p_n instead: a slipping point then
-// has w_n = μ |w_t|. Both laws are complementarity in the cone and its dual, Coulomb's with w_n + μ |w_t| in
-// place of w_n (De Saxcé & Feng 1998).
-//
 // The method is Newton's on sets of open, sticking and slipping points (Alart & Curnier 1991), helped by
 // block Gauss-Seidel over points (Jourdan, Alart & Jean 1998); Acary & Brogliato 2008 describe both. What
 // differs here: a slipping point has two unknowns instead of three, so that every iterate is in the cone; a
@@ -33,7 +29,6 @@ struct FrictionContact {
 };
 
 struct FrictionOptions {
-  FrictionLaw law = FrictionLaw::coulomb;
   /// Whether all problems have the same matrix S. Parts of it are then kept from one solve to the next, until
   /// reset().
   bool same_matrix = false;
@@ -53,8 +48,8 @@ class FrictionSolver {
   /// rows without friction. Without contacts, the answer is that of ComplementaritySolver.
   /// @param p  (n) in: a guess, such as the forces of the step before; out: exactly 0 at open points,
   /// otherwise in the cone to round-off
-  /// Conditions on w hold to 1e-12 (|r|_∞ + ‖S‖_∞ |p|_∞), with |r|_∞ over normal rows alone for the gaps of
-  /// Coulomb's law. A point that slips by less than that sticks.
+  /// Conditions on w hold to 1e-12 (|r|_∞ + ‖S‖_∞ |p|_∞), with |r|_∞ over normal rows alone for gaps. A point
+  /// that slips by less than that sticks.
   ///
   /// With the status `limited`, p is in the cone and pᵀ(r − S p) ≥ 0, so that contact gives no energy. If
   /// there is no solution or a value is not finite, p is 0.

@@ -38,7 +38,7 @@ double force_for(double displacement, double flexibility) {
 
 }  // namespace
 
-FrictionSystem::FrictionSystem(int capacity, FrictionLaw law) : law_(law), factor_(capacity) {
+FrictionSystem::FrictionSystem(int capacity) : factor_(capacity) {
   const auto n = static_cast<std::size_t>(std::max(capacity, 1));
   touch_.resize(n);
   best_touch_.resize(n);
@@ -121,18 +121,15 @@ double FrictionSystem::contradiction(int k) const noexcept {
   const Touch& touch = touch_[k];
   const int row = touch.row;
   const double normal = w_[row];
-  if (touch.state == ContactState::open) {
-    const double gap = normal - (share(touch) > 0 ? share(touch) * tangential(w_, row).norm() : 0);
-    return gap < -(share(touch) > 0 ? tolerance_ : normal_tolerance_) ? force_for(-gap, entry(row)) : 0;
-  }
+  if (touch.state == ContactState::open)
+    return normal < -normal_tolerance_ ? force_for(-normal, entry(row)) : 0;
   double worst = std::max(0.0, -p_[row]);
   if (touch.rows() == 1) return worst;
   if (touch.state == ContactState::stick)
     return std::max(worst, tangential(p_, row).norm() - touch.coefficient * std::max(p_[row], 0.0));
   const auto w = tangential(w_, row);
   const double along = touch.direction.dot(w);
-  const double residual =
-      std::max(std::abs(normal - share(touch) * along), std::abs(across(touch.direction).dot(w)));
+  const double residual = std::max(std::abs(normal), std::abs(across(touch.direction).dot(w)));
   if (along < -tolerance_ - (cautious_ ? certain * residual : 0))
     worst = std::max(worst, force_for(-along, tangential_entry(row)));
   return worst;
@@ -192,23 +189,20 @@ bool FrictionSystem::classify() noexcept {
 /// tolerance.
 double FrictionSystem::violation() const noexcept {
   // A fast belt makes large slips, but no large gaps.
-  const double weight =
-      law_ == FrictionLaw::coulomb && normal_tolerance_ > 0 ? tolerance_ / normal_tolerance_ : 1;
+  const double weight = normal_tolerance_ > 0 ? tolerance_ / normal_tolerance_ : 1;
   double worst = 0;
   for (int k = 0; k < count_; ++k) {
     const Touch& touch = touch_[k];
     const double normal = weight * w_[touch.row];
     double error = std::abs(normal);
     if (touch.state == ContactState::open) {
-      error = -normal + (share(touch) > 0 ? share(touch) * tangential(w_, touch.row).norm() : 0);
+      error = -normal;
     } else if (touch.rows() == 3) {
       const auto w = tangential(w_, touch.row);
       if (touch.state == ContactState::stick) {
         error = std::max(error, w.norm());
       } else {
-        const double along = touch.direction.dot(w);
-        error = std::max(
-            {std::abs(normal - share(touch) * along), std::abs(across(touch.direction).dot(w)), -along});
+        error = std::max({error, std::abs(across(touch.direction).dot(w)), -touch.direction.dot(w)});
       }
     }
     if (!(error <= worst)) worst = error;
@@ -255,7 +249,7 @@ void FrictionSystem::compress(const double* column, double* out) const noexcept 
       *out++ = c[2];
     } else {
       const double x = touch.direction.x(), y = touch.direction.y();
-      *out++ = c[0] - share(touch) * (x * c[1] + y * c[2]);
+      *out++ = c[0];
       *out++ = x * c[2] - y * c[1];
     }
   }
@@ -294,10 +288,9 @@ void FrictionSystem::renew_factor() noexcept {
 #pragma GCC ivdep
     for (int i = 0; i < rows_; ++i) column_[i] = x * third[i] - y * second[i];
     compress(column_.data(), J.data() + static_cast<std::ptrdiff_t>(c) * unknowns);
-    const double along = touch.slip;
-    const double alone = first[touch.row] > 0 ? (share(touch) * along - w_[touch.row]) / first[touch.row] : 0;
+    const double alone = first[touch.row] > 0 ? -w_[touch.row] / first[touch.row] : 0;
     const double normal = std::max(p_[touch.row], alone);
-    J(c, c) += ridge + (normal > 0 ? along / (mu * normal) : 1e12 * diagonal_);
+    J(c, c) += ridge + (normal > 0 ? touch.slip / (mu * normal) : 1e12 * diagonal_);
     ++c;
   }
   factor_count_ = count_;
@@ -334,7 +327,6 @@ FrictionPoint FrictionSystem::local(int k) const noexcept {
   const int row = touch_[k].row;
   FrictionPoint point;
   point.coefficient = touch_[k].coefficient;
-  point.law = law_;
   Vector3d w;
   for (int d = 0; d < 3; ++d) {
     const double* const column = A_.data() + static_cast<std::ptrdiff_t>(row + d) * rows_;

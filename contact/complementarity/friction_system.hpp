@@ -8,9 +8,9 @@
 //   Eᵀ (A (p + D x) − r) + C x = 0
 //
 //   stick   D = E = 1
-//   slip    D = (n − μ t, t⊥),   E = (n − s t, t⊥),   C = (0, |w_t| / (μ p_n))
+//   slip    D = (n − μ t, t⊥),   E = (n, t⊥),   C = (0, |w_t| / (μ p_n))
 //
-// Here t⊥ is normal to t, and s is 0, or μ for the associated law. C is due to w_t, which must turn with p_t.
+// Here t⊥ is normal to t. C is due to w_t, which must turn with p_t.
 #pragma once
 
 #include <Eigen/Dense>
@@ -35,7 +35,7 @@ class FrictionSystem {
     int rows() const { return coefficient > 0 ? 3 : 1; }
   };
 
-  FrictionSystem(int capacity, FrictionLaw law);
+  explicit FrictionSystem(int capacity);
 
   /// Removes all points and the factor.
   void clear() noexcept;
@@ -68,9 +68,8 @@ class FrictionSystem {
   /// the other one.
   bool find_another(SolveStatistics& statistics) noexcept;
 
-  double tolerance() const { return tolerance_; }  ///< of w
-  /// Of w in normal rows. The associated law, where gaps follow from slips, does not use it.
-  double normal_tolerance() const { return normal_tolerance_; }
+  double tolerance() const { return tolerance_; }                ///< of w
+  double normal_tolerance() const { return normal_tolerance_; }  ///< of w in normal rows
   double scale() const;  ///< |r|_∞ + ‖A‖_∞ |p|_∞ of the last p
 
  private:
@@ -98,11 +97,7 @@ class FrictionSystem {
   void set(int k, const FrictionPoint::Solution& solution) noexcept;
   double entry(int row) const { return A_[static_cast<std::size_t>(row) * (rows_ + 1)]; }
   double tangential_entry(int row) const { return std::max(entry(row + 1), entry(row + 2)); }
-  double share(const Touch& touch) const {  ///< s
-    return law_ == FrictionLaw::associated ? touch.coefficient : 0;
-  }
 
-  FrictionLaw law_;
   int count_ = 0, rows_ = 0;
   std::vector<Touch> touch_, best_touch_, answer_touch_;
   std::vector<ContactState> factor_state_;

@@ -58,8 +58,8 @@ ContactLaw::ContactLaw(Index rows, const SolveOptions& solver, bool springs)
       springs_(springs ? static_cast<std::size_t>(rows) : 0),
       friction_of_(static_cast<std::size_t>(rows), -1),
       sides_{{0, -1}},
-      euler_(static_cast<int>(rows), solver, false, FrictionLaw::coulomb, springs),
-      mean_(static_cast<int>(rows), solver, false, FrictionLaw::coulomb, springs) {
+      euler_(static_cast<int>(rows), solver, false, springs),
+      mean_(static_cast<int>(rows), solver, false, springs) {
   for (Vector* x : {&free, &start, &force_, &end_, &u_, &yielded_, &rest_, &end_rest_}) x->setZero(rows);
   position_.assign(static_cast<std::size_t>(rows), -1);
   parent_.assign(1, 0);
@@ -90,8 +90,7 @@ ContactLaw::ContactLaw(const Model& model, const StepOptions& options)
   problem_.contacts.reserve(friction_.size());
   if (!friction_.empty())
     for (ContactSolver* solver : {&euler_, &mean_})
-      *solver = ContactSolver(static_cast<int>(model.rows()), options_of(options), true, options.friction_law,
-                              !springs_.empty());
+      *solver = ContactSolver(static_cast<int>(model.rows()), options_of(options), true, !springs_.empty());
   const std::size_t bodies = std::max<std::size_t>(model.bodies.size(), 1), pairs = model.pairs.size();
   if (pairs < 2) return;
   sides_.clear();

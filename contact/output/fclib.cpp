@@ -94,8 +94,6 @@ ProblemFiles::ProblemFiles(const Model& model, const StepOptions& step, ProblemO
       slip_(std::ssize(model.friction), model.rows(), step.step),
       displacement_(model.initial_displacement()),
       force_(Vector::Zero(model.rows())) {
-  if (!model.friction.empty() && step.friction_law != FrictionLaw::coulomb)
-    throw InputError("--fclib: files of FCLIB hold Coulomb's law of friction alone: leave --fclib out.");
   std::error_code failure;
   std::filesystem::create_directories(options_.folder, failure);
   if (failure)

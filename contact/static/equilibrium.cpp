@@ -41,8 +41,7 @@ class ForceSolver {
       : options_(options),
         area_(model.area),
         springs_(model.springs()),
-        exact_(static_cast<int>(model.rows()), {}, !model.friction.empty(), options.friction_law,
-               !springs_.empty()),
+        exact_(static_cast<int>(model.rows()), {}, !model.friction.empty(), !springs_.empty()),
         newton_(springs_.empty() ? 0 : static_cast<int>(model.rows()), {}) {
     for (const Model::FrictionPoint& point : model.friction)
       contacts_.push_back({point.point, point.tangential, point.law.static_coefficient});

@@ -26,7 +26,6 @@
 
 #include "contact/complementarity/friction_solver.hpp"
 #include "contact/model/model.hpp"
-#include "ricochet/step_options.hpp"
 
 namespace ricochet::contact {
 
@@ -38,10 +37,8 @@ struct EquilibriumOptions {
   Solver solver = Solver::exact;
   double uzawa_tolerance = 1e-9;              ///< for the gaps of pressed points, relative to û − g
   std::int64_t uzawa_iterations = 1'000'000;  ///< upper limit over all problems
-  // With friction:
-  FrictionLaw friction_law = FrictionLaw::coulomb;
-  /// Parts of each stage of the loads. Slip depends on the path, so the result errs by what happens within
-  /// one part: points that close, and normal forces that change as points slip.
+  /// With friction: parts of each stage of the loads. Slip depends on the path, so the result errs by what
+  /// happens within one part: points that close, and normal forces that change as points slip.
   int increments = 20;
 };
 

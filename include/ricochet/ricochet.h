@@ -38,8 +38,7 @@ enum {
   RICOCHET_NOT_FINITE = 2,  /* the motion is no longer finite */
   RICOCHET_REFUSED = 3      /* see ricochet_error() */
 };
-enum { RICOCHET_JUMP = 0, RICOCHET_DIFFERENCE = 1 };    /* admittance of the impulse scheme */
-enum { RICOCHET_COULOMB = 0, RICOCHET_ASSOCIATED = 1 }; /* law of friction */
+enum { RICOCHET_JUMP = 0, RICOCHET_DIFFERENCE = 1 }; /* admittance of the impulse scheme */
 
 typedef struct ricochet_kernel ricochet_kernel;
 typedef struct ricochet_scene ricochet_scene;
@@ -86,7 +85,6 @@ int ricochet_scene_pickup(ricochet_scene* scene, const char* body, const char* r
                           const double* direction);
 int ricochet_scene_gravity(ricochet_scene* scene, const double* gravity);
 int ricochet_scene_impulse(ricochet_scene* scene, int admittance, double restitution);
-int ricochet_scene_friction_law(ricochet_scene* scene, int law); /* RICOCHET_COULOMB unless set otherwise */
 
 /* Simulations: use each from one thread at a time. Below, only ricochet_simulation_new and _save allocate. */
 typedef struct ricochet_block { /* each may be NULL */

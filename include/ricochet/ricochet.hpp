@@ -109,7 +109,6 @@ struct Scene {
   /// multiple of rate_hz, and 0 for rate_hz.
   double contact_rate_hz = 0;
   bool single_precision = false;  ///< of the products of the compliant scheme: faster, less exact
-  FrictionLaw friction_law = FrictionLaw::coulomb;  ///< of pairs with friction
 };
 
 struct ContactPoint {

@@ -33,12 +33,6 @@ struct Friction {
   bool operator==(const Friction&) const = default;
 };
 
-/// The direction of the relative motion of a slipping point.
-enum class FrictionLaw {
-  coulomb,     ///< tangential: sliding does not separate the surfaces
-  associated,  ///< normal to the friction cone: sliding separates them by μ times the slip; for comparison
-};
-
 enum class Precision { float64, float32 };
 
 /// The force that drives the modes over a step of the compliant scheme.
@@ -54,7 +48,6 @@ struct StepOptions {
   Instant instant = Instant::step;                     ///< of the impulse scheme
   double restitution = 0;                              ///< e of the impulse scheme, in [0, 1]
   ContactStep contact_step = ContactStep::conserving;  ///< of the compliant scheme
-  FrictionLaw friction_law = FrictionLaw::coulomb;     ///< of pairs with friction
   double step = 0;                                     ///< Δ [s]
   /// Number of contact steps Δ per output sample. In free flight, the compliant scheme jumps from sample to
   /// sample; it makes contact steps only where a point could close.

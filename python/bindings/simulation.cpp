@@ -73,7 +73,6 @@ Scene scene_of(const scene::Scene& scene, const std::vector<Kernel>& kernels,
   out.rate_hz = scene.time.rate.value;
   if (scene.time.contact_rate) out.contact_rate_hz = scene.time.contact_rate->value;
   out.single_precision = scene.time.precision == Precision::float32;
-  out.friction_law = scene.contact.friction_law;
   return out;
 }
 

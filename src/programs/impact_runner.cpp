@@ -116,10 +116,7 @@ contact::EquilibriumSummary rest(const Impact& impact, console::Console& console
   console.begin("equilibrium");
   const contact::Equilibrium equilibrium = store::in_scene(impact.scene, [&] {
     return contact::find_equilibrium(
-        *impact.model,
-        {.solver = solver,
-         .friction_law = impact.scene.contact.friction_law,
-         .increments = impact.scene.contact.increments},
+        *impact.model, {.solver = solver, .increments = impact.scene.contact.increments},
         [&](const contact::Equilibrium& at_knot) { observer.at_rest(impact, at_knot); });
   });
   console.end(fmt::format("{} iterations", equilibrium.iterations));

@@ -64,8 +64,7 @@ std::string several_solutions(const contact::Summary& summary) {
   if (steps == 0) return "";
   return fmt::format(
       "{} of {} contact steps had more than one solution (friction too large for this contact, Painlevé): "
-      "their forces are one of several. Lower contact.friction, or compare with contact.friction_law = "
-      "\"associated\", which has one solution",
+      "their forces are one of several. Lower contact.friction",
       steps, summary.contact_steps);
 }
 

@@ -134,21 +134,14 @@ void read_scheme(Table& table, Contact& contact) {
 }
 
 /// @param has_friction  whether a pair gives its friction
-void read_law(Table& table, bool has_friction, Contact& contact) {
-  const auto law = table.text("friction_law");
-  if (law && !has_friction)
-    table.complain("friction_law", "needs friction: add it, as in friction = 0.3, or leave this key out");
-  // Without friction, no law applies.
-  if (law == "associated" &&
-      std::ranges::any_of(contact.pairs, [](const Pair& pair) { return pair.friction.has_value(); }))
-    contact.friction_law = FrictionLaw::associated;
-  if (const auto increments = table.integer("increments")) {
-    if (contact.scheme != Scheme::at_rest)
-      table.complain("increments", "belongs to scheme = \"static\": add it, or leave this key out");
-    if (!has_friction)
-      table.complain("increments", "needs friction: add it, as in friction = 0.3, or leave this key out");
-    contact.increments = static_cast<int>(*increments);
-  }
+void read_increments(Table& table, bool has_friction, Contact& contact) {
+  const auto increments = table.integer("increments");
+  if (!increments) return;
+  if (contact.scheme != Scheme::at_rest)
+    table.complain("increments", "belongs to scheme = \"static\": add it, or leave this key out");
+  if (!has_friction)
+    table.complain("increments", "needs friction: add it, as in friction = 0.3, or leave this key out");
+  contact.increments = static_cast<int>(*increments);
 }
 
 }  // namespace
@@ -163,7 +156,7 @@ Contact read_contact(Table& root, const Scene& scene) {
     for (const Key& key : pair_keys.keys)
       if (table.raw().contains(key.name))
         table.complain(key.name, "is replaced by contact.table: leave one of them out");
-    read_law(table, false, contact);
+    read_increments(table, false, contact);
     table.refuse_unread();
     return contact;
   }
@@ -182,7 +175,7 @@ Contact read_contact(Table& root, const Scene& scene) {
     if (shared.a.empty()) table.complain("between", "is missing: name the two that may touch");
     contact.pairs.push_back(body_first(scene, shared));
   }
-  read_law(table, has_friction, contact);
+  read_increments(table, has_friction, contact);
   table.refuse_unread();
   return contact;
 }

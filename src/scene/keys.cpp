@@ -337,10 +337,6 @@ const Section contact_keys =
               "and loads, which must not be given"},
              {"solver", Type::text, "", shown("exact"), one_of({"exact", "uzawa"}),
               "`static` only. `uzawa`: iteration on the pressures, for comparison; without friction"},
-             {"friction_law", Type::text, "", shown("coulomb"), one_of({"coulomb", "associated"}),
-              "with `friction` only. `\"coulomb\"`: points slide along the surface. `\"associated\"`: points "
-              "that slide also separate, by the coefficient times the slip, as in older methods; for "
-              "comparison"},
              {"increments", Type::integer, "", shown(Contact{}.increments), from_to("1", "1e6"),
               "`static` with `friction` only: parts of the preload and of each stage from one time of a "
               "history to the next. Slip depends on the path, so more parts are more accurate"},

@@ -128,7 +128,6 @@ struct Contact {
   Instant instant = Instant::step;                    ///< impulse scheme only
   double restitution = 0;                             ///< impulse scheme only, in [0, 1]
   Solver solver = Solver::exact;                      ///< scheme "static" only
-  FrictionLaw friction_law = FrictionLaw::coulomb;    ///< of pairs with friction
   int increments = 20;                                ///< of each stage of the loads, at rest with friction
   std::optional<int> max_pivots;  ///< bound on the work of a step, at least 1; no value: unbounded
   std::vector<Pair> pairs;        ///< [contact] itself, or each [[contact.pair]]

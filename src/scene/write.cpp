@@ -154,9 +154,6 @@ std::string scheme_of(const Contact& contact) {
                     contact.admittance == Admittance::jump ? "jump" : "difference",
                     contact.instant == Instant::step ? "step" : "exact", toml_number(contact.restitution));
   if (contact.max_pivots) text += fmt::format("max_pivots = {}\n", *contact.max_pivots);
-  if (std::ranges::any_of(contact.pairs, [](const Pair& pair) { return pair.friction.has_value(); }))
-    text += fmt::format("friction_law = \"{}\"\n",
-                        contact.friction_law == FrictionLaw::associated ? "associated" : "coulomb");
   if (contact.increments != Contact{}.increments)
     text += fmt::format("increments = {}\n", contact.increments);
   return text;

@@ -81,7 +81,6 @@ StepOptions step_options(const scene::Scene& scene) {
           .instant = scene.contact.instant,
           .restitution = scene.contact.restitution,
           .contact_step = scene.contact.integration,
-          .friction_law = scene.contact.friction_law,
           .step = scene.time.step(),
           .steps_per_sample = scene.time.steps_per_sample(),
           .max_pivots = scene.contact.max_pivots.value_or(std::numeric_limits<int>::max()),

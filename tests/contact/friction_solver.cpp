@@ -23,7 +23,6 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 using lcp::Random;
 using namespace ricochet::contact;
-using ricochet::FrictionLaw;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -51,7 +50,7 @@ Problem random_problem(Random& random, int points, int others, double coefficien
 /// Largest violation of Coulomb's conditions by p, relative to |r|_∞ + ‖S‖_∞ |p|_∞; infinite if p is outside
 /// the cone by more than round-off, or if friction drives the slip. A force that would have to turn counts as
 /// the motion across it, and slip below the tolerance 1e-12 as stick.
-double violation(const Problem& problem, const VectorXd& p, FrictionLaw law = FrictionLaw::coulomb) {
+double violation(const Problem& problem, const VectorXd& p) {
   const lcp::LongVector w = lcp::slack(problem.S, problem.r, p);
   const double scale = lcp::scale(problem.S, problem.r, p);
   std::vector<char> is_normal(static_cast<std::size_t>(p.size()), 1);
@@ -61,8 +60,7 @@ double violation(const Problem& problem, const VectorXd& p, FrictionLaw law = Fr
     const Vector2d force = p.segment<2>(c.tangential), motion = w.segment<2>(c.tangential).cast<double>();
     const double most = c.coefficient * p(c.normal);
     if (!(p(c.normal) >= 0) || !(force.norm() <= most * (1 + 1e-15))) return infinity;
-    double gap = static_cast<double>(w(c.normal));
-    if (law == FrictionLaw::associated) gap -= c.coefficient * motion.norm();
+    const auto gap = static_cast<double>(w(c.normal));
     worst = std::max(worst, p(c.normal) > 0 ? std::abs(gap) : -gap);
     if (!(most > 0) || motion.norm() <= 1e-12 * scale) continue;
     if (force.dot(motion) > 0) return infinity;
@@ -280,23 +278,6 @@ TEST(FrictionSolver, satisfies_Coulombs_law_where_normal_and_tangential_motion_a
   // Points change their state one after the other, about one in each step; 91 factors were needed.
   EXPECT_EQ(solver.statistics().fallbacks, 0);
   EXPECT_LE(solver.statistics().renewals, 4 * steps);
-}
-
-TEST(FrictionSolver, satisfies_the_associated_law) {
-  Random random(4);
-  FrictionSolver solver(60, {.law = FrictionLaw::associated});
-  int slipping = 0;
-  for (int trial = 0; trial < 1000; ++trial) {
-    const Problem problem = random_problem(random, 1 + trial % 15, trial % 3, uniform(random, 0, 3));
-    VectorXd p = VectorXd::Zero(problem.r.size());
-    solver.reset();
-    ASSERT_EQ(solver.solve(problem.S, problem.r, problem.contacts, p), SolveStatus::solved) << trial;
-    EXPECT_LE(violation(problem, p, FrictionLaw::associated), 1e-12) << trial;
-    EXPECT_FALSE(solver.several()) << "the problem is strictly convex";
-    slipping +=
-        static_cast<int>(std::count(solver.states().begin(), solver.states().end(), ContactState::slip));
-  }
-  EXPECT_GT(slipping, 1000);
 }
 
 /// p after projected Gauss-Seidel: each row against the forces of the others, tangential forces shortened to
@@ -539,32 +520,24 @@ TEST(FrictionPoint, has_an_odd_number_of_solutions_that_satisfy_the_law) {
   FrictionSolver solver(3);
   int slipping = 0, ambiguous = 0;
   for (int trial = 0; trial < 3000; ++trial) {
-    const FrictionLaw law = trial % 4 == 0 ? FrictionLaw::associated : FrictionLaw::coulomb;
     const double mu = uniform(random, 0.01, trial % 3 == 0 ? 5 : 1);
     const Problem problem = random_problem(random, 1, 0, mu, 0.01);
     FrictionPoint point;
     point.S = problem.S;
     point.r = problem.r;
     point.coefficient = mu;
-    point.law = law;
     const FrictionPoint::Solutions all = point.solve(true);
     EXPECT_EQ(all.count % 2, 1) << trial;
     double nearest = infinity;
     VectorXd p = VectorXd::Zero(3);
-    if (law == FrictionLaw::coulomb) {
-      solver.reset();
-      ASSERT_EQ(solver.solve(problem.S, problem.r, problem.contacts, p), SolveStatus::solved);
-    }
+    solver.reset();
+    ASSERT_EQ(solver.solve(problem.S, problem.r, problem.contacts, p), SolveStatus::solved);
     for (int k = 0; k < all.count; ++k) {
-      EXPECT_LE(violation(problem, all.at[k].p, law), 1e-12) << trial;
+      EXPECT_LE(violation(problem, all.at[k].p), 1e-12) << trial;
       nearest = std::min(nearest, (all.at[k].p - p).norm());
       slipping += all.at[k].state == ContactState::slip;
     }
-    if (law == FrictionLaw::associated) {
-      EXPECT_EQ(all.count, 1) << "the problem is strictly convex";
-    } else {
-      EXPECT_LE(nearest, 1e-9 * (1 + p.norm())) << trial << ": tolerance times condition number";
-    }
+    EXPECT_LE(nearest, 1e-9 * (1 + p.norm())) << trial << ": tolerance times condition number";
     ambiguous += all.count > 1;
   }
   EXPECT_GT(slipping, 500);

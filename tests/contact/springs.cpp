@@ -64,7 +64,7 @@ TEST(Spring, of_a_single_point_gives_the_approach_of_Hertz) {
   const SphereOnPatch sphere;
   const double R = SphereOnPatch::flexibility();
   const std::vector springs{PatchSpring::of(sphere.bulge(), R)};
-  ContactSolver solver(1, {}, false, FrictionLaw::coulomb, true);
+  ContactSolver solver(1, {}, false, true);
   double previous = 0;
   for (const double share : {1e-6, 1e-4, 0.01, 0.1, 0.3, 0.99}) {
     const double approach = share * sphere.filled();
@@ -152,8 +152,7 @@ TEST(SpringProblem, is_solved_to_round_off_from_any_guess) {
       for (int trial = 0; trial < 30; ++trial) {
         const Problem problem = random_problem(points, rubs, random);
         const auto& S = problem.S;
-        ContactSolver solver(static_cast<int>(S.rows()), {.same_matrix = true}, rubs, FrictionLaw::coulomb,
-                             true);
+        ContactSolver solver(static_cast<int>(S.rows()), {.same_matrix = true}, rubs, true);
         Eigen::VectorXd p = Eigen::VectorXd::Zero(S.rows());
         for (int k = 0; k < 6; ++k, ++problems) {
           const double size = std::pow(10, normal(random));
@@ -197,8 +196,7 @@ TEST(SpringProblem, with_full_springs_is_that_of_larger_gaps_to_the_last_bit) {
   Problem problem = random_problem(20, false, random);
   for (PatchSpring& spring : problem.springs) spring = PatchSpring::of(1e-3, 1e3);
   const Eigen::VectorXd bulge = Eigen::VectorXd::Constant(20, 1e-3);
-  ContactSolver with(20, {.same_matrix = true}, false, FrictionLaw::coulomb, true),
-      without(20, {.same_matrix = true});
+  ContactSolver with(20, {.same_matrix = true}, false, true), without(20, {.same_matrix = true});
   Eigen::VectorXd p = Eigen::VectorXd::Constant(20, 1), expected = p;
   for (int k = 0; k < 5; ++k) {
     const Eigen::VectorXd r = problem.S * Eigen::VectorXd::Constant(20, 1 + 0.1 * k);
@@ -220,7 +218,7 @@ TEST(SpringProblem, gives_no_energy_if_it_is_stopped) {
       const Problem problem = random_problem(rubs ? 6 : 15, rubs, random);
       const auto& S = problem.S;
       ContactSolver solver(static_cast<int>(S.rows()), {.same_matrix = true, .max_pivots = 1 + trial % 3},
-                           rubs, FrictionLaw::coulomb, true);
+                           rubs, true);
       Eigen::VectorXd p = Eigen::VectorXd::Zero(S.rows());
       for (int k = 0; k < 10; ++k) {
         const Eigen::VectorXd r = Eigen::VectorXd::NullaryExpr(S.rows(), [&] { return normal(random); });
@@ -245,7 +243,7 @@ TEST(SpringProblem, gives_no_energy_if_it_is_stopped) {
 TEST(SpringProblem, refuses_what_is_not_a_number_and_goes_on) {
   std::mt19937_64 random(3);
   const Problem problem = random_problem(5, false, random);
-  ContactSolver solver(5, {.same_matrix = true}, false, FrictionLaw::coulomb, true);
+  ContactSolver solver(5, {.same_matrix = true}, false, true);
   Eigen::VectorXd r = Eigen::VectorXd::Ones(5), p = Eigen::VectorXd::Zero(5), again = p;
   ASSERT_EQ(solver.solve(problem.S, r, problem.springs, {}, p), SolveStatus::solved);
   r(2) = std::numeric_limits<double>::quiet_NaN();

@@ -181,21 +181,6 @@ class Exports(BoxTest):
                         self.assertLess(abs(r - ours).max(), 1e-6 * peak)
                 self.assertEqual(len(coefficients) > 10, len(friction[0]) > 20)
 
-    def test_only_coulombs_law_is_written(self):
-        run = Run(
-            [
-                BIN / "ricochet-contact",
-                self.all / "imported.toml",
-                "--out",
-                self.all / "imported",
-                *settings(["contact.friction=0.2", "contact.friction_law=associated"]),
-                "--fclib",
-                self.folder / "fclib",
-            ]
-        )
-        self.assertEqual(run.status, 2)
-        self.assertEqual(run.err.count("\n"), 1)
-
     def test_only_problems_of_one_step_and_all_points_are_written(self):
         run = Run(
             [

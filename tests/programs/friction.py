@@ -177,7 +177,6 @@ class Friction(ProgramTest):
             (["contact.friction=-0.1"], "contact.friction = -0.1: must be from 0 to 10"),
             (["contact.friction=nan"], "contact.friction = nan: must be finite"),
             (["contact.friction={statik=0.3}"], 'Did you mean "static"?'),
-            (["contact.friction=0.3", "contact.friction_law=rough"], "friction_law"),
             (["obstacles.floor.velocity=[0,0,1]"], "has the component 1 m/s along the normal"),
         ):
             for program in (kernel, contact):

@@ -31,7 +31,6 @@ point = [0, 0, 0]
 [contact]
 kernel = "modes"
 scheme = "compliant"
-{law}
 [[contact.pair]]
 between = ["block", "floor"]
 {friction}
@@ -105,8 +104,7 @@ def write(path, form="patch", friction=f"friction = {MU}", **more):
     drag = Drag(form, **more)
     title, rows, m = path.name, drag.rows, len(drag.point)
     result = path.with_name(f"{title}.result.h5")
-    law = 'friction_law = "coulomb"' if friction else ""
-    scene = SCENE.format(title=title, law=law, friction=friction or "", duration=drag.time[-1])
+    scene = SCENE.format(title=title, friction=friction or "", duration=drag.time[-1])
     stored = 0.5 * (drag.force**2).sum(axis=1) / STIFF
     stretched = 0.5 * (drag.tangential**2).sum(axis=(1, 2)) / ACROSS
     fall = -0.06 * np.cos(np.pi * drag.time / drag.time[-1])

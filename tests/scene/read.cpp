@@ -331,19 +331,6 @@ TEST(Friction, is_varied_by_overrides) {
       (Friction{0.5, 0.1, 1}));
 }
 
-TEST(FrictionLaw, is_that_of_coulomb_or_the_associated_one_of_pairs_with_friction) {
-  EXPECT_EQ(scene_of(smallest).contact.friction_law, FrictionLaw::coulomb);
-  EXPECT_EQ(scene_of(smallest, {"contact.friction=0.2", "contact.friction_law=coulomb"}).contact.friction_law,
-            FrictionLaw::coulomb);
-  EXPECT_EQ(
-      scene_of(smallest, {"contact.friction=0.2", "contact.friction_law=associated"}).contact.friction_law,
-      FrictionLaw::associated);
-  // A sweep may begin without friction.
-  EXPECT_EQ(
-      scene_of(smallest, {"contact.friction=0", "contact.friction_law=associated"}).contact.friction_law,
-      FrictionLaw::coulomb);
-}
-
 TEST(Obstacles, move_along_their_surface) {
   EXPECT_EQ(scene_of(smallest).obstacles[0].velocity, Vector3{});
   EXPECT_THAT(scene_of(smallest, {"obstacles.floor.velocity=[1,-2,0]"}).obstacles[0].velocity,

@@ -447,22 +447,14 @@ TEST(Refused, is_friction_where_no_method_has_it) {
        {"scheme = \"static\"\nsolver = \"uzawa\"\nfriction = 0.3",
         "friction = 0.3: is not possible with solver = \"uzawa\": set solver = \"exact\", or leave friction "
         "out"},
-       {"friction_law = \"coulomb\"",
-        "friction_law = \"coulomb\": needs friction: add it, as in friction = 0.3, or leave this key out"},
        {"friction = 0.3\nincrements = 5",
         "increments = 5: belongs to scheme = \"static\": add it, or leave this key out"},
        {"scheme = \"static\"\nincrements = 5",
-        "increments = 5: needs friction: add it, as in friction = 0.3, or leave this key out"},
-       {"friction = 0.3\nfriction_law = \"rough\"",
-        "friction_law = \"rough\": must be \"coulomb\" or \"associated\""}});
+        "increments = 5: needs friction: add it, as in friction = 0.3, or leave this key out"}});
   for (const char* without : {"contact.scheme=impulse", "contact.kernel=table"})
     EXPECT_NO_THROW(scene_of(smallest, {without, "contact.friction=0"})) << without;
   EXPECT_EQ(complaint_about(tabular, {"contact.friction=0.3"}),
             "scene.toml: contact.friction = 0.3: is replaced by contact.table: leave one of them out");
-  EXPECT_EQ(
-      complaint_about(tabular, {"contact.friction_law=coulomb"}),
-      "scene.toml: contact.friction_law = \"coulomb\": needs friction: add it, as in friction = 0.3, or "
-      "leave this key out");
 }
 
 TEST(Refused, is_an_obstacle_that_leaves_its_surface) {

@@ -34,7 +34,6 @@ static void refusals(const ricochet_kernel* kernel) {
   expect(ricochet_scene_angular_velocity(scene, "bob", zero) == RICOCHET_REFUSED,
          "the spin of an unknown body is refused");
   expect(ricochet_scene_impulse(scene, 7, 0) == RICOCHET_REFUSED, "an unknown admittance is refused");
-  expect(ricochet_scene_friction_law(scene, 7) == RICOCHET_REFUSED, "an unknown law of friction is refused");
   expect(ricochet_scene_friction(scene, 0.3, 0.3, 0) == RICOCHET_REFUSED,
          "friction without a pair is refused");
   expect(ricochet_scene_half_space_velocity(scene, "floor", zero) == RICOCHET_REFUSED,
@@ -58,7 +57,6 @@ static ricochet_simulation* drop(const ricochet_kernel* kernel) {
   expect(ricochet_scene_half_space(scene, "floor", origin, up) == RICOCHET_OK, "half-space");
   expect(ricochet_scene_pair(scene, "bob", "floor", NULL, &gap, NULL) == RICOCHET_OK, "pair");
   expect(ricochet_scene_friction(scene, 0, 0, 0) == RICOCHET_OK, "no friction");
-  expect(ricochet_scene_friction_law(scene, RICOCHET_COULOMB) == RICOCHET_OK, "law of friction");
   expect(ricochet_scene_half_space_velocity(scene, "floor", along) == RICOCHET_OK, "velocity of the floor");
   expect(ricochet_scene_half_space_slide(scene, "floor", along, NULL, NULL, 1) == RICOCHET_REFUSED,
          "no times");
