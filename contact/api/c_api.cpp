@@ -81,6 +81,29 @@ ricochet::HalfSpace& half_space_of(ricochet_scene* scene, const char* name, cons
   return *found;
 }
 
+ricochet::Body& body_of(ricochet_scene* scene, const char* name, const char* setting) {
+  auto& bodies = given(scene, "scene").scene.bodies;
+  const auto found = std::ranges::find(bodies, text(name, "body"), &ricochet::Body::name);
+  if (found == bodies.end())
+    throw InputError(std::string(setting) + ": \"" + name + "\" is not a body of the scene.");
+  return *found;
+}
+
+void add_forcing(ricochet_scene* scene, const char* body, const char* name, bool support, const double* along,
+                 const double* time, const double* factor, size_t count) {
+  const char* const setting = support ? "support" : "load";
+  if (count > 0 && (!time || !factor))
+    throw InputError(std::string(setting) + ": time or factor is NULL. Give both.");
+  const std::string moved = body_of(scene, body, setting).name;
+  given(scene, "scene")
+      .scene.forcing.push_back({moved,
+                                text(name, setting),
+                                support,
+                                vector(along, "vector"),
+                                {time, time + count},
+                                {factor, factor + count}});
+}
+
 }  // namespace
 
 int ricochet_version(void) { return RICOCHET_VERSION_NUMBER; }
@@ -116,14 +139,12 @@ int ricochet_scene_body(ricochet_scene* scene, const char* name, const ricochet_
 }
 
 int ricochet_scene_angular_velocity(ricochet_scene* scene, const char* body, const double* angular_velocity) {
-  return checked([&] {
-    auto& bodies = given(scene, "scene").scene.bodies;
-    const auto found = std::ranges::find(bodies, text(body, "body"), &ricochet::Body::name);
-    if (found == bodies.end())
-      throw ricochet::InputError(std::string("angular_velocity: \"") + body +
-                                 "\" is not a body of the scene.");
-    found->angular_velocity = vector_or_zero(angular_velocity);
-  });
+  return checked(
+      [&] { body_of(scene, body, "angular_velocity").angular_velocity = vector_or_zero(angular_velocity); });
+}
+
+int ricochet_scene_arrival(ricochet_scene* scene, const char* body, double arrival) {
+  return checked([&] { body_of(scene, body, "arrival").arrival = arrival; });
 }
 
 int ricochet_scene_half_space(ricochet_scene* scene, const char* name, const double* point,
@@ -180,6 +201,20 @@ int ricochet_scene_pickup(ricochet_scene* scene, const char* body, const char* r
 
 int ricochet_scene_gravity(ricochet_scene* scene, const double* gravity) {
   return checked([&] { given(scene, "scene").scene.gravity = vector(gravity, "gravity"); });
+}
+
+int ricochet_scene_load(ricochet_scene* scene, const char* body, const char* load, const double* along,
+                        const double* time, const double* factor, size_t count) {
+  return checked([&] { add_forcing(scene, body, load, false, along, time, factor, count); });
+}
+
+int ricochet_scene_support(ricochet_scene* scene, const char* body, const char* support, const double* along,
+                           const double* time, const double* factor, size_t count) {
+  return checked([&] { add_forcing(scene, body, support, true, along, time, factor, count); });
+}
+
+int ricochet_scene_exact_events(ricochet_scene* scene) {
+  return checked([&] { given(scene, "scene").scene.instant = ricochet::Instant::exact; });
 }
 
 int ricochet_scene_impulse(ricochet_scene* scene, int admittance, double restitution) {

@@ -57,6 +57,12 @@ contact::PlacedBody placed(const Body& body) {
           .angular_velocity = finite(body.angular_velocity, where + ".angular_velocity")};
 }
 
+double arrival_of(const Body& body) {
+  if (!(body.arrival >= 0 && std::isfinite(body.arrival)))
+    throw InputError(fmt::format("bodies.{}.arrival = {}: must not be negative.", body.name, body.arrival));
+  return body.arrival;
+}
+
 /// No value if the pair is frictionless. @param where  the pair, for messages
 std::optional<Friction> friction_of(const Scene& scene, const Pair& pair, const std::string& where) {
   if (!pair.friction) return std::nullopt;
@@ -79,18 +85,31 @@ std::optional<Friction> friction_of(const Scene& scene, const Pair& pair, const 
   return f;
 }
 
-contact::History history_of(const Slide& slide, const std::string& where) {
+/// @param motion  a Slide or a Forcing
+contact::History history_of(const auto& motion, const std::string& where) {
   const auto finite_values = [](const std::vector<double>& values) {
     return std::ranges::all_of(values, [](double x) { return std::isfinite(x); });
   };
-  if (slide.time.empty() || slide.time.size() != slide.factor.size())
+  if (motion.time.empty() || motion.time.size() != motion.factor.size())
     throw InputError(fmt::format("{}: {} times and {} factors: give one factor for each of its times.", where,
-                                 slide.time.size(), slide.factor.size()));
-  if (!finite_values(slide.time) || !finite_values(slide.factor))
+                                 motion.time.size(), motion.factor.size()));
+  if (!finite_values(motion.time) || !finite_values(motion.factor))
     throw InputError(where + ": contains a time or a factor that is not finite.");
-  if (std::ranges::adjacent_find(slide.time, std::ranges::greater_equal{}) != slide.time.end())
+  if (std::ranges::adjacent_find(motion.time, std::ranges::greater_equal{}) != motion.time.end())
     throw InputError(where + ": its times do not ascend. Sort them, and merge equal ones.");
-  return {slide.time, slide.factor};
+  return {motion.time, motion.factor};
+}
+
+std::vector<contact::ForcingRequest> forcing_of(const Scene& scene) {
+  std::vector<contact::ForcingRequest> out;
+  for (std::size_t k = 0; k < scene.forcing.size(); ++k) {
+    const Forcing& one = scene.forcing[k];
+    const std::string where = fmt::format("forcing[{}]", k);
+    const bool dead = !one.support && one.time.empty() && one.factor.empty();
+    out.push_back({one.body, one.name, one.support, finite(one.vector, where + ".vector"),
+                   dead ? contact::dead_load : history_of(one, where)});
+  }
+  return out;
 }
 
 /// Sets the half-spaces in motion.
@@ -139,7 +158,12 @@ Eigen::Map<const contact::Matrix> modes_at(const Pickup& pickup, const kernels::
 contact::Model model_of(const Scene& scene) {
   check_names(scene);
   std::vector<contact::PlacedBody> bodies;
-  for (const Body& body : scene.bodies) bodies.push_back(placed(body));
+  std::vector<double> arrivals;
+  const Vector3d gravity = finite(scene.gravity, "gravity");
+  for (const Body& body : scene.bodies) {
+    arrivals.push_back(arrival_of(body));
+    bodies.push_back(contact::arriving(placed(body), arrivals.back(), gravity));
+  }
   std::vector<contact::HalfSpace> obstacles;
   for (const HalfSpace& obstacle : scene.obstacles) {
     const std::string where = "obstacles." + obstacle.name;
@@ -155,7 +179,8 @@ contact::Model model_of(const Scene& scene) {
     pairs.push_back(request);
   }
   contact::Model model =
-      contact::build_model(std::move(bodies), obstacles, pairs, finite(scene.gravity, "gravity"));
+      contact::build_model(std::move(bodies), obstacles, pairs, gravity, forcing_of(scene));
+  contact::refuse_early_contact(model, arrivals);
   if (scene.scheme == Scheme::impulse) contact::use_mean_gaps(model);
   add_belts(scene, model);
   contact::refuse_sag(model);
@@ -173,10 +198,12 @@ StepOptions step_options(const Scene& scene) {
                     scene.contact_rate_hz, scene.rate_hz));
   return {.scheme = scene.scheme,
           .admittance = scene.admittance,
+          .instant = scene.instant,
           .restitution = scene.restitution,
           .contact_step = scene.integration,
           .step = 1 / (scene.rate_hz * ratio),
           .steps_per_sample = static_cast<int>(ratio),
+          .max_pivots = scene.max_pivots,
           .precision = scene.single_precision ? Precision::float32 : Precision::float64};
 }
 

@@ -90,6 +90,21 @@ struct Simulation::Impl {
     if (out.tangential_force) std::copy_n(tangential_force.data(), 3 * m, out.tangential_force + 3 * k * m);
   }
 
+  /// The part of the motion of a pickup that moving supports give to the modes. Blocks of steps in which one
+  /// moves are advanced step by step.
+  double velocity_of_supports(Eigen::Index pickup) const noexcept {
+    const contact::ModalState& state = *stepper->modal();
+    return state.forcing.any() ? pickups.row(pickup).dot(state.now.lift) : 0;
+  }
+  double displacement_of_supports(Eigen::Index pickup) const noexcept {
+    double sum = 0;
+    for (const contact::Model::Forcing& one : model.forcing)
+      if (one.support)
+        sum += one.history.at(stepper->time()) *
+               pickups.row(pickup).segment(one.first_mode, one.lift.size()).dot(one.lift);
+    return sum;
+  }
+
   /// Writes the rows of velocities of the samples between contact steps `from` and `to` of the block: the
   /// steps through which the state was last advanced.
   void write_velocities(const Block& out, std::int64_t from, std::int64_t to) const noexcept {
@@ -98,7 +113,8 @@ struct Simulation::Impl {
     for (std::int64_t row = from / per_sample(); (row + 1) * per_sample() <= to; ++row) {
       const auto back = static_cast<int>(to - (row + 1) * per_sample());
       const Eigen::Map<const contact::Vector> v(stepper->rate(back), pickups.cols());
-      for (Eigen::Index i = 0; i < p; ++i) out.velocity[row * p + i] = pickups.row(i).dot(v);
+      for (Eigen::Index i = 0; i < p; ++i)
+        out.velocity[row * p + i] = pickups.row(i).dot(v) + velocity_of_supports(i);
     }
   }
 
@@ -187,19 +203,19 @@ int Simulation::active() const noexcept { return impl_->stepper->active(); }
 
 std::size_t Simulation::pickups() const noexcept { return static_cast<std::size_t>(impl_->pickups.rows()); }
 double Simulation::pickup_velocity(std::size_t pickup) const noexcept {
-  return impl_->pickups.row(pickup).dot(impl_->stepper->modal()->v);
+  const auto row = static_cast<Eigen::Index>(pickup);
+  return impl_->pickups.row(row).dot(impl_->stepper->modal()->v) + impl_->velocity_of_supports(row);
 }
 double Simulation::pickup_displacement(std::size_t pickup) const noexcept {
-  return impl_->pickups.row(pickup).dot(impl_->stepper->modal()->q);
+  const auto row = static_cast<Eigen::Index>(pickup);
+  return impl_->pickups.row(row).dot(impl_->stepper->modal()->q) + impl_->displacement_of_supports(row);
 }
 
 Vector3 Simulation::mean_velocity(std::size_t body) const noexcept {
-  const contact::Model::BodyBlock& block = impl_->model.bodies[body];
-  Vector3 out{};
-  for (Eigen::Index k = 0; k < 3; ++k)
-    out[k] = block.momentum.row(k).dot(impl_->stepper->modal()->v.segment(block.first_mode, block.modes)) /
-             block.mass;
-  return out;
+  const Eigen::Vector3d mean =
+      impl_->model.momentum(static_cast<int>(body), impl_->stepper->modal()->v, time()) /
+      impl_->model.bodies[body].mass;
+  return array(mean);
 }
 
 Energy Simulation::energy() const noexcept { return impl_->stepper->modal()->energy(); }

@@ -143,6 +143,22 @@ void refuse_overlap(const Model& model) {
                      depth));
 }
 
+void refuse_early_contact(const Model& model, const std::vector<double>& arrival) {
+  const Vector u = model.initial_displacement();
+  for (const Model::PairBlock& pair : model.pairs) {
+    const auto arrives = [&](int k) { return k >= 0 && arrival[static_cast<std::size_t>(k)] > 0; };
+    if (!arrives(pair.a) && !arrives(pair.b)) continue;
+    const int body = arrives(pair.a) ? pair.a : pair.b;
+    // On a parabola that ends in front of the surface, only the start can be behind it.
+    if ((u.segment(pair.first_point, pair.points) - model.gap.segment(pair.first_point, pair.points))
+            .maxCoeff() > 0)
+      throw InputError(base::format(
+          "\"{}\" would start behind the surface that it strikes at {:.6g} s: with this gravity, raise its "
+          "speed, or let it strike earlier",
+          model.bodies[static_cast<std::size_t>(body)].name, arrival[static_cast<std::size_t>(body)]));
+  }
+}
+
 void refuse_sag(const Model& model) {
   const Vector u = model.initial_displacement().head(model.points());
   Eigen::Index i = 0;

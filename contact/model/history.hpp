@@ -33,4 +33,7 @@ struct History {
   double slope_after(std::size_t knot) const noexcept;
 };
 
+/// Of a load that has always acted.
+inline const History dead_load{{-1.0}, {1.0}};
+
 }  // namespace ricochet::contact

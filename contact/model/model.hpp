@@ -205,6 +205,11 @@ Eigen::Matrix<double, 2, 3> tangents_of(const Eigen::Vector3d& normal);
 /// Throws InputError if bodies overlap at t = 0 because dead loads deform them.
 void refuse_sag(const Model& model);
 
+/// Throws InputError if a body that arrives later would start inside another one, because gravity turns it on
+/// its way.
+/// @param arrival  of each body [s]; 0: it does not arrive later
+void refuse_early_contact(const Model& model, const std::vector<double>& arrival);
+
 /// Places the bodies first. Also throws InputError as `place` does.
 inline Model build_model(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& obstacles,
                          const std::vector<PairRequest>& pairs, const Eigen::Vector3d& gravity,

@@ -38,6 +38,13 @@ void check_gap(const Placement& placement, const ContactPair& pair) {
 
 }  // namespace
 
+PlacedBody arriving(PlacedBody body, double arrival, const Eigen::Vector3d& gravity) {
+  const Eigen::Vector3d fall = arrival * gravity;
+  body.displacement = arrival * (fall / 2 - body.velocity);
+  body.velocity -= fall;
+  return body;
+}
+
 Placement place(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& obstacles,
                 const std::vector<PairRequest>& requests) {
   Placement out{std::move(bodies), {}};

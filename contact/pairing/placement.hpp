@@ -27,6 +27,9 @@ struct Placement {
   std::vector<ContactPair> pairs;  ///< in the order of the requests
 };
 
+/// The body that is at its place with its velocity at the time `arrival` [s] and falls freely until then.
+PlacedBody arriving(PlacedBody body, double arrival, const Eigen::Vector3d& gravity);
+
 /// Moves the bodies whose pairs require a gap, then finds all pairs. Uses only the surfaces of the kernels.
 /// Throws InputError as `pair` does, for an unknown name, for a body that no pair names, and if two gaps
 /// contradict each other.

@@ -84,7 +84,17 @@ int ricochet_scene_half_space_slide(ricochet_scene* scene, const char* half_spac
 int ricochet_scene_pickup(ricochet_scene* scene, const char* body, const char* receiver, size_t candidate,
                           const double* direction);
 int ricochet_scene_gravity(ricochet_scene* scene, const double* gravity);
+/* A load of the kernel [Pa] or [N], or a support [m], by name: a vector times a factor, linear between `count`
+ * times [s]. Without times, a load has always acted. */
+int ricochet_scene_load(ricochet_scene* scene, const char* body, const char* load, const double* vector,
+                        const double* time, const double* factor, size_t count);
+int ricochet_scene_support(ricochet_scene* scene, const char* body, const char* support, const double* vector,
+                           const double* time, const double* factor, size_t count);
+/* The time at which a body of the scene is at its place with its velocity [s]; until then, it falls freely. */
+int ricochet_scene_arrival(ricochet_scene* scene, const char* body, double arrival);
 int ricochet_scene_impulse(ricochet_scene* scene, int admittance, double restitution);
+/* Scheme "impulse": from event to event within a step. */
+int ricochet_scene_exact_events(ricochet_scene* scene);
 
 /* Simulations: use each from one thread at a time. Below, only ricochet_simulation_new and _save allocate. */
 typedef struct ricochet_block { /* each may be NULL */

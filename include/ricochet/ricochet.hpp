@@ -18,6 +18,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -50,6 +51,20 @@ struct Body {
   Vector3 translate{};         ///< [m]
   Vector3 velocity{};          ///< initial, of the centre of mass [m/s]
   Vector3 angular_velocity{};  ///< initial, about the centre of mass, world axes [rad/s]
+  /// When it is at its place with its velocity [s]. Until then, it falls freely.
+  double arrival = 0;
+};
+
+/// A load of a kernel, or the motion of a support: `vector` times a factor that is 0 before its first time,
+/// linear between its times and constant after the last one. A support must not jump.
+struct Forcing {
+  std::string body;
+  std::string name;  ///< of the load, or of the support, in the kernel
+  bool support = false;
+  Vector3 vector{};  ///< of a load [Pa] or [N]; of a support [m]
+  /// Ascending [s]. Without times, the factor has always been 1: bodies start at rest under a dead load.
+  std::vector<double> time{};
+  std::vector<double> factor{};  ///< one for each time
 };
 
 /// A displacement along a surface: `vector` times a factor that is 0 before its first time, linear between
@@ -99,15 +114,18 @@ struct Scene {
   std::vector<HalfSpace> obstacles{};
   std::vector<Pair> pairs{};
   std::vector<Pickup> pickups{};
+  std::vector<Forcing> forcing{};
   Vector3 gravity{};  ///< [m/s²]
   Scheme scheme = Scheme::compliant;
   Admittance admittance = Admittance::jump;
+  Instant instant = Instant::step;                    ///< of the impulse scheme
   double restitution = 0;                             ///< of the impulse scheme, in [0, 1]
   ContactStep integration = ContactStep::conserving;  ///< of the compliant scheme
   double rate_hz = 44100;                             ///< steps of the simulation per second
   /// Contact steps per second of the compliant scheme, made while a point could close; rounded up to a
   /// multiple of rate_hz, and 0 for rate_hz.
   double contact_rate_hz = 0;
+  int max_pivots = std::numeric_limits<int>::max();  ///< largest number of pivots of a contact solve
   bool single_precision = false;  ///< of the products of the compliant scheme: faster, less exact
 };
 
@@ -165,7 +183,8 @@ class Simulation {
   int active() const noexcept;  ///< points in contact at the end of the last step
 
   std::size_t pickups() const noexcept;  ///< p
-  /// Motion of the modes at the end of the last step, without the static correction.
+  /// Motion of the modes at the end of the last step, with the motion that supports give them and without the
+  /// static correction.
   double pickup_velocity(std::size_t pickup) const noexcept;      ///< [m/s]
   double pickup_displacement(std::size_t pickup) const noexcept;  ///< since t = 0 [m]
 

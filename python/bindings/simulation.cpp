@@ -8,11 +8,11 @@
 #include <optional>
 
 #include "contact/api/scene_model.hpp"
-#include "contact/input/history_file.hpp"
 #include "python/bindings/arrays.hpp"
 #include "ricochet/ricochet.hpp"
 #include "src/programs/impact_runner.hpp"
 #include "src/scene/scene.hpp"
+#include "src/store/placing.hpp"
 
 namespace ricochet::python {
 
@@ -35,14 +35,7 @@ void check_steppable(const scene::Scene& scene) {
   if (scene.contact.kernel == scene::ContactKernel::table)
     refuse("contact.kernel", "kernels of the kind \"table\"");
   if (scene.contact.scheme == Scheme::at_rest) refuse("contact.scheme", "bodies at rest");
-  if (scene.contact.instant == Instant::exact) refuse("contact.instant", "from event to event");
-  if (scene.contact.max_pivots) refuse("contact.max_pivots", "with a bound on the work of a step");
-  if (!scene.strikes.empty()) refuse("strikes", "mallets that arrive later");
   if (scene.accuracy) refuse("accuracy", "with settings that error estimates choose");
-  if (!scene.loads.tractions.empty()) refuse("loads.traction", "under loads other than gravity");
-  if (!scene.loads.points.empty()) refuse("loads.point", "under loads other than gravity");
-  for (const scene::Forcing& moved : scene.loads.motions)
-    if (moved.obstacle.empty()) refuse("loads.motion", "with supports that move");
 }
 
 Scene scene_of(const scene::Scene& scene, const std::vector<Kernel>& kernels,
@@ -50,28 +43,33 @@ Scene scene_of(const scene::Scene& scene, const std::vector<Kernel>& kernels,
   Scene out;
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
     const scene::Body& body = scene.bodies[k];
-    out.bodies.push_back(
-        {body.name, kernels.at(k), body.rotate_deg, body.translate, body.velocity, body.angular_velocity});
+    out.bodies.push_back({body.name, kernels.at(k), body.rotate_deg, body.translate, body.velocity,
+                          body.angular_velocity, body.arrival});
     if (kernels[k]->surface.corners() == 1 && scene.contact.rubs(body.name))
       throw InputError(store::friction_on_rod(body.name));
   }
   for (const scene::Obstacle& obstacle : scene.obstacles)
-    out.obstacles.push_back({obstacle.name, obstacle.point, obstacle.normal, obstacle.velocity, {}});
-  for (const scene::Forcing& moved : scene.loads.motions) {
-    const contact::History history = contact::read_history(moved.history);
-    std::ranges::find(out.obstacles, moved.obstacle, &HalfSpace::name)
-        ->slides.push_back({moved.vector, history.time, history.value});
-  }
+    out.obstacles.push_back({obstacle.name, obstacle.point, obstacle.normal, {}, {}});
+  const auto array = [](const Eigen::Vector3d& v) { return Vector3{v.x(), v.y(), v.z()}; };
+  const store::Driven driven = store::forcing_of(scene);
+  for (const store::BeltRequest& belt : driven.belts)
+    std::ranges::find(out.obstacles, belt.obstacle, &HalfSpace::name)
+        ->slides.push_back({array(belt.vector), belt.history.time, belt.history.value});
+  for (const contact::ForcingRequest& one : driven.forcing)
+    out.forcing.push_back(
+        {one.body, one.name, one.support, array(one.vector), one.history.time, one.history.value});
   for (const scene::Pair& pair : scene.contact.pairs)
     out.pairs.push_back({pair.a, pair.b, pair.direction, pair.gap, pair.reach, pair.zone, pair.friction});
   out.pickups = pickups;
   out.gravity = scene.loads.gravity;
   out.scheme = scene.contact.scheme;
   out.admittance = scene.contact.admittance;
+  out.instant = scene.contact.instant;
   out.restitution = scene.contact.restitution;
   out.integration = scene.contact.integration;
   out.rate_hz = scene.time.rate.value;
   if (scene.time.contact_rate) out.contact_rate_hz = scene.time.contact_rate->value;
+  if (scene.contact.max_pivots) out.max_pivots = *scene.contact.max_pivots;
   out.single_precision = scene.time.precision == Precision::float32;
   return out;
 }

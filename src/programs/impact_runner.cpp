@@ -50,7 +50,6 @@ Paired pair(Impact& impact, const ImpactRequest& request, store::KernelStore& st
   placement = store.placements.place(scene, impact.kernels.pointers());
   const std::string memory = store::check_impact(scene, impact.kernels.pointers(), placement);
   out.model = store::in_scene(scene, [&] { return store::model_of(scene, placement, forcing); });
-  store::in_scene(scene, [&] { store::refuse_early_contact(scene, out.model); });
   if (scene.contact.scheme != Scheme::at_rest)
     store::in_scene(scene, [&] { contact::refuse_sag(out.model); });
   console.end(

@@ -22,16 +22,14 @@ std::vector<contact::PlacedBody> placed_bodies(const scene::Scene& scene, const 
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
     const scene::Body& body = scene.bodies[k];
     const auto rotation = scene::rotation_of(body);
-    // A body that is at its place with its velocity at the time T falls freely until then.
-    const Eigen::Vector3d v = vector(body.velocity), fall = body.arrival * vector(scene.loads.gravity);
-    bodies.push_back(
+    bodies.push_back(contact::arriving(
         {.name = body.name,
          .kernel = kernels[k],
          .rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotation.data()),
          .translation = vector(body.translate),
-         .velocity = v - fall,
-         .angular_velocity = vector(body.angular_velocity),
-         .displacement = body.arrival * (fall / 2 - v)});
+         .velocity = vector(body.velocity),
+         .angular_velocity = vector(body.angular_velocity)},
+        body.arrival, vector(scene.loads.gravity)));
   }
   return bodies;
 }
@@ -87,24 +85,6 @@ StepOptions step_options(const scene::Scene& scene) {
           .precision = scene.time.precision.value_or(Precision::float64)};
 }
 
-void refuse_early_contact(const scene::Scene& scene, const contact::Model& model) {
-  const contact::Vector u = model.initial_displacement();
-  for (const contact::Model::PairBlock& pair : model.pairs) {
-    const auto arrives = [&](int k) {
-      return k >= 0 && scene.bodies[static_cast<std::size_t>(k)].arrival > 0;
-    };
-    if (!arrives(pair.a) && !arrives(pair.b)) continue;
-    const scene::Body& mallet = scene.bodies[static_cast<std::size_t>(arrives(pair.a) ? pair.a : pair.b)];
-    const auto gap = model.gap.segment(pair.first_point, pair.points);
-    // On a parabola that ends in front of the surface, only the start can be behind it.
-    if (((u.segment(pair.first_point, pair.points) - gap).array() > 0).any())
-      throw InputError(fmt::format(
-          "strikes: \"{}\" would start behind the surface that it strikes at {:g} s: with this gravity, "
-          "raise its speed, or let it strike earlier",
-          mallet.name, mallet.arrival));
-  }
-}
-
 std::string friction_on_rod(const std::string& body) {
   return fmt::format(
       "contact.friction: bodies.{} is a rod, which moves along its axis alone, so that nothing rubs: leave "
@@ -119,9 +99,7 @@ Driven forcing_of(const scene::Scene& scene) {
       if (!driven.obstacle.empty()) continue;
       contact::ForcingRequest request{
           driven.body, support ? driven.group : driven.name, support, vector(driven.vector), {}};
-      // Without a file, the load has always acted.
-      request.history =
-          driven.history.empty() ? contact::History{{-1.0}, {1.0}} : contact::read_history(driven.history);
+      request.history = driven.history.empty() ? contact::dead_load : contact::read_history(driven.history);
       out.forcing.push_back(std::move(request));
     }
   };
@@ -141,6 +119,9 @@ contact::Model model_of(const scene::Scene& scene, const contact::Placement& pla
                         const Driven& driven) {
   refuse_rods(scene, placement);
   contact::Model model = contact::build_model(placement, vector(scene.loads.gravity), driven.forcing);
+  std::vector<double> arrivals;
+  for (const scene::Body& body : scene.bodies) arrivals.push_back(body.arrival);
+  contact::refuse_early_contact(model, arrivals);
   if (scene.contact.scheme == Scheme::impulse || scene.contact.kernel == scene::ContactKernel::table)
     contact::use_mean_gaps(model);
   for (const BeltRequest& belt : driven.belts)

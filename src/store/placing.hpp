@@ -57,15 +57,11 @@ struct Driven {
 Driven forcing_of(const scene::Scene& scene);
 
 /// Builds the model of placed bodies under the scene's loads. Throws InputError in the same cases as
-/// contact::build_model and contact::add_belt, and if a rod has friction.
+/// contact::build_model, contact::refuse_early_contact and contact::add_belt, and if a rod has friction.
 contact::Model model_of(const scene::Scene& scene, const contact::Placement& placement, const Driven& driven);
 
 /// Options of the scene's steps. If the scene leaves the precision open, it is double.
 StepOptions step_options(const scene::Scene& scene);
-
-/// Throws InputError if a mallet would start inside a body that it strikes later, because gravity turns it on
-/// its way.
-void refuse_early_contact(const scene::Scene& scene, const contact::Model& model);
 
 /// The complaint about friction on a rod.
 std::string friction_on_rod(const std::string& body);

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <string>
@@ -150,6 +151,94 @@ TEST(Simulation, hears_the_receivers_of_a_kernel) {
   for (const std::size_t step : {0, 1}) {
     EXPECT_NEAR(heard[2 * step], 1.5, 1e-14);
     EXPECT_NEAR(heard[2 * step + 1], 0.5, 1e-14);
+  }
+}
+
+/// A bar with its foot at x = 0 (tests/contact/bodies.hpp), far from a wall.
+Scene bar_far_from_wall(int modes, double decay) {
+  kernels::Kernel kernel = contact::test::clamped_bar(modes, length);
+  kernel.modes.decay_rate.assign(static_cast<std::size_t>(modes), decay);
+  Scene scene;
+  scene.bodies = {{.name = "bar", .kernel = shared(std::move(kernel))}};
+  scene.obstacles = {{.name = "wall", .point = {20 * length, 0, 0}, .normal = {-1, 0, 0}}};
+  scene.pairs = {{.a = "bar", .b = "wall"}};
+  scene.pickups = {{.body = "bar", .candidate = 1, .direction = {1, 0, 0}}};
+  scene.rate_hz = 10;
+  return scene;
+}
+
+// The foot moves at speed V from t = 0 on. The wave reaches the tip at t = L/c, which then moves at 2V until
+// 3L/c, rests until 5L/c, and so on. 200 modes blur each front over 2L/200 and lack 1/(200 π) of the motion
+// of the foot.
+TEST(Simulation, hears_the_waves_of_a_support_that_moves) {
+  constexpr double V = 0.3;
+  Scene scene = bar_far_from_wall(200, 0);
+  scene.forcing = {{"bar", "foot", true, {V, 0, 0}, {0, 1000}, {0, 1000}}};
+  Simulation simulation(scene), steps(scene);
+  std::vector<double> heard(700);
+  simulation.step_block(700, {.velocity = heard.data()});
+  for (int k = 1; k <= 700; ++k) {
+    ASSERT_EQ(steps.step(), StepStatus::ok);
+    EXPECT_EQ(steps.pickup_velocity(0), heard[static_cast<std::size_t>(k - 1)]) << k;
+    const double t = 0.1 * k;
+    double tip = 0;
+    for (double front = length; front < t; front += 4 * length)
+      tip += 2 * V * std::min(t - front, 2 * length);
+    EXPECT_NEAR(steps.pickup_displacement(0), tip, 2e-3 * V * (length + t)) << t;
+    if (std::abs(std::fmod(t, 2 * length) - length) > 1)
+      EXPECT_NEAR(steps.pickup_velocity(0), std::fmod(t + length, 4 * length) > 2 * length ? 2 * V : 0,
+                  0.15 * V);
+  }
+  EXPECT_NEAR(steps.energy().total(), 0, 1e-10);
+}
+
+// A force F at the tip stretches the bar by F L/(E A): from the start if it is a dead load, and once the bar
+// has come to rest if it grows. 1e-9: e^(−0.15 · 200).
+TEST(Simulation, stretches_a_bar_by_its_load) {
+  Scene scene = bar_far_from_wall(20, 0.15);
+  scene.forcing = {{.body = "bar", .name = "tip", .vector = {2, 0, 0}}};
+  Simulation dead(scene);
+  EXPECT_NEAR(dead.displacement()[0], 2 * length, 1e-12);
+  ASSERT_EQ(dead.step_block(500).status, StepStatus::ok);
+  EXPECT_NEAR(dead.displacement()[0], 2 * length, 1e-12);
+  EXPECT_NEAR(dead.pickup_velocity(0), 0, 1e-12);
+  scene.forcing[0].time = {0, 30, 31.7};
+  scene.forcing[0].factor = {0, 0.5, 1};
+  Simulation growing(scene);
+  EXPECT_EQ(growing.displacement()[0], 0);
+  ASSERT_EQ(growing.step_block(3000).status, StepStatus::ok);
+  EXPECT_NEAR(growing.displacement()[0], 2 * length, 1e-9);
+  EXPECT_NEAR(growing.energy().total(), 0, 1e-10);
+}
+
+// It is at the wall at t = 5, and its force there is 1.
+TEST(Simulation, lets_a_body_arrive_at_its_time) {
+  Scene scene = rod_at_wall();
+  scene.bodies[0].arrival = 5;
+  Simulation simulation(scene);
+  std::vector<double> force(2000);
+  ASSERT_EQ(simulation.step_block(2000, {.total_force = force.data()}).status, StepStatus::ok);
+  EXPECT_EQ(*std::max_element(force.begin(), force.begin() + 499), 0);
+  EXPECT_NEAR(mean(force, 5, 19), 1, 0.01);
+}
+
+// A mass falls from h and bounces: it reaches the floor at √(2h/g) and from then on at intervals of 2
+// √(2h/g). With impulses at the ends of steps, each bounce comes late.
+TEST(Simulation, bounces_at_the_exact_instants) {
+  constexpr double h = 0.1, g = 9.81;
+  Scene scene = falling({.modes = 1, .points = 1, .flexibility = 0}, h, 0, g);
+  scene.scheme = Scheme::impulse;
+  scene.restitution = 1;
+  scene.rate_hz = 1000;
+  const double first = std::sqrt(2 * h / g), since = std::fmod(1 - first, 2 * first),
+               fallen = h - (g * first * since - g * since * since / 2);
+  for (const Instant instant : {Instant::exact, Instant::step}) {
+    scene.instant = instant;
+    Simulation simulation(scene);
+    ASSERT_EQ(simulation.step_block(1000).status, StepStatus::ok);
+    const double error = std::abs(-simulation.pickup_displacement(0) - fallen);
+    EXPECT_EQ(error < 1e-12, instant == Instant::exact) << error;
+    EXPECT_EQ(error > 1e-4, instant == Instant::step) << error;
   }
 }
 
@@ -454,6 +543,15 @@ TEST(Simulation, refuses_in_one_line_what_it_cannot_run) {
   says([](Scene& s) { s.pairs[0].direction = Vector3{}; }, "direction = [0, 0, 0]");
   says([&](Scene& s) { s.gravity[0] = nan; }, "gravity = [nan");
   says([](Scene& s) { s.rate_hz = 0; }, "rate_hz = 0");
+  says([](Scene& s) { s.max_pivots = 0; }, "max_pivots = 0: must be at least 1");
+  says([](Scene& s) { s.bodies[0].arrival = -1; }, "bodies.plate.arrival = -1: must not be negative");
+  const auto forced = [](const Forcing& one) { return [=](Scene& s) { s.forcing = {one}; }; };
+  says(forced({.body = "plane", .name = "push"}), "\"plane\" is not a body");
+  says(forced({.body = "plate", .name = "push"}), "the kernel of body \"plate\" has no \"push\"");
+  says(forced({.body = "plate", .name = "foot", .support = true}), "forcing[0]: 0 times and 0 factors");
+  says(forced({.body = "plate", .name = "push", .vector = {nan, 0, 0}}), "forcing[0].vector = [nan");
+  says(forced({.body = "plate", .name = "push", .time = {0, 0}, .factor = {0, 1}}),
+       "its times do not ascend");
   says([](Scene& s) { s.pickups[0].body = "plane"; }, "pickups[0]: \"plane\" is not a body");
   says([](Scene& s) { s.pickups[0].candidate = 3; },
        "pickups[0]: candidate = 3: the kernel of \"plate\" has 3");

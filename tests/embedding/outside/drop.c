@@ -40,6 +40,10 @@ static void refusals(const ricochet_kernel* kernel) {
          "the velocity of an unknown half-space is refused");
   expect(ricochet_scene_half_space_slide(scene, "floor", zero, zero, zero, 1) == RICOCHET_REFUSED,
          "the slide of an unknown half-space is refused");
+  expect(ricochet_scene_load(scene, "bob", "push", zero, NULL, NULL, 0) == RICOCHET_REFUSED,
+         "the load of an unknown body is refused");
+  expect(ricochet_scene_arrival(scene, "bob", 1) == RICOCHET_REFUSED,
+         "the arrival of an unknown body is refused");
   expect(ricochet_scene_half_space(scene, "floor", zero, zero) == RICOCHET_OK,
          "a scene is checked when it is run");
   expect(ricochet_simulation_new(scene) == NULL, "a normal of length 0 is refused");
@@ -63,6 +67,9 @@ static ricochet_simulation* drop(const ricochet_kernel* kernel) {
   expect(ricochet_scene_half_space_slide(scene, "floor", along, second, second, 2) == RICOCHET_OK, "slide");
   expect(ricochet_scene_pickup(scene, "bob", NULL, 0, down) == RICOCHET_OK, "pickup");
   expect(ricochet_scene_gravity(scene, gravity) == RICOCHET_OK, "gravity");
+  expect(ricochet_scene_arrival(scene, "bob", 0) == RICOCHET_OK, "arrival");
+  expect(ricochet_scene_support(scene, "bob", "foot", along, NULL, NULL, 1) == RICOCHET_REFUSED,
+         "a support without times");
   simulation = ricochet_simulation_new(scene);
   ricochet_scene_free(scene);
   return simulation;
