@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "src/modes/contact_basis.hpp"
-#include "src/modes/residual.hpp"
+#include "src/reduction/contact_basis.hpp"
+#include "src/reduction/residual.hpp"
 #include "src/surface/patches.hpp"
 
 namespace ricochet::bench {
@@ -143,13 +143,13 @@ Found by_contact_basis(const Problem& problem) {
   const Stopwatch watch(problem.teams.world());
   modes::Factorisation factor(problem.body.stiffness, problem.body.mass);
   const modes::ModeSet set =
-      modes::contact_basis(problem.teams, problem.mesh, problem.body, factor, all, loads.cols(),
-                           {.band = *wanted.up_to,
-                            .flexibility_error = wanted.flexibility_error.value_or(0),
-                            .count = wanted.count,
-                            .residual_flexibility = wanted.residual_flexibility});
+      reduction::contact_basis(problem.teams, problem.mesh, problem.body, factor, all, loads.cols(),
+                               {.band = *wanted.up_to,
+                                .flexibility_error = wanted.flexibility_error.value_or(0),
+                                .count = wanted.count,
+                                .residual_flexibility = wanted.residual_flexibility});
   if (wanted.residual_flexibility)
-    modes::residual_response(problem.teams, problem.mesh, problem.body, factor, set, all.sparseView());
+    reduction::residual_response(problem.teams, problem.mesh, problem.body, factor, set, all.sparseView());
   return found_by_us(set, watch.seconds());
 }
 

@@ -7,7 +7,7 @@
 #include <chrono>
 #include <sstream>
 
-#include "src/programs/contact_run.hpp"
+#include "src/impact/run.hpp"
 
 namespace ricochet::python {
 
@@ -47,7 +47,7 @@ void run(const std::filesystem::path& file, const std::vector<std::string>& sett
   options.watch = std::ref(watch);
   std::ostringstream nowhere;
   const py::gil_scoped_release unlocked;
-  programs::run_contact(options, nowhere);
+  impact::run_contact(options, nowhere);
 }
 
 }  // namespace

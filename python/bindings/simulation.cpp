@@ -10,7 +10,7 @@
 #include "contact/api/scene_model.hpp"
 #include "python/bindings/arrays.hpp"
 #include "ricochet/ricochet.hpp"
-#include "src/programs/impact_runner.hpp"
+#include "src/impact/runner.hpp"
 #include "src/scene/scene.hpp"
 #include "src/store/placing.hpp"
 
@@ -115,7 +115,7 @@ class Stepper {
   void step() { check(simulation_.step()); }
 
  private:
-  void check(StepStatus status) { programs::check(status, scene_, simulation_.time()); }
+  void check(StepStatus status) { impact::check(status, scene_, simulation_.time()); }
 
   scene::Scene scene_;
   Simulation simulation_;

@@ -187,4 +187,10 @@ Eigen::MatrixXd inner(MPI_Comm comm, const Eigen::Ref<const Eigen::MatrixXd>& x,
   return product;
 }
 
+Eigen::MatrixXd inner(MPI_Comm comm, const Eigen::SparseMatrix<double>& x, const Eigen::MatrixXd& y) {
+  Eigen::MatrixXd product = x.transpose() * y;
+  parallel::sum(comm, product);
+  return product;
+}
+
 }  // namespace ricochet::modes

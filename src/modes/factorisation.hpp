@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <Eigen/SparseCore>
 #include <memory>
 #include <span>
 
@@ -87,5 +88,6 @@ Eigen::MatrixXd shared_solve(const parallel::Teams& teams, Factorisation& factor
 /// Returns XᵀY, summed over the ranks and the same on each. Collective.
 Eigen::MatrixXd inner(MPI_Comm comm, const Eigen::Ref<const Eigen::MatrixXd>& x,
                       const Eigen::Ref<const Eigen::MatrixXd>& y);
+Eigen::MatrixXd inner(MPI_Comm comm, const Eigen::SparseMatrix<double>& x, const Eigen::MatrixXd& y);
 
 }  // namespace ricochet::modes

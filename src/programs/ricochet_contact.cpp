@@ -5,8 +5,8 @@
 
 #include "src/console/ending.hpp"
 #include "src/console/options.hpp"
-#include "src/programs/batch_run.hpp"
-#include "src/programs/contact_run.hpp"
+#include "src/impact/batch.hpp"
+#include "src/impact/run.hpp"
 #include "src/scene/key_reference.hpp"
 
 int main(int argc, char** argv) {
@@ -28,8 +28,8 @@ int main(int argc, char** argv) {
   if (!parsed.options) return parsed.status;
   console::end_cleanly_on_signals();
   try {
-    const int status = parsed.options->batch ? programs::run_batch(*parsed.options, std::cin, std::cout)
-                                             : programs::run_contact(*parsed.options, std::cout);
+    const int status = parsed.options->batch ? impact::run_batch(*parsed.options, std::cin, std::cout)
+                                             : impact::run_contact(*parsed.options, std::cout);
     return console::all_printed(program.name) ? status : 1;
   } catch (const std::exception& failure) {
     return console::status_of(failure, program.name);

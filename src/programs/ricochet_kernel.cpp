@@ -11,9 +11,9 @@
 #include <iostream>
 
 #include "src/console/ending.hpp"
+#include "src/kernel/run.hpp"
 #include "src/parallel/blas.hpp"
 #include "src/parallel/parallel.hpp"
-#include "src/programs/kernel_run.hpp"
 #include "src/scene/key_reference.hpp"
 
 int main(int argc, char** argv) {
@@ -34,7 +34,7 @@ int main(int argc, char** argv) {
       argc, argv, first);
   if (!parsed.options) return parsed.status;
   try {
-    const int status = run_kernel(*parsed.options, PETSC_COMM_WORLD);
+    const int status = kernel::run_kernel(*parsed.options, PETSC_COMM_WORLD);
     return console::all_printed("ricochet-kernel") ? status : 1;
   } catch (const InputError& error) {
     // The error is the same on every rank.

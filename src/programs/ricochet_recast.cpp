@@ -5,12 +5,12 @@
 
 #include "src/console/cli.hpp"
 #include "src/console/ending.hpp"
-#include "src/programs/recast_run.hpp"
+#include "src/store/recast.hpp"
 
 int main(int argc, char** argv) {
   using namespace ricochet;
   const std::string name = "ricochet-recast";
-  programs::RecastOptions options;
+  store::RecastOptions options;
   std::string kernel, out;
   std::vector<std::int64_t> points;
   double up_to = 0, error = 0;
@@ -63,7 +63,7 @@ int main(int argc, char** argv) {
   if (*places) options.points = points;
   console::end_cleanly_on_signals();
   try {
-    const int status = programs::run_recast(options, std::cout);
+    const int status = store::run_recast(options, std::cout);
     return console::all_printed(name) ? status : 1;
   } catch (const std::exception& failure) {
     return console::status_of(failure, name);

@@ -483,12 +483,12 @@ Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& gro
   return patches;
 }
 
-modes::Loads patch_loads(const mesh::Mesh& mesh, const Patches& patches) {
+reduction::Loads patch_loads(const mesh::Mesh& mesh, const Patches& patches) {
   return spread(mesh, patches.weights, patches.geometry.size(), patches.geometry.direction, HeldRows::zero);
 }
 
-modes::Loads along_normals(const modes::Loads& loads, const kernels::Surface& surface) {
-  modes::Loads normal(loads.cols(), loads.cols() / 3);
+reduction::Loads along_normals(const reduction::Loads& loads, const kernels::Surface& surface) {
+  reduction::Loads normal(loads.cols(), loads.cols() / 3);
   normal.reserve(Eigen::VectorXi::Constant(normal.cols(), 3));
   for (Eigen::Index row = 0; row < normal.rows(); ++row)
     normal.insert(row, row / 3) = surface.normal[static_cast<std::size_t>(row)];

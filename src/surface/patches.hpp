@@ -3,7 +3,7 @@
 #pragma once
 
 #include "ricochet/kernel.hpp"
-#include "src/modes/static_flexibility.hpp"
+#include "src/reduction/static_flexibility.hpp"
 #include "src/surface/spread.hpp"
 
 namespace ricochet::surface {
@@ -36,10 +36,10 @@ void restrict_to(Patches& patches, const std::vector<std::int64_t>& points);
 /// Returns the loads of the patches: column c·i + k is a unit force on patch i in component k (c = 3), or
 /// along `direction` (c = 1). Held components are 0.
 /// @return (local rows, c M) [N]
-modes::Loads patch_loads(const mesh::Mesh& mesh, const Patches& patches);
+reduction::Loads patch_loads(const mesh::Mesh& mesh, const Patches& patches);
 
 /// Returns the part of the loads of patches that act along the normals.
 /// @param loads  (local rows, 3 M), @return (local rows, M)
-modes::Loads along_normals(const modes::Loads& loads, const kernels::Surface& surface);
+reduction::Loads along_normals(const reduction::Loads& loads, const kernels::Surface& surface);
 
 }  // namespace ricochet::surface

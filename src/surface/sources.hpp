@@ -3,7 +3,7 @@
 #pragma once
 
 #include "ricochet/kernel.hpp"
-#include "src/modes/lift.hpp"
+#include "src/reduction/lift.hpp"
 #include "src/scene/request.hpp"
 #include "src/surface/spread.hpp"
 
@@ -18,7 +18,7 @@ struct Sources {
   std::vector<Weight> at_receivers;
   Eigen::MatrixXd load;      ///< (local rows, 3 per load) unit traction or force; held rows 0
   Eigen::MatrixXd receiver;  ///< (local rows, 3 per receiver) unit force at the receiver
-  modes::Lift lift;          ///< of the moving supports; set once the matrices are factored
+  reduction::Lift lift;      ///< of the moving supports; set once the matrices are factored
 };
 
 /// Returns the groups of the mesh that a request needs.

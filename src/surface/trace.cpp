@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "src/elasticity/rigid.hpp"
-#include "src/modes/residual.hpp"
+#include "src/reduction/residual.hpp"
 
 namespace ricochet::surface {
 
@@ -62,7 +62,7 @@ class VisualisationField {
                   [&](Eigen::Index j) -> Eigen::VectorXd { return rows.value.col(from + j); });
   }
 
-  modes::Rows rows;
+  reduction::Rows rows;
 
  private:
   const mesh::Mesh& mesh_;
@@ -167,7 +167,7 @@ void take_residuals(const VisualisationField& field, Eigen::Index candidates, Ei
 }
 
 /// Stores Ψ − ΦΓ on the visualisation surface. Collective on the team.
-void trace_motions(const mesh::Mesh& mesh, const modes::Lift& lift, kernels::Kernel& kernel) {
+void trace_motions(const mesh::Mesh& mesh, const reduction::Lift& lift, kernels::Kernel& kernel) {
   VisualisationField field(mesh);
   field.rows.value = lift.shape(field.rows.row, Eigen::all);
   std::vector<float> moved = field.gather(0, lift.shape.cols());
@@ -189,7 +189,7 @@ void trace_motions(const parallel::Teams& teams, const mesh::Mesh& mesh, const e
                    const modes::ModeSet& modes, const Patches& patches, const Traces& traces,
                    const Sources& sources, kernels::Kernel& kernel) {
   if (sources.motions.empty()) return;
-  const modes::Lift& lift = sources.lift;
+  const reduction::Lift& lift = sources.lift;
   const Eigen::MatrixXd at_candidates = spread(mesh, patches.weights, patches.geometry.size(),
                                                patches.geometry.direction, HeldRows::filled),
                         at_receivers = spread(mesh, sources.at_receivers, sources.receivers.size(), {},
@@ -229,7 +229,7 @@ Eigen::MatrixXd gravity_without_fall(const mesh::Mesh& mesh, const elasticity::B
 
 void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
            modes::Factorisation& factor, const modes::ModeSet& modes, const Patches& patches,
-           const modes::Loads& loads, Residual residual, bool view, kernels::Kernel& kernel,
+           const reduction::Loads& loads, Residual residual, bool view, kernels::Kernel& kernel,
            const Sources& sources) {
   const auto seen_by_modes = [&](const auto& load) {
     return modes.gather(teams, modes::inner(mesh.comm, load, modes.shape));
@@ -242,16 +242,16 @@ void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticit
   if (view && !sources.motions.empty()) trace_motions(mesh, sources.lift, kernel);
   if (residual != Residual::none) {
     kernel.surface.normal_residual = residual == Residual::normal;
-    const modes::Loads pressed =
+    const reduction::Loads pressed =
         kernel.surface.normal_residual ? along_normals(loads, patches.geometry) : loads;
     const Eigen::Index candidates = pressed.cols(), seen = candidates + sources.receiver.cols();
-    const modes::Loads all =
-        modes::beside({pressed, sources.receiver.sparseView(), gravity_without_fall(mesh, body).sparseView(),
-                       sources.load.sparseView()});
+    const reduction::Loads all =
+        reduction::beside({pressed, sources.receiver.sparseView(),
+                           gravity_without_fall(mesh, body).sparseView(), sources.load.sparseView()});
     std::optional<VisualisationField> field;
     if (view) field.emplace(mesh);
     take_residuals(
-        modes::residual_response(teams, mesh, body, factor, modes, all, field ? &field->rows : nullptr)
+        reduction::residual_response(teams, mesh, body, factor, modes, all, field ? &field->rows : nullptr)
             .topRows(seen),
         candidates, sources, kernel);
     if (field) take_residuals(*field, candidates, seen, kernel);

@@ -33,7 +33,7 @@ enum class Residual { none, all, normal };
 /// only; everything else is the same on every rank. `loads` are the loads of the patches. Collective.
 void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
            modes::Factorisation& factor, const modes::ModeSet& modes, const Patches& patches,
-           const modes::Loads& loads, Residual residual, bool view, kernels::Kernel& kernel,
+           const reduction::Loads& loads, Residual residual, bool view, kernels::Kernel& kernel,
            const Sources& sources);
 
 }  // namespace ricochet::surface

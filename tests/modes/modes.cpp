@@ -8,7 +8,7 @@
 #include <memory>
 #include <numbers>
 
-#include "src/modes/residual.hpp"
+#include "src/reduction/residual.hpp"
 #include "tests/meshes.hpp"
 #include "tests/modes/dense.hpp"
 
@@ -232,8 +232,8 @@ TEST(ResidualFlexibility, is_the_static_response_of_the_truncated_modes) {
     }
     const Eigen::MatrixXd exact =
         dense_residual(made, loads, static_cast<Eigen::Index>(set.angular_frequency.size()));
-    const Eigen::MatrixXd ours = modes::residual_response(test::one_team(), made.mesh, made.body,
-                                                          *made.factor, set, loads.sparseView());
+    const Eigen::MatrixXd ours = reduction::residual_response(test::one_team(), made.mesh, made.body,
+                                                              *made.factor, set, loads.sparseView());
     // The modes are accurate to 1e-8, and the error of R is quadratic in theirs.
     EXPECT_LT((ours - exact).cwiseAbs().maxCoeff(), 1e-9 * exact.cwiseAbs().maxCoeff()) << held;
   }

@@ -54,7 +54,7 @@ def _programs(*names):
 FOLDERS = {
     "contact": Folder(
         "contact/**/*.cpp",
-        ("test_contact", "test_contact_core", "test_contact_realtime", "test_programs", "fuzz/table")
+        ("test_contact", "test_contact_core", "test_contact_realtime", "test_impact", "fuzz/table")
         + _programs("spin", "table", "driven", "motion", "skins", "rods", "friction")
         + ("python/friction", "python/api", *_programs("exports", "report", "robust")),
     ),
@@ -67,12 +67,20 @@ FOLDERS = {
     ),
     "scene": Folder(
         "src/scene/*.cpp",
-        ("test_scene", "test_programs", "fuzz/scene")
+        ("test_scene", "test_impact", "fuzz/scene")
         + _programs("mistakes", "table", "driven", "errors", "rods", "parts", "imports", "algebra", "sweep")
         + ("python/api",),
     ),
     "store": Folder("src/store/*.cpp", ("test_store", *_programs("reach", "errors", "rods", "algebra"))),
     "accuracy": Folder("src/accuracy/*.cpp", ("test_accuracy", *_programs("accuracy"))),
+    "kernel": Folder(
+        "src/kernel/*.cpp",
+        _programs("imports", "parts", "reach", "errors", "restart", "ranks", "accuracy"),
+    ),
+    "impact": Folder(
+        "src/impact/*.cpp",
+        ("test_impact", *_programs("table", "motion", "driven", "strikes", "friction", "sweep", "exports")),
+    ),
     "elasticity": Folder(
         "src/elasticity/*.cpp",
         (
@@ -94,7 +102,16 @@ FOLDERS = {
     ),
     "modes": Folder(
         "src/modes/*.cpp",
-        ("modes.np2", "surface.np2", *_programs("imports", "restart", "errors", "ranks", "accuracy")),
+        (
+            "modes.np2",
+            "reduction.np2",
+            "surface.np2",
+            *_programs("imports", "restart", "errors", "ranks", "accuracy"),
+        ),
+    ),
+    "reduction": Folder(
+        "src/reduction/*.cpp",
+        ("reduction.np2", "surface.np2", *_programs("driven", "imports", "errors", "accuracy")),
     ),
     "python": Folder(
         "python/ricochet/**/*.py",

@@ -4,7 +4,7 @@
     scripts/mutants                              # 15 mutants of each folder
     scripts/mutants contact modes --count 30     # of these folders
     scripts/mutants kernels --list               # only lists what would be drawn
-    scripts/mutants --file src/modes/lift.cpp    # only from this file
+    scripts/mutants --file src/reduction/lift.cpp    # only from this file
 
 A mutant is killed if a test fails, crashes or takes too long. One that does not compile is replaced by the next of
 the draw. Mutants are built and tested in a copy of the tree in build-mutants/. A run that was stopped goes on where

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: BSD-2-Clause
-add_serial_tests(programs programs LIBRARIES ricochet_impact FILES impact_warnings)
 add_program_test(programs accuracy)
 add_program_test(programs ranks)
 add_program_test(programs parts)

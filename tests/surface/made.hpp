@@ -4,7 +4,7 @@
 
 #include "src/mesh/partition.hpp"
 #include "src/mesh/read.hpp"
-#include "src/modes/contact_basis.hpp"
+#include "src/reduction/contact_basis.hpp"
 #include "src/scene/request.hpp"
 #include "src/surface/patches.hpp"
 #include "src/surface/sources.hpp"
@@ -62,17 +62,18 @@ struct Made {
   kernels::Kernel kernel(const modes::Request& wanted) {
     modes::Factorisation factor(matrices.stiffness, matrices.mass);
     modes::ModeSet set = modes::compute_modes(one_team(), mesh, matrices, factor, wanted);
-    sources.lift = modes::static_lift(one_team(), mesh, matrices, factor, set.static_shift);
+    sources.lift = reduction::static_lift(one_team(), mesh, matrices, factor, set.static_shift);
     return trace(factor, set);
   }
   kernels::Kernel fitted_kernel(Hertz band) {
     modes::Factorisation factor(matrices.stiffness, matrices.mass);
-    sources.lift = modes::static_lift(one_team(), mesh, matrices, factor, modes::shift_near_zero(band));
+    sources.lift =
+        reduction::static_lift(one_team(), mesh, matrices, factor, reduction::shift_near_zero(band));
     const MatrixXd loads = surface::patch_loads(mesh, patches);
     MatrixXd all(loads.rows(), loads.cols() + sources.load.cols() + sources.lift.inertia.cols());
     all << loads, sources.load, sources.lift.inertia;
-    return trace(factor, modes::contact_basis(one_team(), mesh, matrices, factor, all, loads.cols(),
-                                              {.band = band, .flexibility_error = 1e-2}));
+    return trace(factor, reduction::contact_basis(one_team(), mesh, matrices, factor, all, loads.cols(),
+                                                  {.band = band, .flexibility_error = 1e-2}));
   }
   kernels::Kernel trace(modes::Factorisation& factor, const modes::ModeSet& set) {
     kernels::Kernel made;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Processes of ricochet-contact that answer requests in parallel (src/programs/batch_run.hpp)."""
+"""Processes of ricochet-contact that answer requests in parallel (src/impact/batch.hpp)."""
 import itertools
 import json
 import os

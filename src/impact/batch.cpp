@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/impact/batch.hpp"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <istream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <ostream>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "contact/output/histories.hpp"
+#include "contact/output/summary.hpp"
+#include "kernels/read.hpp"
+#include "kernels/write.hpp"
+#include "ricochet/error.hpp"
+#include "src/accuracy/scene_dial.hpp"
+#include "src/impact/runner.hpp"
+#include "src/scene/derive.hpp"
+#include "src/scene/near_miss.hpp"
+#include "src/scene/read.hpp"
+#include "src/scene/request.hpp"
+#include "src/scene/scene.hpp"
+
+namespace ricochet::impact {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+namespace {
+
+/// Greatest allowed nesting of lists and objects in a request.
+constexpr int most_nested = 16;
+
+constexpr std::array<std::pair<const char*, bool contact::HistoryOptions::*>, 4> history_words{
+    {{"force", &contact::HistoryOptions::force},
+     {"receivers", &contact::HistoryOptions::receivers},
+     {"bodies", &contact::HistoryOptions::bodies},
+     {"energy", &contact::HistoryOptions::energy}}};
+
+/// The histories that a request keeps; no value: none. Throws InputError for an unknown word, and for
+/// receivers of a scene without any.
+std::optional<contact::HistoryOptions> kept(const Json& request, const scene::Scene& scene) {
+  if (!request.contains("keep")) return std::nullopt;
+  contact::HistoryOptions out;
+  for (const auto& word : request["keep"].get<std::vector<std::string>>()) {
+    const auto found = std::ranges::find(history_words, word, [](const auto& known) { return known.first; });
+    if (found == history_words.end()) {
+      std::vector<std::string> names;
+      for (const auto& [name, option] : history_words) names.emplace_back(name);
+      throw InputError(
+          fmt::format("keep: there is no history \"{}\"{}", word, scene::existing_names(word, names)));
+    }
+    out.*found->second = true;
+  }
+  if (out.receivers && scene.output.receivers.empty())
+    throw InputError(
+        fmt::format("{}: output.receiver: is missing: keep = [\"receivers\"] needs a [[output.receiver]]; "
+                    "add one, or keep other histories",
+                    scene.file.filename().string()));
+  return out;
+}
+
+/// Observes the histories that a request keeps.
+class Keeper : public ImpactObserver {
+ public:
+  explicit Keeper(const std::optional<contact::HistoryOptions>& options) : options_(options) {}
+
+  void started(const Impact& impact, const contact::Stepper&) override {
+    if (!options_) return;
+    if (impact.table)
+      histories_.emplace(*impact.table, impact.options, settled(impact));
+    else
+      histories_.emplace(*impact.model, impact.options, settled(impact));
+  }
+  void stepped(const contact::Stepper& stepper) override {
+    if (histories_) histories_->record(stepper);
+  }
+  void at_rest(const Impact& impact, const contact::Equilibrium& equilibrium) override {
+    if (options_ && !histories_) histories_.emplace(*impact.model, settled(impact));
+    if (histories_) histories_->record(equilibrium);
+  }
+  /// An HDF5 file; empty if none is kept.
+  std::string file() { return histories_ ? histories_->file() : ""; }
+
+ private:
+  /// With the rates that may have been chosen for the accuracy of the scene.
+  contact::HistoryOptions settled(const Impact& impact) const {
+    contact::HistoryOptions out = *options_;
+    out.every = impact.scene.output.every;
+    out.receivers_every = impact.scene.output.receivers_every(impact.scene.time.rate);
+    return out;
+  }
+
+  std::optional<contact::HistoryOptions> options_;
+  std::optional<contact::Histories> histories_;
+};
+
+struct Answer {
+  Json json;
+  std::string histories{};  ///< an HDF5 file, or empty
+};
+
+class Batch {
+ public:
+  explicit Batch(const console::Options& options) : options_(options) {}
+
+  Answer answer(const std::string& line) {
+    try {
+      const Json request = Json::parse(
+          line,
+          [](int depth, Json::parse_event_t, const Json&) {
+            // Copying deeply nested values would overflow the stack.
+            if (depth > most_nested) throw InputError("--batch: a request is nested too deep");
+            return true;
+          },
+          false);
+      if (!request.is_object())
+        throw InputError("--batch: a request must be a line with a JSON object, as in {\"set\": []}");
+      std::vector<std::string> overrides = options_.overrides;
+      for (const Json& word : request.value("set", Json::array()))
+        overrides.push_back(word.get<std::string>());
+      scene::Scene scene = scene::read(options_.scene, overrides);
+      if (request.contains("derive"))
+        for (const Json& file : request["derive"]) derive(scene, options_.out / file.get<std::string>());
+      const auto histories = kept(request, scene);
+      if (request.value("kernels", false))
+        return {{{"status", 0}, {"kernels", needed(scene)}, {"reads", other_files(scene)}}};
+      return impact(std::move(scene), histories);
+    } catch (const InputError& error) {
+      return {{{"status", 2}, {"error", error.what()}}};
+    } catch (const Json::exception&) {
+      return {{{"status", 2},
+               {"error",
+                "--batch: \"set\" must be a list of texts KEY=VALUE, \"kernels\" true or false, \"derive\" a "
+                "list of file names, \"keep\" a list of histories"}}};
+    } catch (const std::exception& error) {
+      return {{{"status", 1}, {"error", error.what()}}};
+    }
+  }
+
+ private:
+  /// Writes the missing kernels of the scene that can be derived from `file`.
+  void derive(scene::Scene scene, const fs::path& file) {
+    if (accuracy::missing_settings(scene, options_.out, store_)) return;
+    scene = accuracy::closed(std::move(scene), options_.out, store_).scene;
+    const std::vector<store::StoredKernel> stored = store::find_kernels(scene, options_.out, store_);
+    for (std::size_t k = 0; k < stored.size(); ++k) {
+      if (stored[k].enough || store::is_limited(scene, scene.bodies[k])) continue;
+      auto request = scene::kernel_request(scene, scene.bodies[k], &store_.meshes);
+      const auto header = kernels::read_header(file);
+      request.normal_residual = header && header->normal_residual && scene::may_be_normal(request);
+      scene::seal(request);
+      if (const auto kernel = scene::derive_from(file, request))
+        kernels::write(*kernel, scene::kernel_path(options_.out, request));
+    }
+  }
+
+  Json needed(scene::Scene scene) {
+    store::forcing_of(scene);  // throws if a history cannot be read
+    Json out = Json::array();
+    if (const auto settings = accuracy::missing_settings(scene, options_.out, store_)) {
+      out.push_back({{"file", settings->filename().string()}, {"there", false}});
+      return out;
+    }
+    scene = accuracy::closed(std::move(scene), options_.out, store_).scene;
+    for (const store::StoredKernel& kernel : store::find_kernels(scene, options_.out, store_)) {
+      const fs::path& path = kernel.enough ? kernel.path : kernel.whole;
+      if (!kernel.enough && kernels::has_newer_format(path)) kernels::read(path);  // throws
+      out.push_back({{"file", path.filename().string()}, {"there", kernel.enough}});
+    }
+    return out;
+  }
+
+  /// Size and time of the last change, which identify a version, of each file that an impact reads besides
+  /// kernels.
+  static Json other_files(const scene::Scene& scene) {
+    std::vector<fs::path> paths{scene.contact.table};
+    for (const auto* loads : {&scene.loads.tractions, &scene.loads.points, &scene.loads.motions})
+      for (const scene::Forcing& driven : *loads) paths.push_back(driven.history);
+    Json out = Json::object();
+    for (const fs::path& path : paths) {
+      std::error_code missing;  // reported when the impact reads the file
+      const std::uintmax_t size = fs::file_size(path, missing);
+      if (missing) continue;
+      out[path.string()] = {size, fs::last_write_time(path, missing).time_since_epoch().count()};
+    }
+    return out;
+  }
+
+  Answer impact(scene::Scene scene, const std::optional<contact::HistoryOptions>& kept) {
+    console::Console quiet(true);
+    Keeper keeper(kept);
+    const ImpactSummary summary = run_impact({std::move(scene), options_.out}, store_, quiet, keeper).summary;
+    const std::string text =
+        std::visit([](const auto& figures) { return contact::json_text(figures); }, summary);
+    Answer out{{{"status", 0}, {"summary", Json::parse(text)}}, keeper.file()};
+    if (!out.histories.empty()) out.json["histories"] = out.histories.size();
+    return out;
+  }
+
+  const console::Options& options_;
+  store::KernelStore store_;
+};
+
+/// The answer as one line. Bytes of a path that are not UTF-8 become U+FFFD.
+std::string text_of(const Json& answer) {
+  return answer.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace
+
+int run_batch(const console::Options& options, std::istream& in, std::ostream& out) {
+  Batch batch(options);
+  for (std::string line; out && std::getline(in, line);) {
+    if (line.empty()) continue;
+    const Answer answer = batch.answer(line);
+    out << text_of(answer.json) << '\n' << answer.histories << std::flush;  // the caller waits for it
+  }
+  return 0;
+}
+
+}  // namespace ricochet::impact

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Writes the files of an impact while it runs: result, motion for ParaView, sound, complementarity problems.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "contact/output/fclib.hpp"
+#include "contact/output/motion_file.hpp"
+#include "contact/output/recorder.hpp"
+#include "src/impact/runner.hpp"
+#include "src/sound/receiver_sounds.hpp"
+
+namespace ricochet::impact {
+
+struct ImpactFileOptions {
+  std::filesystem::path folder;
+  bool motion = false;
+  std::filesystem::path problems{};  ///< folder of complementarity problems; empty: none
+  int problems_every = 1;            ///< every n-th step with contact is written
+};
+
+class ImpactFiles : public ImpactObserver {
+ public:
+  explicit ImpactFiles(ImpactFileOptions options) : options_(std::move(options)) {}
+
+  void prepared(const Impact& impact) override;
+  void started(const Impact& impact, const contact::Stepper& stepper) override;
+  void stepped(const contact::Stepper& stepper) override;
+  void at_rest(const Impact& impact, const contact::Equilibrium& equilibrium) override;
+
+  /// Renames the files to their final names and adds the sounds to the summary, which the caller writes.
+  void commit(ImpactSummary& summary);
+
+  std::filesystem::path result() const { return with(".result.h5"); }
+  std::filesystem::path summary() const { return with(".summary.json"); }
+  std::optional<std::filesystem::path> motion() const;  ///< the file to open; no value: not requested
+  std::optional<int> problems() const;                  ///< number written; no value: not requested
+
+ private:
+  std::filesystem::path with(const char* ending) const;
+  contact::RecorderOptions recorder_options(const Impact& impact) const;
+
+  ImpactFileOptions options_;
+  std::filesystem::path stem_;  ///< start of all file names
+  std::optional<contact::Recorder> recorder_;
+  std::optional<contact::MotionFile> motion_;
+  std::optional<sound::ReceiverSounds> sounds_;
+  std::optional<contact::ProblemFiles> problems_;
+};
+
+}  // namespace ricochet::impact

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The main figures of an impact as text, one line each.
+#pragma once
+
+#include <string>
+
+#include "contact/output/summary.hpp"
+#include "src/scene/scene.hpp"
+
+namespace ricochet::impact {
+
+std::string report(const contact::Summary& summary);
+std::string report(const contact::EquilibriumSummary& summary, const scene::Scene& scene);
+
+}  // namespace ricochet::impact

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/impact/runner.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <utility>
+
+#include "contact/accuracy/error_report.hpp"
+#include "contact/output/summary_observer.hpp"
+#include "contact/stepping/run_steps.hpp"
+#include "ricochet/error.hpp"
+#include "src/accuracy/scene_dial.hpp"
+#include "src/impact/motion.hpp"
+#include "src/impact/table_kernels.hpp"
+#include "src/impact/warnings.hpp"
+#include "src/store/memory.hpp"
+
+namespace ricochet::impact {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// The pairs of a scene and the model of its kernels, both empty if the table comes from a file.
+struct Paired {
+  accuracy::Prepared prepared{};
+  contact::Model model{};
+};
+
+Paired pair(Impact& impact, const ImpactRequest& request, store::KernelStore& store,
+            console::Console& console) {
+  const scene::Scene& scene = impact.scene;
+  console.begin("kernels");
+  impact.kernels = store::read_kernels(scene, request.folder, store, request.skins);
+  if (request.skins) check_skins(impact.kernels);
+  console.end(fmt::format("{} bodies", impact.kernels.kernel.size()));
+
+  console.begin("pairing");
+  Paired out;
+  auto& [placement, forcing] = out.prepared;
+  forcing = store::in_scene(scene, [&] { return store::forcing_of(scene); });
+  placement = store.placements.place(scene, impact.kernels.pointers());
+  const std::string memory = store::check_impact(scene, impact.kernels.pointers(), placement);
+  out.model = store::in_scene(scene, [&] { return store::model_of(scene, placement, forcing); });
+  if (scene.contact.scheme != Scheme::at_rest)
+    store::in_scene(scene, [&] { contact::refuse_sag(out.model); });
+  console.end(
+      fmt::format("{} contact points, {} modes; {}", out.model.gap.size(), out.model.omega.size(), memory));
+  return out;
+}
+
+struct ErrorReport {
+  std::optional<contact::ErrorEstimate> estimate;
+  std::vector<std::string> warnings;
+};
+
+/// Chooses the settings of steps that a scene with an accuracy leaves open.
+/// @param open  the scene as read
+/// @param settings  chosen by ricochet-kernel; no value if unknown
+ErrorReport choose(Impact& impact, Paired& paired, const scene::Scene& open,
+                   const std::optional<accuracy::Settings>& settings, const std::filesystem::path& folder,
+                   console::Console& console) {
+  ErrorReport out{{}, impact.kernels.warnings};
+  if (!impact.scene.accuracy) return out;
+  console.begin("estimates");
+  std::int64_t steps = 0;
+  const auto poll = [&] {
+    if ((++steps & 63) == 0) console.advance(steps);
+  };
+  const auto coarser = settings ? accuracy::read_coarser(open, *settings, folder) : std::nullopt;
+  contact::Dialled dialled =
+      accuracy::dial_of(impact.scene, impact.kernels, paired.prepared, std::move(paired.model), coarser,
+                        settings ? settings->rate : Hertz{0}, poll);
+  paired.model = std::move(dialled.model);
+  impact.scene = accuracy::resolved(std::move(impact.scene), dialled);
+  out.estimate = dialled.estimate;
+  if (out.estimate)
+    std::ranges::copy(contact::warnings(*out.estimate, *impact.scene.accuracy),
+                      std::back_inserter(out.warnings));
+  else
+    out.warnings.push_back("nothing touches: no error is estimated");
+  console.end(out.estimate ? fmt::format("error {:.2g}, {} contact points", out.estimate->total(),
+                                         paired.model.gap.size())
+                           : "");
+  return out;
+}
+
+/// Of the weakest material of each body.
+std::vector<contact::MaterialLimits> limits_of(const scene::Scene& scene) {
+  std::vector<contact::MaterialLimits> out;
+  const auto least = [](double& known, double value) {
+    if (value > 0 && (known == 0 || value < known)) known = value;
+  };
+  for (const scene::Body& body : scene.bodies) {
+    contact::MaterialLimits& of_body = out.emplace_back();
+    for (const scene::Material& material : body.materials) {
+      least(of_body.young, material.young);
+      least(of_body.yield, material.yield);
+    }
+  }
+  return out;
+}
+
+contact::EquilibriumSummary rest(const Impact& impact, console::Console& console, ImpactObserver& observer) {
+  using Solver = contact::EquilibriumOptions::Solver;
+  const Solver solver = impact.scene.contact.solver == scene::Solver::uzawa ? Solver::uzawa : Solver::exact;
+  console.begin("equilibrium");
+  const contact::Equilibrium equilibrium = store::in_scene(impact.scene, [&] {
+    return contact::find_equilibrium(
+        *impact.model, {.solver = solver, .increments = impact.scene.contact.increments},
+        [&](const contact::Equilibrium& at_knot) { observer.at_rest(impact, at_knot); });
+  });
+  console.end(fmt::format("{} iterations", equilibrium.iterations));
+  return contact::summarise(*impact.model, equilibrium, limits_of(impact.scene));
+}
+
+/// √(E/ρ) of the slowest material [m/s]; 0 without bodies.
+double slowest_wave(const scene::Scene& scene) {
+  double slowest = std::numeric_limits<double>::infinity();
+  for (const scene::Body& body : scene.bodies)
+    for (const scene::Material& material : body.materials)
+      slowest = std::min(slowest, std::sqrt(material.young / material.density));
+  return std::isfinite(slowest) ? slowest : 0;
+}
+
+contact::Summary steps(const Impact& impact, console::Console& console, ImpactObserver& observer) {
+  const double step = impact.options.step;
+  console.begin("steps", impact.steps);
+  const Clock::time_point started = Clock::now();
+  const std::unique_ptr<contact::Stepper> stepper =
+      impact.table ? table_stepper(impact) : store::in_scene(impact.scene, [&] {
+        return contact::make_stepper(impact.model, impact.options);
+      });
+  observer.started(impact, *stepper);
+  contact::SummaryObserver figures =
+      impact.table
+          ? contact::SummaryObserver(*impact.table, impact.model ? &*impact.model : nullptr, impact.options)
+          : contact::SummaryObserver(*impact.model, step, slowest_wave(impact.scene),
+                                     limits_of(impact.scene));
+  const contact::StepsMade made = contact::run_steps(*stepper, impact.steps, [&](std::int64_t k) {
+    figures.observe(*stepper);
+    observer.stepped(*stepper);
+    console.advance(k);
+  });
+  check(made.status, impact.scene, static_cast<double>(made.steps + 1) * step);
+  contact::Summary out = figures.summary();
+  const double elapsed = seconds_since(started);
+  out.real_time_factor = elapsed > 0 ? stepper->time() / elapsed : 0;
+  console.end(fmt::format("{} steps of {:.4g} s", impact.steps, step));
+  return out;
+}
+
+}  // namespace
+
+ImpactResult run_impact(ImpactRequest request, store::KernelStore& store, console::Console& console,
+                        ImpactObserver& observer) {
+  const Clock::time_point started = Clock::now();
+  accuracy::ClosedScene closed = accuracy::closed(request.scene, request.folder, store);
+  auto data = std::make_unique<Impact>(Impact{.scene = std::move(closed.scene)});
+  Impact& impact = *data;
+  const bool by_table = impact.scene.contact.kernel == scene::ContactKernel::table;
+  Paired paired;
+  if (impact.scene.contact.table.empty()) paired = pair(impact, request, store, console);
+  observer.prepared(impact);
+  const ErrorReport report = choose(impact, paired, request.scene, closed.settings, request.folder, console);
+  impact.options = store::step_options(impact.scene);
+  if (impact.scene.contact.table.empty())
+    impact.model =
+        contact::fold(std::make_shared<const contact::Model>(std::move(paired.model)), impact.options);
+
+  ImpactSummary summary;
+  if (impact.scene.contact.scheme == Scheme::at_rest) {
+    summary = rest(impact, console, observer);
+  } else {
+    impact.steps = contact::step_count(impact.scene.time.duration, impact.scene.time.rate.value) *
+                   impact.options.steps_per_sample;
+    if (by_table) add_table(impact, console);
+    summary = steps(impact, console, observer);
+  }
+  std::visit(
+      [&](auto& figures) {
+        figures.wall_s = seconds_since(started);
+        if (by_table) return;
+        figures.error_estimate = report.estimate;
+        figures.warnings.insert(figures.warnings.end(), report.warnings.begin(), report.warnings.end());
+      },
+      summary);
+  if (auto* const figures = std::get_if<contact::Summary>(&summary)) add_warnings(impact.scene, *figures);
+  std::visit(
+      [&](auto& figures) {
+        for (std::string& warning : motions_without_friction(impact.scene))
+          figures.warnings.push_back(std::move(warning));
+      },
+      summary);
+  return {std::move(data), std::move(summary)};
+}
+
+void check(StepStatus status, const scene::Scene& scene, double time) {
+  if (status == StepStatus::no_solution)
+    throw InputError(fmt::format(
+        "{}: no contact forces keep the bodies apart at t = {:.6g} s, as there are more contact points than "
+        "their modes can move. Set modes.residual_flexibility = true, or fewer candidates (contact.spacing).",
+        scene.file.string(), time));
+  if (status == StepStatus::not_finite)
+    throw SolverError(
+        fmt::format("{}: the motion stops being finite at t = {:.6g} s", scene.file.string(), time));
+}
+
+}  // namespace ricochet::impact

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Runs the impact of a scene, for all programs: kernels → pairs → model → accuracy → equilibrium or steps →
+// summary.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <variant>
+
+#include "contact/model/model.hpp"
+#include "contact/output/summary.hpp"
+#include "contact/static/equilibrium.hpp"
+#include "contact/stepping/stepper.hpp"
+#include "contact/table/table.hpp"
+#include "src/console/console.hpp"
+#include "src/scene/scene.hpp"
+#include "src/store/stored_kernels.hpp"
+
+namespace ricochet::impact {
+
+struct ImpactRequest {
+  scene::Scene scene;
+  std::filesystem::path folder;  ///< contains the kernels
+  bool skins = false;            ///< also read the visualisation surfaces, for pictures of the motion
+};
+
+/// The data of one impact.
+struct Impact {
+  scene::Scene scene;        ///< at first as read, later with the settings chosen for its accuracy
+  store::Kernels kernels{};  ///< empty if the table comes from a file
+  std::shared_ptr<const contact::Model> model{};  ///< folded; null if the table comes from a file
+  std::optional<contact::Table> table{};          ///< with table kernels only
+  StepOptions options{};
+  std::int64_t steps = 0;  ///< contact steps; 0 at rest
+  std::int64_t samples() const { return steps / options.steps_per_sample; }
+};
+
+/// Observes an impact. The run ends if a function throws.
+class ImpactObserver {
+ public:
+  virtual ~ImpactObserver() = default;
+  virtual void prepared(const Impact&) {}  ///< the kernels are read, but no setting is chosen yet
+  virtual void started(const Impact&, const contact::Stepper&) {}      ///< before the first step
+  virtual void stepped(const contact::Stepper&) {}                     ///< after each step
+  virtual void at_rest(const Impact&, const contact::Equilibrium&) {}  ///< at each knot
+};
+
+using ImpactSummary = std::variant<contact::Summary, contact::EquilibriumSummary>;
+
+struct ImpactResult {
+  std::unique_ptr<const Impact> impact;  ///< observers may refer to it
+  ImpactSummary summary;
+};
+
+/// Runs the scene without writing files or printing results; `console` shows the phases.
+///
+/// Throws a one-line InputError that begins with the name of the scene or of another file: for kernels that
+/// are missing or belong to another scene, for bodies that overlap or do not meet, for contact problems
+/// without a solution, and for unsupported bodies at rest. Throws SolverError if the motion becomes infinite
+/// or undefined, or if Uzawa's iteration does not converge.
+ImpactResult run_impact(ImpactRequest request, store::KernelStore& store, console::Console& console,
+                        ImpactObserver& observer);
+
+/// Throws the error of a step that failed at `time` [s]. Does nothing if the step succeeded.
+void check(StepStatus status, const scene::Scene& scene, double time);
+
+}  // namespace ricochet::impact

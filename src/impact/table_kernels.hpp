@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Table kernels of a scene: read from a file, or sampled from the modes.
+#pragma once
+
+#include <memory>
+
+#include "src/impact/runner.hpp"
+
+namespace ricochet::impact {
+
+/// Adds the table to the impact: reads the file that the scene names, or samples the model at all steps of
+/// the impact. Throws InputError if the file cannot be read or the samples do not fit into memory.
+void add_table(Impact& impact, console::Console& console);
+
+/// Throws InputError if the table is shorter than the impact, or in the same cases as contact::TableStepper.
+std::unique_ptr<contact::Stepper> table_stepper(const Impact& impact);
+
+}  // namespace ricochet::impact

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Warnings on the figures of a finished run, with the settings that would remove their cause.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "contact/output/summary.hpp"
+#include "src/scene/scene.hpp"
+
+namespace ricochet::impact {
+
+/// Adds warnings about too few steps for a touch, energy that contact removes, steps whose forces are not the
+/// only solution, and a restitution below 0 or above 1. With an accuracy in the scene, its error estimate
+/// covers the steps.
+void add_warnings(const scene::Scene& scene, contact::Summary& summary);
+
+/// Warnings about obstacles that move along their surface although no pair with friction names them.
+std::vector<std::string> motions_without_friction(const scene::Scene& scene);
+
+}  // namespace ricochet::impact

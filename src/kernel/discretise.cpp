@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/kernel/discretise.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/memory.hpp"
+#include "src/elasticity/assemble.hpp"
+#include "src/elasticity/expected_size.hpp"
+#include "src/elasticity/matrix_file.hpp"
+#include "src/kernel/imported_modes.hpp"
+#include "src/mesh/gmsh_session.hpp"
+#include "src/mesh/partition.hpp"
+#include "src/mesh/parts.hpp"
+#include "src/modes/eps_solve.hpp"
+#include "src/modes/modes.hpp"
+#include "src/modes/search.hpp"
+#include "src/parallel/memory.hpp"
+#include "src/reduction/contact_basis.hpp"
+
+namespace ricochet::kernel {
+namespace {
+
+/// Distributes the mesh on rank 0 among the ranks of each team. Collective over all teams.
+mesh::Mesh hand_out(mesh::GlobalMesh whole, const parallel::Teams& teams) {
+  if (parallel::rank_of(teams.team()) == 0) mesh::broadcast(whole, teams.peers());
+  return mesh::distribute(std::move(whole), teams.team());
+}
+
+/// Buffers of BLAS and MUMPS, and code that the search touches for the first time. They are stated, and part
+/// of what is not usable.
+constexpr double buffers_mib = 24;
+
+/// Delayed pivots and buffers need more memory than estimated.
+constexpr double usable = 0.85;
+
+/// Number of modes or vectors that the search will find, as far as this is known before it; 0: unknown.
+std::int64_t expected_count(const scene::Modes& wanted, const Discretised& made) {
+  if (wanted.count) return *wanted.count;
+  if (wanted.basis == scene::Basis::contact || made.mesh.total_elements == 0) return 0;
+  return modes::expected_modes(made.matrices, *wanted.up_to);
+}
+
+/// Columns of the loads from which a contact-adapted basis starts.
+std::int64_t starting_loads(const Discretised& made) {
+  return made.pressed.cols() + 3 + made.sources.receiver.cols() + made.sources.load.cols();
+}
+
+/// Memory that the search for modes needs on this rank [MiB].
+/// @param count  number of modes, if known
+double expected_mib(const scene::Modes& wanted, const Discretised& made, std::int64_t count,
+                    std::int64_t per_shift) {
+  const std::int64_t rows = made.matrices.local_rows;
+  const int teams = made.teams->count();
+  const bool fitted = wanted.basis == scene::Basis::contact;
+  double loads = 0, adapted = 0;
+  if (fitted || wanted.flexibility_error) {
+    loads = sizeof(double) * static_cast<double>(rows * starting_loads(made)) / base::mib;
+    adapted =
+        loads + reduction::expected_basis_mib(*made.factor, rows, starting_loads(made), fitted ? count : 0);
+  }
+  if (fitted) return adapted;
+  const double search =
+      modes::expected_mib(*made.factor, rows, count > 0 ? count : per_shift, per_shift, teams);
+  return std::max(adapted, loads + search);
+}
+
+/// Whether the kernel contains a residual flexibility.
+bool has_residual(const scene::KernelRequest& request, const Discretised& made) {
+  return request.modes.residual_flexibility && made.patches.geometry.size() > 0;
+}
+
+/// Memory that the residual flexibility needs on this rank [MiB], besides that of the factorisation, which is
+/// freed before. Modes that are projected out add a little.
+double residual_mib(const scene::KernelRequest& request, const Discretised& made, std::int64_t modes) {
+  if (!has_residual(request, made)) return 0;
+  const reduction::Loads border =
+      reduction::beside({made.pressed, made.sources.receiver.sparseView(),
+                         made.matrices.rigid_load.sparseView(), made.sources.load.sparseView()});
+  const auto mib_of = [](double numbers) { return sizeof(double) * numbers / base::mib; };
+  const auto loads = static_cast<double>(border.cols()), rows = static_cast<double>(made.matrices.local_rows);
+  // The matrix itself exists three times while it is stored in the kernel.
+  const double size = mib_of(loads * loads),
+               shapes = mib_of(rows * static_cast<double>(modes)) / made.teams->count();
+  // Row, column and value of each entry of K. MUMPS estimates less than it reaches: counted in runs, its
+  // front of the border has one and a half copies more.
+  const double entries = mib_of(2.0 * static_cast<double>(made.factor->entries().row.size()));
+  const double complement =
+      entries + 1.5 * size +
+      reduction::BorderedStiffness(*made.teams, *made.factor, {}, border).expected_mib();
+  // With a picture: factors again, and the response of its nodes, as they come, gathered and stored.
+  const auto seen = 3 * static_cast<double>(made.mesh.visualisation.node.size());
+  const double picture = request.view ? made.factor->expected_mib() + size + mib_of(seen * loads * 2.5) : 0;
+  return shapes + std::max({complement, 3 * size, picture});
+}
+
+/// Reads the mesh of a body on `count` teams of ranks and assembles the matrices. Collective; throws
+/// InputError on every rank.
+/// @param last  whether the source may be consumed
+Discretised assembled(const scene::KernelRequest& request, Source& source, int count, bool last,
+                      MPI_Comm comm, console::Console& console) {
+  const scene::Body& body = request.body;
+  const std::string file = body.mesh.filename().string();
+  const auto bar = [&](std::int64_t done, std::int64_t total) { console.advance(done, total); };
+  const mesh::RequestedGroups asked = surface::requested_groups(request);
+  std::vector<std::string> moved;
+  for (const std::string& support : asked.moved) moved.push_back(body.support.at(support));
+  Discretised made;
+  made.teams = std::make_unique<parallel::Teams>(comm, count);
+  if (source.in_parts)  // reading a file may fail on one team only
+    parallel::on_all_ranks(comm, [&] { made.mesh = mesh::read_parts(body, made.teams->team(), bar, asked); });
+  else
+    made.mesh = hand_out(last ? std::move(source.whole) : source.whole, *made.teams);
+  console.end(body.imported()
+                  ? fmt::format("{} nodes", made.mesh.total_nodes)
+                  : fmt::format("{} elements, {} nodes", made.mesh.total_elements, made.mesh.total_nodes));
+
+  if (request.friction && made.mesh.dim == 1)
+    throw InputError(fmt::format("{}: {}", file, store::friction_on_rod(body.name)));
+  console.begin(body.name + ": assembly");
+  made.sources = surface::make_sources(made.mesh, request);
+  if (body.imported())
+    parallel::on_all_ranks(comm,
+                           [&] { made.matrices = elasticity::read_matrices(made.mesh, body.mesh, moved); });
+  else
+    made.matrices = elasticity::assemble(made.mesh, body.materials, file, bar, moved);
+  made.patches = patches_of(request, made.mesh);
+  made.candidates = made.patches.geometry.size();
+  if (request.points) surface::restrict_to(made.patches, *request.points);
+  made.loads = surface::patch_loads(made.mesh, made.patches);
+  made.pressed =
+      request.normal_residual ? surface::along_normals(made.loads, made.patches.geometry) : made.loads;
+  return made;
+}
+
+}  // namespace
+
+Discretised discretise(const scene::KernelRequest& request, OpenedMeshes& meshes, MPI_Comm comm,
+                       console::Console& console) {
+  const std::string& name = request.body.name;
+  const std::string file = request.body.mesh.filename().string();
+  base::return_freed_memory();  // of the body before
+  console.begin(name + ": mesh");
+  Source source = meshes.take(request);
+  const int ranks = parallel::size_of(comm);
+  bool in_teams = request.modes.basis == scene::Basis::modes;
+  parallel::on_all_ranks(comm, [&] {
+    in_teams = in_teams && modes::works_in_teams(modes::chosen_eps_type(request.modes.solver));
+  });
+  const int most = in_teams ? ranks : 1;
+  double matrices = 0;  // of the whole body [MiB]; unknown for a mesh in parts
+  if (!source.in_parts && !request.body.imported())
+    parallel::on_first_rank(comm, [&] { matrices = elasticity::expected_mib(source.whole); });
+  MPI_Bcast(&matrices, 1, MPI_DOUBLE, 0, comm);
+  for (int count = most;; --count) {
+    if (ranks % count != 0) continue;
+    const double free_mib = parallel::available_mib(comm), assembled_mib = matrices * count / ranks;
+    if (assembled_mib > usable * free_mib) {
+      if (count > 1) continue;
+      throw InputError(fmt::format(
+          "{}: its matrices would need {:.0f} MiB a rank, {:.0f} are free: use more machines or a "
+          "coarser mesh",
+          file, assembled_mib, free_mib));
+    }
+    // The source is needed again if memory allows only fewer teams.
+    Discretised made = assembled(request, source, count, count == 1, comm, console);
+    made.factor = std::make_unique<modes::Factorisation>(made.matrices.stiffness, made.matrices.mass,
+                                                         request.modes.low_rank);
+    const double room = parallel::available_mib(comm);
+    made.resident_mib = parallel::largest(comm, base::resident_bytes() / base::mib);
+    const std::int64_t expected = expected_count(request.modes, made);
+    double need = 0;
+    for (const std::int64_t per_shift : {260, 130, 65}) {
+      made.modes_per_shift = per_shift;
+      need = parallel::largest(comm, expected_mib(request.modes, made, expected, per_shift));
+      if (need <= usable * room || (per_shift == 130 && count > 1)) break;
+    }
+    const double residual = parallel::largest(comm, residual_mib(request, made, expected)),
+                 most_needed = std::max(need, residual);
+    console.end(fmt::format("{} unknowns; {:.0f} MiB needed of {:.0f} a rank", made.matrices.total_rows,
+                            made.resident_mib + most_needed + buffers_mib, made.resident_mib + room));
+    if (most_needed <= usable * room) return made;
+    if (count == 1 && residual > need)
+      throw InputError(
+          fmt::format("{}: the residual flexibility between {} candidates would need {:.0f} MiB a rank, "
+                      "{:.0f} are free: name "
+                      "a smaller contact surface, set contact.reach or contact.spacing, or use more machines",
+                      file, made.patches.geometry.size(), residual, room));
+    if (count == 1)
+      throw InputError(
+          fmt::format("{}: its factorisation would need {:.0f} MiB a rank, {:.0f} are free: use more "
+                      "machines, a coarser mesh or "
+                      "fewer modes",
+                      file, need, room));
+    console.begin(name + ": mesh, for fewer teams");
+  }
+}
+
+void check_memory(const scene::KernelRequest& request, const Discretised& made, std::int64_t modes,
+                  MPI_Comm comm, console::Console& console) {
+  const double before = made.resident_mib;
+  const double need =
+      parallel::largest(comm, std::max(expected_mib(request.modes, made, modes, made.modes_per_shift),
+                                       residual_mib(request, made, modes)));
+  const double now = parallel::largest(comm, base::resident_bytes() / base::mib),
+               there = std::max(now, before) + parallel::available_mib(comm);
+  console.end(fmt::format("{} eigenvalues; {:.0f} MiB needed of {:.0f} a rank", modes,
+                          before + need + buffers_mib, there));
+  if (need > usable * (there - before))
+    throw InputError(fmt::format(
+        "{}: {} modes would need {:.0f} MiB a rank, {:.0f} are free: use more machines, a coarser mesh or "
+        "fewer modes",
+        request.body.mesh.filename().string(), modes, need, there - before));
+}
+
+void check_body(const scene::KernelRequest& request, OpenedMeshes& meshes, MPI_Comm comm,
+                console::Console& console) {
+  const mesh::GmshSession gmsh;
+  if (request.body.imported() && holds_modes(request.body, comm)) {
+    kernel_of_modes(request, comm, console);
+    return;
+  }
+  console.begin(request.body.name + ": mesh, to check it");
+  Source source = meshes.look(request);
+  const Discretised made = assembled(request, source, 1, true, comm, console);
+  modes::refuse_more_than_there_are(request.modes.count, made.matrices);
+  console.end(fmt::format("{} unknowns", made.matrices.total_rows));
+}
+
+}  // namespace ricochet::kernel

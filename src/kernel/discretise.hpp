@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// From the mesh of a body to its matrices, on as many teams of ranks as memory allows.
+#pragma once
+
+#include <memory>
+
+#include "src/kernel/candidates.hpp"
+#include "src/reduction/static_flexibility.hpp"
+#include "src/scene/request.hpp"
+#include "src/surface/patches.hpp"
+#include "src/surface/sources.hpp"
+
+namespace ricochet::kernel {
+
+/// A body on every team of ranks, with an analysed factorisation.
+struct Discretised {
+  std::unique_ptr<parallel::Teams> teams;
+  mesh::Mesh mesh;
+  elasticity::Body matrices;
+  std::unique_ptr<modes::Factorisation> factor;
+  surface::Sources sources;          ///< loads with histories, moving supports, receivers
+  surface::Patches patches;          ///< the candidates that the request keeps
+  std::size_t candidates = 0;        ///< of the whole surface
+  reduction::Loads loads;            ///< of the patches, in all components
+  reduction::Loads pressed;          ///< those between which the residual flexibility is kept
+  std::int64_t modes_per_shift = 0;  ///< modes searched from one shift
+  double resident_mib = 0;           ///< before the factorisation, on the rank with most
+};
+
+/// Assembles the matrices and analyses their factorisation, on as many teams as memory allows: ranks that
+/// each hold the whole body and process their own slices are faster than ranks that share one. If memory is
+/// short, the slices become smaller. A contact-adapted basis needs few factorisations, so all ranks form one
+/// team. Throws InputError if memory does not suffice for one team. Needs a GmshSession. Collective.
+Discretised discretise(const scene::KernelRequest& request, OpenedMeshes& meshes, MPI_Comm comm,
+                       console::Console& console);
+
+/// States the memory that a search for this number of modes needs. Collective; throws InputError on every
+/// rank if there is less.
+void check_memory(const scene::KernelRequest& request, const Discretised& made, std::int64_t modes,
+                  MPI_Comm comm, console::Console& console);
+
+/// Checks on the mesh of a body whether its kernel can be computed. Collective; throws InputError on every
+/// rank if it cannot.
+void check_body(const scene::KernelRequest& request, OpenedMeshes& meshes, MPI_Comm comm,
+                console::Console& console);
+
+}  // namespace ricochet::kernel

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Warnings on the figures of a run, at both sides of each bound.
+#include "src/impact/warnings.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace impact_warnings_test {
+
+using namespace ricochet;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+struct Figures {
+  double lost = 0, restitution = 0.9, duration = 1e-3;
+};
+
+std::vector<std::string> warnings(const Figures& figures, const scene::Scene& scene = {}) {
+  contact::Summary summary;
+  summary.energy_lost_contact = figures.lost;
+  summary.restitution = figures.restitution;
+  summary.episodes = {{.start_s = 0, .end_s = figures.duration, .impulse_ns = 1, .peak_force_n = 1}};
+  impact::add_warnings(scene, summary);
+  return summary.warnings;
+}
+
+TEST(Energy, lost_to_contact_above_one_per_cent_is_warned_of) {
+  EXPECT_THAT(warnings({.lost = 0.011}),
+              ElementsAre(HasSubstr("contact removed 1.1 % of the energy (above 1 %)")));
+  EXPECT_THAT(warnings({.lost = 0.009}), IsEmpty());
+}
+
+TEST(Energy, lost_within_the_accuracy_of_the_scene_is_not_warned_of) {
+  scene::Scene scene;
+  scene.accuracy = 0.1;
+  EXPECT_THAT(warnings({.lost = 0.09}, scene), IsEmpty());
+  EXPECT_THAT(warnings({.lost = 0.11}, scene), ElementsAre(HasSubstr("11 % of the energy (above 10 %)")));
+}
+
+TEST(Energy, that_the_impulse_scheme_removes_by_definition_is_not_warned_of) {
+  scene::Scene scene;
+  scene.contact.scheme = Scheme::impulse;
+  EXPECT_THAT(warnings({.lost = 0.75, .restitution = 0.5}, scene), IsEmpty());
+}
+
+TEST(Restitution, outside_0_to_1_is_warned_of) {
+  EXPECT_THAT(warnings({.restitution = 1.02}), ElementsAre(HasSubstr("restitution 1.02 is above 1")));
+  EXPECT_THAT(warnings({.restitution = -0.02}), ElementsAre(HasSubstr("restitution -0.02 is below 0")));
+  for (const double e : {-0.005, 0.0, 0.5, 1.0, 1.005}) EXPECT_THAT(warnings({.restitution = e}), IsEmpty());
+}
+
+TEST(Touches, of_fewer_than_twenty_steps_are_warned_of) {
+  EXPECT_THAT(warnings({.duration = 19 / 44100.0}), ElementsAre(HasSubstr("the longest touch has 19 steps")));
+  EXPECT_THAT(warnings({.duration = 20 / 44100.0}), IsEmpty());
+}
+
+// Elastic bodies keep their energy; with friction, all but its heat.
+TEST(Energy, lost_to_contact_is_told_from_the_heat_of_friction) {
+  contact::Summary summary;
+  summary.energy_lost_contact = 0.02;
+  summary.energy_lost_friction = 0.4;
+  impact::add_warnings({}, summary);
+  EXPECT_THAT(summary.warnings,
+              ElementsAre(HasSubstr("which elastic bodies keep but for the heat of friction: ")));
+  summary.warnings.clear();
+  summary.energy_lost_contact = 0.001;
+  impact::add_warnings({}, summary);
+  EXPECT_THAT(summary.warnings, IsEmpty());
+}
+
+TEST(Steps, with_several_solutions_are_counted) {
+  contact::Summary summary;
+  summary.contact_steps = 40;
+  summary.ambiguous_steps = 3;
+  impact::add_warnings({}, summary);
+  EXPECT_THAT(summary.warnings, ElementsAre(HasSubstr("3 of 40 contact steps had more than one solution")));
+  summary.warnings.clear();
+  summary.ambiguous_steps = 0;
+  impact::add_warnings({}, summary);
+  EXPECT_THAT(summary.warnings, IsEmpty());
+}
+
+TEST(ObstaclesThatMove, without_friction_are_warned_of) {
+  scene::Scene scene;
+  scene.obstacles = {{.name = "belt", .normal = {0, 0, 1}, .velocity = {1, 0, 0}},
+                     {.name = "floor", .normal = {0, 0, 1}},
+                     {.name = "table", .normal = {0, 0, 1}}};
+  scene.loads.motions = {{.name = "table", .body = "", .group = "", .obstacle = "table"}};
+  scene.contact.pairs.resize(2);
+  scene.contact.pairs[0].a = scene.contact.pairs[1].a = "box";
+  scene.contact.pairs[0].b = "belt";
+  scene.contact.pairs[1].b = "table";
+  EXPECT_THAT(impact::motions_without_friction(scene),
+              ElementsAre(HasSubstr("obstacles.belt moves along its surface, which has no effect without "
+                                    "friction: give contact.friction, or leave velocity out"),
+                          HasSubstr("obstacles.table moves along its surface")));
+  scene.contact.pairs[0].friction = Friction{0.3, 0.3, 0};
+  EXPECT_THAT(impact::motions_without_friction(scene), ElementsAre(HasSubstr("obstacles.table")));
+}
+
+}  // namespace impact_warnings_test
