@@ -4,7 +4,7 @@ kernels, and by convolution with tables of them. In the wave solution, the force
 lost.
 
 "jump" is algorithm (30) as printed. With modes it creeps: the relative velocity is zero only at t_k⁺ and grows back within each step. Its
-force is that of the formula p = v/(2Z + Δ Ṅ(0⁺)) of the [theory](../theory.md#impulse), where Ṅ(0⁺) comes from a separate dense
+force is that of the formula p = v/(2Z + Δ Ṅ(0⁺)) of the [theory](../theory/contact.md#impulse), where Ṅ(0⁺) comes from a separate dense
 eigenproblem. It does not reach the pressure of the paper's Figure 5 (iii), which is listed below as a failure of the printed reading."""
 import numpy as np
 
@@ -14,7 +14,7 @@ from ricochet.programs import ROOT
 TITLE = "The paper's Figure 5 (iii, iv): rods by modes, each contact law"
 SOURCE = (
     "Bensoam, section 4.1.2 and Figure 5 (iii, iv); wave solution of Taylor & Papadopoulos 1993; `jump`: the creep formula of "
-    "docs/theory.md with a dense eigensolution."
+    "docs/theory/contact.md with a dense eigensolution."
 )
 RESTS_ON = "theory"
 LONG = False
