@@ -16,7 +16,9 @@ import numpy as np
 import pages
 from programs import BIN
 
-PAGES = sorted([*pages.SOURCE.glob("*.md"), *pages.SOURCE.glob("docs/**/*.md")])
+PAGES = sorted(
+    path for glob in ("*.md", "docs/**/*.md", "benchmarks/*.md") for path in pages.SOURCE.glob(glob)
+)
 
 
 class Reader(unittest.TestCase):

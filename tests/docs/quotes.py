@@ -26,7 +26,7 @@ def texts():
     for words in (*(["ricochet", verb] for verb in VERBS), ["ricochet-contact"], ["ricochet-kernel"]):
         command = [BIN / words[0], *words[1:], "--help"]
         yield " ".join(words), subprocess.run(command, capture_output=True, text=True, check=True).stdout
-    for path in [*SOURCE.glob("*.md"), *SOURCE.glob("docs/**/*.md"), *SOURCE.glob("meshes/**/*.md")]:
+    for path in [*SOURCE.glob("*.md"), *SOURCE.glob("docs/**/*.md"), *SOURCE.glob("benchmarks/*.md")]:
         yield path.relative_to(SOURCE), path.read_text().partition(MISTAKES)[0]
 
 
