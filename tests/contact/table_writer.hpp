@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Writes table files (docs/formats/table.md).
+// Writes table files (docs/formats/responses.md).
 #pragma once
 
 #include <filesystem>
