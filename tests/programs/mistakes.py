@@ -27,7 +27,7 @@ ENVIRONMENT = {
 TITLE = "## Mistakes and answers\n"
 HEAD = f"""{TITLE}
 `tests/programs/mistakes.py` makes each of these mistakes, checks the answer, and writes this part of the page. In the tables,
-`wrong.toml` is a scene of two rods with the text of the example in the place of the right one.
+`wrong.toml` is a scene of two rods in which the example replaces the right text.
 
 Some answers come from other programs. In zsh, brackets without quotes give `no matches found`: quote values with brackets,
 as in `--set 'bodies.ball.velocity=[0,0,-1]'`. If you start `mpirun` yourself, Open MPI refuses to work as root, or with more

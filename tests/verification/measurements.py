@@ -18,7 +18,7 @@ those outside are hollow.*
 """
 ABSENT = """## Experiments without numbers
 
-These were looked for as well. What could be read of them contains no numbers that a computation could be compared with.
+Further experiments were sought. The parts of them that could be read contain no numbers to compare with.
 
 - A ball on a beam: Gehr et al. 2022 (arXiv 2207.00795), and *Adv. Mech. Eng.* 2016 (doi 10.1177/1687814016668089), who let a
   steel ball of 70 mm radius fall on a beam of 60 × 27.8 × 780 mm: only the abstracts. The case [`ball_on_beam`](manual.md)
