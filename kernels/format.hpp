@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The kernel file (FORMAT.md): its attributes and datasets, listed once for the writer, the reader and the
-// validation.
+// The kernel file (docs/formats/kernel.md): its attributes and datasets, listed once for the writer, the
+// reader and the validation.
 #pragma once
 
 #include <algorithm>

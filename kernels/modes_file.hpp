@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The modes on the visualisation surface of a body, for ParaView (FORMAT.md).
+// The modes on the visualisation surface of a body, for ParaView (docs/formats/kernel.md).
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Reads kernel files (FORMAT.md).
+// Reads kernel files (docs/formats/kernel.md).
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Writes kernel files (FORMAT.md).
+// Writes kernel files (docs/formats/kernel.md).
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Reads table files (TABLE.md).
+// Reads table files (docs/formats/responses.md).
 #pragma once
 
 #include <filesystem>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The histories that a study keeps of an impact, without its result file: the datasets of FORMAT.md that are
-// asked for, and the total contact force.
+// The histories that a study keeps of an impact, without its result file: the datasets of
+// docs/formats/result.md that are asked for, and the total contact force.
 #pragma once
 
 #include <cstdint>

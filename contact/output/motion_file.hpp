@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Streams the motion of the surfaces of the bodies and the contact forces into <stem>.h5, with <stem>.xdmf
-// for ParaView beside it (FORMAT.md). Both files get their final names when they are complete.
+// for ParaView beside it (docs/formats/result.md). Both files get their final names when they are complete.
 //
 //   MotionFile motion(stepper, model, {.stem = "out/two-disks.motion", .every = 8});
 //   while (…) { stepper.step(); motion.record(stepper); }

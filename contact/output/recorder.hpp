@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Streams a run into a result file (FORMAT.md). The file gets its final name only when it is complete.
+// Streams a run into a result file (docs/formats/result.md). The file gets its final name only when it is
+// complete.
 //
 //   Recorder recorder(model, step_options, {.path = "out/two-disks.result.h5", …});
 //   while (…) { stepper.step(); recorder.record(stepper); }

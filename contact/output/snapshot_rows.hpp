@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Snapshots of all bodies in a result file, from which a kernel gives the motion of any of its points
-// (FORMAT.md):
+// (docs/formats/result.md):
 //
 //   u = Φ q + R_C f + (static response to gravity, loads and supports)
 //

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Sampled kernels of the contact points, for sources that are not modal: closed forms, measurements, other
-// solvers. TABLE.md defines the file format and the meaning of a sample.
+// solvers. docs/formats/responses.md defines the file format and the meaning of a sample.
 //
 //   u_k = ũ_k − Σ_l N_l P_{k−l}     impulses P at the instants t_k = kΔ
 //   u_k = ũ_k − Σ_l S_l λ_{k−l}     forces λ, each constant over the step that ends at t_k
@@ -51,7 +51,7 @@ struct Table {
 };
 
 /// Advice at the end of messages about a table.
-inline constexpr const char* table_advice = "contact/TABLE.md describes tables.";
+inline constexpr const char* table_advice = "docs/formats/responses.md describes the format.";
 
 /// Throws an InputError that names `origin` if shapes disagree, a value is not finite, N_0 is not 0, points
 /// overlap at the start, a mass is not positive, or a kernel with a linear tail does not end in a straight

@@ -39,7 +39,7 @@ using SharedKernel = std::shared_ptr<const kernels::Kernel>;
 /// inconsistent. Call it from one thread at a time, because HDF5 may not be thread-safe.
 SharedKernel load_kernel(const std::filesystem::path& path);
 
-/// Writes a kernel file (kernels/FORMAT.md); a partial file never has the final name. Throws a one-line
+/// Writes a kernel file (docs/formats/kernel.md); a partial file never has the final name. Throws a one-line
 /// InputError if the place cannot be written. Call it from one thread at a time, like load_kernel.
 void save_kernel(const kernels::Kernel& kernel, const std::filesystem::path& path);
 

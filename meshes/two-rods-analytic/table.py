@@ -10,7 +10,7 @@ moves that end by
 
     N(t) = [ Y(t) + 2 Σ_{k≥1} Y(t − kT) ] / Z,       Y the unit step
 
-on average by t/(ρAL), the rigid motion. Both ends of a contact together have twice that. TABLE.md in contact/ tells
+on average by t/(ρAL), the rigid motion. Both ends of a contact together have twice that. docs/formats/responses.md states
 what the samples of a kernel that jumps are.
 """
 import argparse

@@ -20,7 +20,7 @@ from ricochet.modal_table import ModalTable
 @dataclass(frozen=True)
 class Certificate:
     """The proof that no mode is missing, or the error estimate of a contact-adapted basis
-    (kernels/FORMAT.md)."""
+    (docs/formats/kernel.md)."""
 
     below: int  #: number of modes below the interval that was searched
     upto_hz: float  #: upper end of the interval [Hz]

@@ -122,7 +122,7 @@ class Result(_Data):
     """The result of an impact. Each array is read on first use.
 
     K rows of state at the times `time`, k rows of contact at the times `contact_time`, m contact points. SI
-    units, world axes. contact/FORMAT.md defines each quantity. The result keeps its file open, so another run
+    units, world axes. docs/formats/result.md defines each quantity. The result keeps its file open, so another run
     that writes a file of the same name does not change it.
     """
 

@@ -331,9 +331,9 @@ const Section contact_keys =
               "bounds the work of a step, for real time: the number of changes of the active set. A step "
               "that is cut short may let points penetrate; the summary counts such steps"},
              {"kernel", Type::text, "", shown("modes"), one_of({"modes", "table"}),
-              "`\"table\"`: the kernels are sampled at each step and convolved with the forces"},
+              "`\"table\"`: unit-impulse responses are sampled at each step and convolved with forces"},
              {"table", Type::text, "", none, any(),
-              "file of sampled kernels, for `kernel = \"table\"` only. It replaces bodies, modes, pairs "
+              "file of sampled responses, for `kernel = \"table\"` only. It replaces bodies, modes, pairs "
               "and loads, which must not be given"},
              {"solver", Type::text, "", shown("exact"), one_of({"exact", "uzawa"}),
               "`static` only. `uzawa`: iteration on the pressures, for comparison; without friction"},
@@ -349,7 +349,7 @@ const Section time_keys{
     {{"rate_hz", Type::number, "Hz", shown(Time{}.rate.value), above("0"),
       "output samples per second. In free flight, steps go from sample to sample. With scheme = `impulse` "
       "and "
-      "with table kernels, also the steps per second; `impulse` with `accuracy` chooses it"},
+      "with sampled responses, also the steps per second; `impulse` with `accuracy` chooses it"},
      {"contact_rate_hz", Type::number, "Hz", "rate_hz, or chosen by `accuracy`", above("0"),
       "steps per second while a point could close, rounded up to a multiple of rate_hz. Needs `scheme = "
       "\"compliant\"` and `kernel = \"modes\"`"},
@@ -407,7 +407,7 @@ const Section strike_keys{
     "time "
     "of the strike, and flies freely before and after it; `gap` and `reach` of its pairs hold for each "
     "strike. "
-    "Mallets do not touch each other. Not with `accuracy`, table kernels or bodies at rest.",
+    "Mallets do not touch each other. Not with `accuracy`, sampled responses or bodies at rest.",
     {{"mallet", Type::text, "", required, any(), "name of a body without supports, receivers and loads"},
      {"time", Type::number, "s", required, at_least("0"),
       "time at which the mallet is at its place; it touches when it has crossed the rest of its gap"},

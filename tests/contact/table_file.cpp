@@ -51,7 +51,7 @@ std::string refusal(const std::function<void(Table&)>& spoil) {
   spoil(table);
   const std::string text = complaint_of([&] { validate(table, "rods.h5"); });
   EXPECT_THAT(text, HasSubstr("rods.h5: "));
-  EXPECT_THAT(text, HasSubstr("TABLE.md"));
+  EXPECT_THAT(text, HasSubstr("docs/formats/responses.md"));
   return text;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Writes table files (contact/TABLE.md).
+// Writes table files (docs/formats/responses.md).
 #pragma once
 
 #include <filesystem>

@@ -55,7 +55,7 @@ def make_folder(folder):
     shutil.copytree(SOURCE / "meshes", folder / "meshes", ignore=shutil.ignore_patterns("out"))
     (folder / "build").mkdir()
     (folder / "build" / "bin").symlink_to(os.environ["RICOCHET_BIN"])
-    for name in ("scripts", "docs", "kernels", "contact"):
+    for name in ("scripts", "docs"):
         (folder / name).symlink_to(SOURCE / name)
 
 

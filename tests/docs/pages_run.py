@@ -17,9 +17,7 @@ import pages
 from programs import BIN
 
 PAGES = sorted(
-    path
-    for folder in ("", "docs", "docs/tutorials", "kernels", "contact", "tests/verification")
-    for path in (pages.SOURCE / folder).glob("*.md")
+    path for glob in ("*.md", "docs/**/*.md", "benchmarks/*.md") for path in pages.SOURCE.glob(glob)
 )
 
 
@@ -39,7 +37,7 @@ class Reader(unittest.TestCase):
         self.assertTrue((page.folder / "meshes/two-rods/out/two-rods-contact.png").is_file())
 
     def test_the_kernel_s_has_frequencies_and_admittance_of_a_free_rod(self):
-        names = self.run_page("kernels/FORMAT.md").names
+        names = self.run_page("docs/formats/kernel.md").names
         n = np.arange(10)
         # 100 linear elements have a relative error of (n pi / 100)^2 / 24.
         np.testing.assert_allclose(names["omega"], n * np.pi / 10, rtol=4e-3, atol=1e-12)
@@ -48,7 +46,7 @@ class Reader(unittest.TestCase):
         np.testing.assert_allclose(names["admittance"], [1.9], rtol=1e-2)
 
     def test_the_result_s_has_the_force_and_velocity_of_two_rods_that_meet(self):
-        names = self.run_page("contact/FORMAT.md").names
+        names = self.run_page("docs/formats/result.md").names
         # Waves of speed 1 return after 2 · 10. Until then the force is half the product of mass
         # per length, wave speed and velocity. 30 modes resolve the ends of contact to the
         # wavelength of the highest mode, 2 · 10 / 30.
@@ -174,10 +172,8 @@ class Keys(unittest.TestCase):
     def test_that_prose_names_exist(self):
         named = set()
         for page in PAGES:
-            if (
-                page == pages.SOURCE / "kernels" / "FORMAT.md"
-            ):  # kernels keep their scene with keys of their own
-                continue
+            if page == pages.SOURCE / "docs/formats/kernel.md":
+                continue  # kernels keep their scene with keys of their own
             for key in re.findall(r"`((?:contact|modes|time|loads|output)\.[a-z_.]+)`", page.read_text()):
                 named.add(key)
                 self.assertTrue(self.is_key(key), f"{page}: {key}")

@@ -217,7 +217,7 @@ TEST(KernelFile, every_dataset_of_numbers_has_a_unit_and_no_object_a_time) {
   int seen = 0;
   H5Ovisit(file, H5_INDEX_NAME, H5_ITER_NATIVE, check_object, &seen);
   H5Fclose(file);
-  // The datasets of FORMAT.md without names: 27, plus 4 for each load,
+  // The datasets of docs/formats/kernel.md without names: 27, plus 4 for each load,
   // 3 for a motion and 6 for each receiver.
   EXPECT_EQ(seen, 27 + 2 * 4 + 3 + 2 * 6);
 }

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Every mistake in mistakes.toml gets one line with place, value and remedy, and no file is lost.
 
-    mistakes.py --manual    # writes docs/mistakes.md: mistakes and answers
+    mistakes.py --manual    # writes the mistakes and answers in docs/messages.md
 """
 
 import concurrent.futures
@@ -16,7 +16,7 @@ import unittest
 from mistakes_table import BYTES, FILES, SCENE, sections
 from programs import BIN, SOURCE
 
-PAGE = SOURCE / "docs" / "mistakes.md"
+PAGE = SOURCE / "docs" / "messages.md"
 LONGEST = 250  # characters
 # Words of languages and libraries that a user need not know.
 INTERNAL = re.compile(r"Traceback|Errno|std::|terminate|exception|\.cpp|\.py\b|0x[0-9a-f]{6}|MPI_|errno")
@@ -24,18 +24,15 @@ PROGRESS = re.compile(r" \d[\d.]* s +\d+ MiB")  # the end of a phase
 ENVIRONMENT = {
     name: value for name, value in os.environ.items() if not name.startswith(("RICOCHET", "OMPI", "PYTHON"))
 } | {"PATH": f"{BIN}:/usr/bin:/bin", "LC_ALL": "C.UTF-8"}
-HEAD = """# Mistakes and answers
+TITLE = "## Mistakes and answers\n"
+HEAD = f"""{TITLE}
+`tests/programs/mistakes.py` makes each of these mistakes, checks the answer, and writes this part of the page. In the tables,
+`wrong.toml` is a scene of two rods in which the example replaces the right text.
 
-Each mistake gets one line: where it is, what was found, and what to do. The status is then 2. A warning leaves the status at
-0, and the result is complete. This page is generated: `tests/programs/mistakes.py` makes each of these mistakes and checks
-the answer. [Messages](messages.md) explains messages that need more than a line.
-
-Some answers are not ours. In zsh, brackets without quotes give `no matches found`: quote values with brackets, as in
-`--set 'bodies.ball.velocity=[0,0,-1]'`. If you start `mpirun` yourself, Open MPI refuses to work as root, or with more ranks
-than cores, with a paragraph of its own; `ricochet kernel -n 4` starts it with the options that it needs. Errors of a launcher
-that `RICOCHET_LAUNCHER` names are printed as they are.
-
-In the tables, `wrong.toml` is a scene of two rods with the text of the example in the place of the right one.
+Some answers come from other programs. In zsh, brackets without quotes give `no matches found`: quote values with brackets,
+as in `--set 'bodies.ball.velocity=[0,0,-1]'`. If you start `mpirun` yourself, Open MPI refuses to work as root, or with more
+ranks than cores, and prints a paragraph; `ricochet kernel -n 4` starts it with the options that it needs. Errors of a
+launcher that `RICOCHET_LAUNCHER` names are printed unchanged.
 """
 
 
@@ -113,7 +110,8 @@ class Mistakes(unittest.TestCase):
         self.assertGreaterEqual(len(self.answers), 55)
 
     def test_the_page_shows_the_present_answers(self):
-        self.assertEqual(page(self.answers), PAGE.read_text(), "write it again: mistakes.py --manual")
+        _, title, shown_now = PAGE.read_text().partition(TITLE)
+        self.assertEqual(written(self.answers), title + shown_now, "write it again: mistakes.py --manual")
 
     def test_what_other_editors_and_systems_write_is_no_mistake(self):
         spaced = self.folder / "mit Körper & co"
@@ -147,10 +145,11 @@ def asked(mistake):
     return f"`{shown(variables + mistake.command)}`"
 
 
-def page(answers):
+def written(answers):
+    """The last part of the page."""
     text, number = [HEAD], 0
     for title, mistakes in sections().items():
-        text.append(f"\n## {title}\n\n| mistake | example | answer |\n|---|---|---|\n")
+        text.append(f"\n### {title}\n\n| mistake | example | answer |\n|---|---|---|\n")
         for mistake, done in answers[number : number + len(mistakes)]:
             text.append(f"| {mistake.what} | {asked(mistake)} | `{shown(done.stderr)}` |\n")
         number += len(mistakes)
@@ -160,7 +159,8 @@ def page(answers):
 if __name__ == "__main__":
     if sys.argv[1:] == ["--manual"]:
         Mistakes.setUpClass()
-        PAGE.write_text(page(Mistakes.answers))
+        explained = PAGE.read_text().partition(TITLE)[0]
+        PAGE.write_text(explained + written(Mistakes.answers))
         Mistakes.doClassCleanups()
     else:
         unittest.main()

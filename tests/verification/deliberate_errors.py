@@ -14,8 +14,8 @@ SCHEMES = {
     "jump": "`impulse` with the velocity jump, as printed in the paper",
     "difference": "`impulse` with the difference quotient over a step",
     "exact instants": "`impulse` at the instants at which points close",
-    "compliant table": "history tables under `compliant`",
-    "impulse table": "history tables under `impulse`",
+    "compliant table": "sampled responses under `compliant`",
+    "impulse table": "sampled responses under `impulse`",
     "static": "equilibrium, without time",
     "friction": "Coulomb's law",
     "moving obstacle": "a rigid obstacle that moves along its surface",
@@ -189,7 +189,7 @@ ERRORS = (
     Error(
         "blocks",
         "Δ",
-        "lags of the near history 1 % too long",
+        "lags of the convolution 1 % too long",
         BLOCK_SYSTEM,
         "static_cast<double>(d + 1) * step).c;",
         "static_cast<double>(d + 1) * 1.01 * step).c;",
@@ -299,7 +299,7 @@ ERRORS = (
     Error(
         "compliant table",
         "force",
-        "force in the history 2 % too large",
+        "past force 2 % too large",
         TABLE,
         "  convolution_.push(next_force_);",
         "  convolution_.push((options_.scheme == Scheme::compliant ? 1.02 : 1) * next_force_);",
@@ -335,7 +335,7 @@ ERRORS = (
     Error(
         "impulse table",
         "force",
-        "impulse in the history 2 % too large",
+        "past impulse 2 % too large",
         TABLE,
         "  convolution_.push(next_force_);",
         "  convolution_.push((options_.scheme == Scheme::impulse ? 1.02 : 1) * next_force_);",

@@ -5,7 +5,7 @@ lines of the manual that then fail.
     scripts/verify --errors                    # all
     scripts/verify --errors friction blocks    # of these laws and schemes
     scripts/verify --errors --list             # what would be changed
-    scripts/verify --errors --manual           # all; also writes tests/verification/errors.md
+    scripts/verify --errors --manual           # all; also writes docs/validation/errors.md
 
 Each error of deliberate_errors.py is built and run in a copy of the tree in build-errors/. It counts as caught in a case if the case
 stops, or if a line fails that holds without the error and does not hold by construction. Each case that the list names must catch the
@@ -31,7 +31,7 @@ from judge import Judge
 from ricochet import errors, programs
 from ricochet.progress import Progress
 
-PAGE = programs.ROOT / "tests" / "verification" / "errors.md"
+PAGE = programs.ROOT / "docs" / "validation" / "errors.md"
 # What the programs are built from.
 FOLDERS = ["CMakeLists.txt", "base/", "contact/", "include/", "kernels/", "src/"]
 DEADLOCK_S = 300  # a program that runs longer hangs because of the error
@@ -120,7 +120,7 @@ def programs_of(error):
 def add_arguments(parser):
     parser.add_argument("schemes", nargs="*", metavar="SCHEME", help="these alone (default: all)")
     parser.add_argument("--list", action="store_true", help="list the errors and stop")
-    parser.add_argument("--manual", action="store_true", help="write tests/verification/errors.md; needs all")
+    parser.add_argument("--manual", action="store_true", help="write docs/validation/errors.md; needs all")
     parser.add_argument(
         "--jobs", type=int, default=os.cpu_count(), help="jobs of the build (default: all cores)"
     )

@@ -9,7 +9,7 @@ from deliberate_errors import KINDS, NONE, SCHEMES
 HEAD = """# Deliberate errors
 
 Written by `scripts/verify --errors --manual`. Each line of the table states an error that was put into the program, and which lines of
-the [manual](README.md) then fail in which case, out of those that hold without the error. Lines that hold by construction are not among
+the [manual](manual.md) then fail in which case, out of those that hold without the error. Lines that hold by construction are not among
 them; the last column states how many of them still hold. *Strongest* is the failing line with the largest error relative to its bound.
 The changes themselves are in `deliberate_errors.py`.
 

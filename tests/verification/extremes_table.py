@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Extreme settings: the ends of the range of every option, compared with closed forms and conservation laws.
 
-    scripts/verify --extremes                     # all; writes tests/verification/extremes.md
+    scripts/verify --extremes                     # all; writes docs/validation/extremes.md
     scripts/verify --extremes --check             # all; compares the table's cases instead of writing it
     scripts/verify --extremes speeds damping      # only these kinds, without the table; --list prints all kinds
 
@@ -26,7 +26,7 @@ from extreme_bench import Bench, Row, Unexpected
 from ricochet import programs
 from ricochet.programs import ROOT
 
-TABLE = ROOT / "tests" / "verification" / "extremes.md"
+TABLE = ROOT / "docs" / "validation" / "extremes.md"
 HEAD = """# Extremes
 
 Made by `scripts/verify --extremes`; CI runs `scripts/verify --extremes --check`. The expected result of each

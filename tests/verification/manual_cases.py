@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Runs the cases of the validation manual, tests/verification/README.md, and compares them with their
+"""Runs the cases of the validation manual, docs/validation/manual.md, and compares them with their
 references.
 
     scripts/verify                  # all short cases
@@ -24,7 +24,8 @@ import manual
 import measurements
 from ricochet import errors, programs
 
-MANUAL = programs.ROOT / "tests" / "verification"
+MODULES = programs.ROOT / "tests" / "verification"
+PAGES = programs.ROOT / "docs" / "validation"
 
 # The order of the manual: examples of the paper, vibration, statics, impacts, measurements, and orders of convergence.
 ORDER = [
@@ -75,7 +76,7 @@ def sources(path, found):
     for name in re.findall(
         r"^ *(?:from|import) (?:cases(?: import |\.))?(\w+)", path.read_text(), re.MULTILINE
     ):
-        for folder in (MANUAL / "cases", MANUAL, MANUAL.parent / "programs"):
+        for folder in (MODULES / "cases", MODULES, MODULES.parent / "programs"):
             imported = folder / f"{name}.py"
             if imported.is_file():
                 sources(imported, found)
@@ -84,7 +85,7 @@ def sources(path, found):
 
 def fingerprint(module):
     """Hash of the case, its imports, the scenes in meshes/ and the programs."""
-    files = sorted(sources(Path(module.__file__), {MANUAL / "case.py"}))
+    files = sorted(sources(Path(module.__file__), {MODULES / "case.py"}))
     files += [programs.BIN / "ricochet-kernel", programs.BIN / "ricochet-contact"]
     files += [
         path
@@ -99,7 +100,7 @@ def fingerprint(module):
 
 def modules(wanted):
     """(name, module, fingerprint) of the wanted cases, in the order of the manual."""
-    names = {path.stem for path in (MANUAL / "cases").glob("*.py")}
+    names = {path.stem for path in (MODULES / "cases").glob("*.py")}
     for name in wanted:
         if name not in names:
             raise errors.InputError(f"{name}: no such case. The cases are {', '.join(sorted(names))}.")
@@ -156,7 +157,7 @@ def machine():
 
 
 def publish(cases):
-    figures = MANUAL / "figures"
+    figures = PAGES / "figures"
     figures.mkdir(exist_ok=True)
     wanted = set()
     for name, _, found, folder in cases:
@@ -168,9 +169,9 @@ def publish(cases):
     for path in figures.glob("*.png"):
         if path.name not in wanted | {"measurements.png"}:
             path.unlink()
-    manual.write(MANUAL / "README.md", written, machine())
-    measurements.write(MANUAL / "measurements.md", written)
-    print(MANUAL / "README.md")
+    manual.write(PAGES / "manual.md", written, machine())
+    measurements.write(PAGES / "measurements.md", written)
+    print(PAGES / "manual.md")
 
 
 def add_arguments(parser):
@@ -178,9 +179,7 @@ def add_arguments(parser):
     parser.add_argument("--long", action="store_true", help="the long cases as well")
     parser.add_argument("--list", action="store_true", help="list the cases and stop")
     parser.add_argument("--again", action="store_true", help="compute finished cases again")
-    parser.add_argument(
-        "--manual", action="store_true", help="write tests/verification/README.md; needs --long"
-    )
+    parser.add_argument("--manual", action="store_true", help="write docs/validation/manual.md; needs --long")
     parser.add_argument(
         "--cache", type=Path, default=programs.BIN.parent / "verify", help="folder of finished cases"
     )

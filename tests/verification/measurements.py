@@ -9,7 +9,7 @@ Published experiments beside Ricochet: {cases} experiments, {lines} lines, of wh
 bound. Nothing is fitted here: bodies and materials are those of the publication, or have the usual values where it gives none. Where
 the authors found constants from the record that is compared, the case says so. Each case states what was read from its source, and
 how. `scripts/verify --long --manual` writes this page with the
-[validation manual](README.md), which contains the same cases with their commands.
+[validation manual](manual.md), which contains the same cases with their commands.
 
 ![Deviation of ours from each measured value, over its bound](figures/measurements.png)
 
@@ -18,15 +18,15 @@ those outside are hollow.*
 """
 ABSENT = """## Experiments without numbers
 
-These were looked for as well. What could be read of them contains no numbers that a computation could be compared with.
+Further experiments were sought. The parts of them that could be read contain no numbers to compare with.
 
 - A ball on a beam: Gehr et al. 2022 (arXiv 2207.00795), and *Adv. Mech. Eng.* 2016 (doi 10.1177/1687814016668089), who let a
-  steel ball of 70 mm radius fall on a beam of 60 × 27.8 × 780 mm: only the abstracts. The case [`ball_on_beam`](README.md)
+  steel ball of 70 mm radius fall on a beam of 60 × 27.8 × 780 mm: only the abstracts. The case [`ball_on_beam`](manual.md)
   compares with Timoshenko's theory instead.
 - The duration of contact and the restitution against the thickness of a plate: preprint 202511.0633, only the abstract, and
-  Koller & Busenhart, nothing. The case [`plate`](README.md) compares with Zener's theory.
+  Koller & Busenhart, nothing. The case [`plate`](manual.md) compares with Zener's theory.
 - Rods of unequal length: Cross 2021 (doi 10.1088/1361-6404/ac25d2), only the abstract. His rods disagree with Saint-Venant's
-  theory; the case [`unequal_rods`](README.md) shows that rounded ends do as well.
+  theory; the case [`unequal_rods`](manual.md) shows that rounded ends do as well.
 - The clapper of a church bell: Woodhouse et al. 2012 (doi 10.1155/2012/681787), only the abstract and captions. They found a
   long series of bounces.
 - Bars of a marimba: Beaton & Scavone 2019, only the abstract. Dimensions and frequencies of wooden bars that makers published
@@ -96,7 +96,7 @@ def section(name, module, found, lines):
         values = [number(check["reference"]), number(check["ours"]), error, short(check["bound"])]
         rows.append([check["what"], *values, "yes" if check["holds"] else "**no**", reason])
     text += table(["quantity", "measured", "ours", "difference", "bound", "within", "bound and reason"], rows)
-    text += ["", f"Commands and further lines: [case `{name}`](README.md).", ""]
+    text += ["", f"Commands and further lines: [case `{name}`](manual.md).", ""]
     for figure in found["figures"]:
         text += [f"![{figure['caption']}](figures/{figure['file']})", "", f"*{figure['caption']}*", ""]
     return text

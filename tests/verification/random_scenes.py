@@ -134,7 +134,7 @@ def run_programs(scene, sets, out, ranks):
 
 
 def true_error(found, truth, speed):
-    """Largest error of impulse and rebound, as docs/theory.md defines them."""
+    """Largest error of impulse and rebound, as docs/theory/accuracy.md defines them."""
     errors = [abs(found["impulse_ns"] / truth["impulse_ns"] - 1)]
     moved = [
         np.subtract(found["exit_velocity"][b], truth["exit_velocity"][b]) for b in truth["exit_velocity"]

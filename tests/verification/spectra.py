@@ -34,13 +34,13 @@ def compare(bench, ours, usual, resonances, computation, title):
         f"{len(number)} resonances: root mean square of ours / measured − 1",
         rms(deviation),
         1.1 * scatter,
-        f"the authors' own residual of {100 * scatter:.3f} %, and a tenth for the errors of two computations",
+        f"the authors' own misfit of {100 * scatter:.3f} %, and a tenth for the errors of two computations",
     )
     bench.below(
         "the same, largest",
         np.abs(deviation).max(),
         3 * scatter,
-        "three times the residual; a missing or surplus mode would shift all later lines",
+        "three times the misfit; a missing or surplus mode would shift all later lines",
     )
     bench.below(
         "root mean square of ours / the authors' computation − 1",
@@ -60,7 +60,7 @@ def compare(bench, ours, usual, resonances, computation, title):
         "usual constants: scatter of ours / measured about its mean",
         ratio.std() / ratio.mean(),
         2 * scatter,
-        "ratios of frequencies depend on Poisson's ratio alone: twice the residual",
+        "ratios of frequencies depend on Poisson's ratio alone: twice the misfit",
     )
     bench.table(
         ["mode", "measured (kHz)", "ours", "deviation (%)", "authors' computation", "deviation (%)"],

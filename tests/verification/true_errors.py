@@ -233,7 +233,7 @@ def summary_of(scene, sets, out, title, ranks, accuracy=None):
 
 
 def numbers(summary):
-    """The quantities of interest in docs/theory.md."""
+    """The quantities of interest in docs/theory/accuracy.md."""
     if "pairs" in summary:
         return np.array([p[key] for p in summary["pairs"] for key in ("force_n", "approach_m")])
     return summary["impulse_ns"], summary["exit_velocity"]

@@ -17,7 +17,8 @@ import manual
 from deliberate_errors import ERRORS, Error
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
-MANUAL = SOURCE / "tests" / "verification"
+MODULES = SOURCE / "tests" / "verification"
+PAGES = SOURCE / "docs" / "validation"
 
 
 def verify(*words):
@@ -109,7 +110,7 @@ class Verify(unittest.TestCase):
 
     def test_each_law_and_scheme_has_an_error_of_each_kind_or_a_reason_why_not(self):
         deliberate_errors.check(SOURCE)
-        names = {path.stem for path in (MANUAL / "cases").glob("*.py")}
+        names = {path.stem for path in (MODULES / "cases").glob("*.py")}
         for error in ERRORS:
             self.assertNotEqual(error.right, error.wrong)
             self.assertLessEqual({*error.cases}, names)
@@ -145,7 +146,7 @@ class Verify(unittest.TestCase):
         self.assertEqual(worst["ours"], 7)
 
     def test_the_manual_holds_every_case_and_its_figures(self):
-        text, wall = ((MANUAL / page).read_text() for page in ("README.md", "measurements.md"))
+        text, wall = ((PAGES / page).read_text() for page in ("manual.md", "measurements.md"))
         for line in verify("--list").stdout.splitlines():
             name = line.split()[0]
             self.assertIn(f"| `{name}` |", text)
@@ -154,10 +155,10 @@ class Verify(unittest.TestCase):
             self.assertEqual(f"## {module.TITLE}\n" in wall, module.RESTS_ON == "experiment", name)
         extremes = sum(
             line.endswith((" pass |", " **FAIL** |"))
-            for line in (MANUAL / "extremes.md").read_text().splitlines()
+            for line in (PAGES / "extremes.md").read_text().splitlines()
         )
         self.assertIn(f"It has {extremes} lines: {extremes} pass, 0 fail.", text)
-        drawn = {path.name for path in (MANUAL / "figures").glob("*.png")}
+        drawn = {path.name for path in (PAGES / "figures").glob("*.png")}
         self.assertEqual({part.split(")")[0] for part in (text + wall).split("](figures/")[1:]}, drawn)
 
 

@@ -3,7 +3,7 @@
 HDF5 file.
 
 /histories/NNNN belongs to the impact of row NNNN, counted from 0. Impacts may differ in steps and lengths, so each
-has times of its own. Names and units are those of result files (contact/FORMAT.md).
+has times of its own. Names and units are those of result files (docs/formats/result.md).
 """
 import errno
 import os

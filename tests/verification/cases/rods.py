@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The same rods from mesh to impact, touching from t = 0: 100 linear elements and 100 modes each, Δ = 0.01, with each scheme on the same
-kernels, and by convolution with tables of them. In the wave solution, the force is 1/2 from 0 to 20, both ends move at 1/2, the rods exchange their velocities, and no energy is
+kernels, and by convolution with their sampled responses. In the wave solution, the force is 1/2 from 0 to 20, both ends move at 1/2, the rods exchange their velocities, and no energy is
 lost.
 
 "jump" is algorithm (30) as printed. With modes it creeps: the relative velocity is zero only at t_k⁺ and grows back within each step. Its
-force is that of the formula p = v/(2Z + Δ Ṅ(0⁺)) of the [theory](../../docs/theory.md#impulse), where Ṅ(0⁺) comes from a separate dense
-eigenproblem. It does not reach the pressure of the paper's Figure 5 (iii), which is listed below as a failure of the printed reading."""
+force is that of the formula p = v/(2Z + Δ Ṅ(0⁺)) of the [theory](../theory/contact.md#impulse), where Ṅ(0⁺) comes from a separate dense
+eigenproblem. It does not attain the pressure of the paper's Figure 5 (iii), which is listed below as a failure of the printed reading."""
 import numpy as np
 
 from case import BLUE, GREEN, GREY, RED
@@ -14,7 +14,7 @@ from ricochet.programs import ROOT
 TITLE = "The paper's Figure 5 (iii, iv): rods by modes, each contact law"
 SOURCE = (
     "Bensoam, section 4.1.2 and Figure 5 (iii, iv); wave solution of Taylor & Papadopoulos 1993; `jump`: the creep formula of "
-    "docs/theory.md with a dense eigensolution."
+    "docs/theory/contact.md with a dense eigensolution."
 )
 RESTS_ON = "theory"
 LONG = False

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Two equal rods (ρ = A = E = 1, L = 10, Δ = 0.01), 1 apart, one at rest and one arriving at 1, with their kernel in closed form, under the
+"""Two equal rods (ρ = A = E = 1, L = 10, Δ = 0.01), 1 apart, one at rest and one arriving at 1, with their response in closed form, under the
 paper's algorithm (30) and under `compliant`. In the wave solution, contact lasts from t = 1 to 21, and both ends move at 1/2 under the
-force Zv/2 = 1/2; then the moving rod stands still and the other one leaves at 1. On this kernel the printed algorithm is exact, so any
+force Zv/2 = 1/2; then the moving rod stands still and the other one leaves at 1. With this response the printed algorithm is exact, so any
 error of an impact by modes comes from the modes."""
 import subprocess
 import sys
@@ -72,7 +72,7 @@ def run(bench):
                 time, result[f"bodies/{body}/velocity"][:, 0], color=colour, label=f"mean velocity, {body}"
             )
         ax.vlines([1, 21], 0, 1, color=GREY, linewidth=0.8, linestyle=":", label="wave solution: 1 … 21")
-        ax.set(xlabel="time (s)", ylabel="N, m/s", title=f"{scheme}, kernel in closed form")
+        ax.set(xlabel="time (s)", ylabel="N, m/s", title=f"{scheme}, response in closed form")
     axes[0].set_ylim(-0.05, 1.5)
     axes[0].legend(loc="upper left", ncols=2)
     bench.save(figure, "Figure 5 (i): the force and the mean velocities of both rods")

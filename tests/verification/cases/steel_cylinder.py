@@ -95,7 +95,7 @@ def run(bench):
         ours,
         usual,
         RESONANCES,
-        (4e-4, "half the residual; elements of order 4, two per wavelength of shear waves"),
+        (4e-4, "half the misfit; elements of order 4, two per wavelength of shear waves"),
         "A cylinder of steel 4140",
     )
     bench.save(figure, "Measured and computed resonances of a cylinder of steel")
