@@ -31,7 +31,7 @@ class ForcedResponse {
     Vector s, rate;      ///< (m) quasi-static displacement of the contact points and its rate, [m], [m/s]
     Vector lift;         ///< (N) Γ dū/dt [kg^1/2 m/s]
   };
-  /// @param static_modes  whether modes that steps do not sample respond at once: their q stays 0, and s
+  /// @param static_modes  whether modes that steps do not sample respond statically: their q stays 0, and s
   ///                      includes their loads
   ForcedResponse(const Model& model, double step, bool static_modes);
 
@@ -69,10 +69,10 @@ class ForcedResponse {
   void fill(Interval& out) const noexcept;
 
   double step_;
-  Vector omega_, decay_;                 ///< (N); 0 for modes that respond at once
+  Vector omega_, decay_;                 ///< (N); 0 for modes that respond statically
   std::vector<ModeStep> whole_;          ///< (N) response over one step
   Vector s_;                             ///< (m) of constant loads
-  std::vector<Model::Forcing> forcing_;  ///< those of the model, without the modes that respond at once
+  std::vector<Model::Forcing> forcing_;  ///< those of the model, without the modes that respond statically
   Vector value_, slope_, lift_;          ///< (N) scratch of `advance`
 };
 
