@@ -37,8 +37,8 @@ struct Quantities {
   std::vector<bool> pressed{};  ///< (m) points with a force in some step; empty at rest
   std::vector<double> force{};  ///< Σ λ_i of each step [N]; empty at rest
   double nearer = 0;            ///< farthest rigid approach of pressed points [m]; 0 at rest
-  /// Of an impact in which nothing touched: the smallest distance of a pair of points [m], and the side of a
-  /// square of the area of this point [m].
+  /// If nothing touched in an impact: the smallest distance of a pair of points [m], and the side of a square
+  /// with the area of this point [m].
   double missed_by = std::numeric_limits<double>::infinity(), spacing_there = 0;
   bool touched() const;
 };

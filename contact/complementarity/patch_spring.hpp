@@ -11,9 +11,9 @@
 // curvature enters.
 //
 // R_ii is the residual flexibility of the kernels, without the modes that a step does not sample, so that the
-// law does not depend on Δ. It is the flexibility under the patch itself: what the modes add is the motion of
-// the body around it, such as the bending of a plate, by which a patch is not flattened. Where the modes
-// resolve the patch, R_ii → 0 and s is too small by their part of the near field.
+// law does not depend on Δ. It is the flexibility under the patch itself. The modes add the motion of the
+// body around it, such as the bending of a plate, by which a patch is not flattened. Where the modes resolve
+// the patch, R_ii → 0 and s is too small by their part of the near field.
 //
 // The spring stores e(λ) = λ s − ∫ s dλ, and s does not decrease, so that λ⁺ (s⁺ − s) ≥ e⁺ − e: backward
 // Euler cannot gain energy.

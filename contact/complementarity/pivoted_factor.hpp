@@ -19,7 +19,7 @@ class PivotedFactor {
   void factor() noexcept;
   /// Replaces x (n) by A⁻¹ x. Returns false if a pivot is 0.
   bool solve(double* x) const noexcept;
-  /// Of det A; 0 if a pivot is below `least`.
+  /// Sign of det A; 0 if a pivot is below `least`.
   int sign(double least) const { return least_pivot_ < least ? 0 : sign_; }
 
  private:

@@ -36,8 +36,8 @@
 // All this belongs to an island: bodies that touch, directly or through others. M and R couple only points
 // that share a body, so that the terms of different islands separate. Each pair of surfaces keeps the part of
 // the bank that its own contact has removed. The bank of an island is the sum over its pairs, so that banks
-// add when islands merge; when an island parts, each part has what its own contacts removed, less what they
-// have already paid for others.
+// add when islands merge. When an island parts, each part has the energy that its own contacts removed, less
+// their payments for others.
 #pragma once
 
 #include <vector>
@@ -52,7 +52,8 @@ struct MeanWeights {
 };
 inline constexpr MeanWeights conserving_mean{0.625, 0.25, 0.125}, backward_euler{1, 0, 0};
 
-/// The forces at the last two instants, and what the next step must know of the last one, for each pair.
+/// The forces at the last two instants, and the state of the last one that the next step needs, for each
+/// pair.
 class MeanForce {
  public:
   struct Pair {
@@ -63,7 +64,7 @@ class MeanForce {
     double bank = 0;                       ///< its part of the bank of its island, ≥ 0 [J]
   };
 
-  /// Of one pair with n rows. @param conserving  whether steps use the mean, and not backward Euler
+  /// State of one pair with n rows. @param conserving  whether steps use the mean, and not backward Euler
   /// throughout
   MeanForce(Eigen::Index rows, bool conserving);
   MeanForce(const Model& model, bool conserving);
@@ -74,7 +75,7 @@ class MeanForce {
   bool is_conserving() const { return conserving_; }
   const std::vector<int>& pair_of_row() const { return pair_of_row_; }
   const std::vector<Pair>& pairs() const { return pairs_; }
-  /// Of the last step, at a row.
+  /// Weights of the mean of the last step, at a row.
   const MeanWeights& weights(Eigen::Index row) const { return pairs_[pair_of_row_[row]].weights; }
 
   /// Completes a step: λ⁺ (n) becomes the force at the last instant. @param pairs  `carries` is computed

@@ -40,10 +40,10 @@ class Slip {
 
   /// Takes all points as open in the step that is solved next.
   void begin_trial() noexcept;
-  /// Records the slip d (2) of point f under the mean force τ̄ (2), in place of what was recorded before.
+  /// Records the slip d (2) of point f under the mean force τ̄ (2), in place of an earlier record.
   /// Returns its heat [J].
   double record(Eigen::Index f, ContactState state, const double* mean, const double* slip) noexcept;
-  /// Whether the heat of the slip of point f falls below 0 by what was recorded.
+  /// Whether the record brings the heat of the slip of point f below 0.
   bool cools(Eigen::Index f) const { return next_heat_(f) < 0; }
   /// Completes the step as recorded last.
   void accept() noexcept;

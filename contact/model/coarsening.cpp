@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Index;
 
-/// Weight of a curvature against a slope where the parts of a patch do not tell them apart, as at an edge.
+/// Weight of a curvature against a slope where the parts of a patch do not separate them, as at an edge.
 constexpr double weight_of_curvature = 1e-3;
 
 struct Shares {

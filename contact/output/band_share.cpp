@@ -14,7 +14,7 @@ namespace {
 
 constexpr Eigen::Index samples = 128;
 
-/// With fewer modes in the top octave of a band, their mean and number say little.
+/// With fewer modes in the top octave of a band, their mean and number are not representative.
 constexpr std::size_t fewest = 2;
 
 }  // namespace

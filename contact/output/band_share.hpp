@@ -39,7 +39,7 @@ class BandShare {
   std::optional<double> energy() const;
 
  private:
-  /// What the top of a band tells about the modes above.
+  /// Figures of the top of a band, which represent the modes above.
   struct Band {
     double end = 0;          ///< ω_c [rad/s]; 0: no elastic mode
     double modes = 0;        ///< N

@@ -5,7 +5,7 @@
 //
 // The filter is symmetric, so it delays nothing. It keeps frequencies below 0.45 of the output rate within
 // 1e-5, and removes those above 0.55 of it to 1e-5; half of the output rate is in the middle of this
-// transition. A straight line remains exactly what it is. Before its first row, the signal is continued by a
+// transition. A straight line remains exactly the same. Before its first row, the signal is continued by a
 // line of a given slope; after its last row, it is continued by its point reflection.
 // Source: Kaiser 1974.
 #pragma once

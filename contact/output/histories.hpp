@@ -33,9 +33,9 @@ class Histories {
   /// Writes the rows of t = 0. `model` must outlive the histories. Throws InputError, like all members, if
   /// the folder of temporary files cannot be written.
   Histories(const Model& model, const StepOptions& step, const HistoryOptions& options);
-  /// Of bodies at rest, without rows and velocities.
+  /// Records of bodies at rest, without rows and velocities.
   Histories(const Model& model, const HistoryOptions& options);
-  /// Of a run by table kernels. Energies and receivers are not known; their datasets are absent.
+  /// Records of a run by sampled responses. Energies and receivers are not known; their datasets are absent.
   Histories(const Table& table, const StepOptions& step, const HistoryOptions& options);
 
   /// Call it after each step of `stepper`.

@@ -107,7 +107,7 @@ void LinearityCheck::observe_rotation(const Vector& q, double time) {
   }
 }
 
-/// Of the body that turned farthest, unless it is named for its rotation while touching.
+/// Warning about the body that turned farthest, unless its rotation while touching is reported already.
 std::string LinearityCheck::turned_in_flight() const {
   if (turns_.empty()) return "";
   const auto worst = std::ranges::max_element(turns_, {}, &Turn::angle);

@@ -15,7 +15,7 @@
 
 namespace ricochet::contact {
 
-/// Of the weakest material of a body.
+/// Limits of the weakest material of a body.
 struct MaterialLimits {
   double young = 0;  ///< smallest E [Pa]; 0: unknown
   double yield = 0;  ///< smallest stress at which one yields [Pa]; 0: unknown

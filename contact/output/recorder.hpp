@@ -49,7 +49,7 @@ class Recorder {
   /// Creates the file for bodies at rest, without rows. Throws as above.
   Recorder(const Model& model, const RecorderOptions& options);
 
-  /// Records a run by table kernels. Energies, the motion of the two sides and modal coordinates are not
+  /// Records a run by sampled responses. Energies, the motion of the two sides and modal coordinates are not
   /// known; their datasets are absent. `snapshot_every` is not used.
   /// @param source  the model from which the table was sampled, for points and normals, or null
   Recorder(const Table& table, const Model* source, const StepOptions& step, const RecorderOptions& options);

@@ -97,7 +97,7 @@ std::vector<std::string> ResolutionCheck::warnings(const Summary& figures) const
 }
 
 /// The peak of a wave front converges to that of Gibbs' overshoot, or to that of the first step, and not to
-/// that of the front. One run cannot tell such a front from a pulse that a higher band would resolve.
+/// that of the front. One run cannot distinguish such a front from a pulse that a higher band would resolve.
 std::string ResolutionCheck::front(const Summary& figures) const {
   for (std::size_t k = 0; k < figures.episodes.size(); ++k) {
     const double start = figures.episodes[k].start_s;

@@ -22,7 +22,7 @@ struct SpectralLine {
 
 /// The strongest line of `force` between `band` and 1.5 times this frequency. A line is a maximum of the
 /// spectrum under a Hann window that exceeds 0.05 of the mean force, four times the median of the spectrum
-/// from 0.5 to 2 times the band, and what a stronger line within the band leaks.
+/// from 0.5 to 2 times the band, and the leakage of a stronger line within the band.
 /// @param force  samples while bodies touch   @param rate  of the samples [Hz]   @param band  [Hz]
 std::optional<SpectralLine> line_above(double band, std::span<const double> force, double rate);
 

@@ -26,8 +26,8 @@ class SummaryObserver {
   SummaryObserver(const Model& model, double step, double wave_speed,
                   std::vector<MaterialLimits> limits = {});
 
-  /// Observes a run by table kernels. Energies are not known, and there are no warnings. Restitution requires
-  /// one free body, or two that press only on each other.
+  /// Observes a run by sampled responses. Energies are not known, and there are no warnings. Restitution
+  /// requires one free body, or two that press only on each other.
   /// @param source  the model from which the table was sampled, or null
   SummaryObserver(const Table& table, const Model* source, const StepOptions& options);
 

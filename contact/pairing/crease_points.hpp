@@ -10,7 +10,7 @@ namespace ricochet::contact {
 ///   - the points where a crease of a crosses one of b such that the distance is a local minimum, and
 ///   - nodes of b on its creases, projected onto a,
 /// wherever they are nearer than the pairs around them by more than 1e-6 of an element, so that no two points
-/// say the same.
+/// coincide.
 /// @param shift  [m] of a since `a` was made
 void add_crease_points(const SurfaceProjection& a, const Eigen::Vector3d& shift, const SurfaceProjection& b,
                        const std::optional<Eigen::Vector3d>& direction, Pairing& pairing);

@@ -47,7 +47,7 @@ Closest closest_without_friction(const RigidModes& rigid, const Vector& f) {
   return {f - rigid.B.transpose() * lambda, f.cwiseAbs() + rigid.B.cwiseAbs().transpose() * lambda};
 }
 
-/// Of all forces with λ = 1 at one point, the sum B_rᵀ p (r) that points most along `rest`; empty if none
+/// The sum B_rᵀ p (r) that points most along `rest`, over all forces with λ = 1 at one point; empty if none
 /// does.
 Vector best_ray(const Model& model, const RigidModes& rigid, const Vector& rest) {
   const Vector push = rigid.B * rest;
@@ -75,7 +75,7 @@ Vector best_ray(const Model& model, const RigidModes& rigid, const Vector& rest)
 }
 
 /// The cone of all sums is spanned by few of its rays, which are found one by one: each is the one that
-/// points most along what is left by those before.
+/// points most along the remainder of those before.
 Closest closest_with_friction(const Model& model, const RigidModes& rigid, const Vector& f) {
   Closest out{f, f.cwiseAbs()};
   MatrixXd rays(f.size(), 0);

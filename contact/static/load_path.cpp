@@ -12,7 +12,7 @@ LoadCase unloaded(const Model& model) {
           .belt = Vector::Zero(model.rows())};
 }
 
-/// Supports and half-spaces never jump: what they have at t = 0, they always had.
+/// Supports and half-spaces never jump: their displacement at t = 0 has always existed.
 void add_supports_and_belts(const Model& model, double t, LoadCase& to) {
   for (const Model::Forcing& one : model.forcing)
     if (one.support) to.s += one.history.at(t) * one.displacement;

@@ -42,8 +42,8 @@ class ForcedResponse {
     bool loaded = false;                                  ///< whether a load acts
     Vector load, applied;  ///< (N) modal force at `at`, with and without gravity [kg^1/2 m/s²]
     Vector slope;          ///< (N) of both [kg^1/2 m/s³]
-    Vector rest_q,
-        rest_v;          ///< (N) the part of q_r that loads cause, at `at`, and its rate; 0 for rigid modes
+    /// (N) The part of q_r that loads cause, at `at`, and its rate; 0 for rigid modes.
+    Vector rest_q, rest_v;
     Vector s;            ///< (n) as in Interval, at `at` [m]
     Vector rest, drift;  ///< (n) u with elastic modes at q_r, at `at`, and its rate, [m], [m/s]
   };

@@ -34,7 +34,7 @@ class Stepper {
   const Vector& force() const { return contact_.force; }
   /// (n) λ_k and τ_k [N] at t_k, to which the residual responds; 0 for impulses
   const Vector& end_force() const { return contact_.mean.end(); }
-  /// Of the mean λ̄_k at a row.
+  /// Weights of the mean λ̄_k at a row.
   const MeanWeights& weights(Eigen::Index row) const { return contact_.mean.weights(row); }
   /// (n) u at t_k, including the residual [m]; while steps are pending, u at the last known state.
   virtual const Vector& displacement() const noexcept { return u_; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Table kernels sampled from a modal model.
+// Responses sampled from a modal model.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Sampled kernels of the contact points, for sources that are not modal: closed forms, measurements, other
+// Sampled responses of the contact points, for sources that are not modal: closed forms, measurements, other
 // solvers. docs/formats/responses.md defines the file format and the meaning of a sample.
 //
 //   u_k = ũ_k − Σ_l N_l P_{k−l}     impulses P at the instants t_k = kΔ

@@ -142,8 +142,8 @@ std::string excess(const std::vector<BodySize>& sizes, double candidates) {
       largest.unknowns, largest.body);
 }
 
-/// Settings of the next round, with what the estimate of its mesh needs to know of the last ones. Two levels
-/// of the mesh have the same band and basis, so that they differ in nothing else. Changes that follow each
+/// Settings of the next round, with those of the last ones that the estimate of its mesh needs. Two levels of
+/// the mesh have the same band and basis, so that they differ only in the mesh. Changes that follow each
 /// other show a pace only if they are of the same elements.
 Settings following(const Settings& last, Settings next, const contact::Dialled& round) {
   const MeshChange now = change_between(last.found, next.found);
@@ -419,8 +419,9 @@ Decision after_no_touch(const Table& table, const Settings& settings, const cont
   return {following(settings, table.with_finer_mesh(settings), round), "mesh (" + missed + ")"};
 }
 
-/// Few candidates say little of the share of their spacing. Corners and edges may be touched by few, however
-/// close they are, so that their elements do not become smaller more often than this for that reason alone.
+/// With few candidates, the share of their spacing is uncertain. Corners and edges may be touched by few,
+/// however close they are, so that their elements do not become smaller more often than this for that reason
+/// alone.
 constexpr int most_for_few_candidates = 3;
 
 bool refines_for_few(const Table& table, const Settings& settings, const contact::Dialled& round) {

@@ -29,9 +29,9 @@ struct Decision {
   std::string reason;            ///< what is refined, or why nothing is; empty if the accuracy is met
 };
 
-/// The decision after a round. Of the causes that can be refined, those that gain most for their cost are
-/// chosen, until the expected error is small enough. A refinement is not chosen if the next round would
-/// exceed `most_work`.
+/// The decision after a round. It chooses the causes with the largest gain for their cost, among those that
+/// can be refined, until the expected error is small enough. A refinement is not chosen if the next round
+/// would exceed `most_work`.
 /// @param scene  as read, with its open settings
 /// @param settings  of the round, with the rate that was found
 /// @param sizes  of the round, for each body

@@ -93,7 +93,7 @@ ErrorReport choose(Impact& impact, Paired& paired, const scene::Scene& open,
   return out;
 }
 
-/// Of the weakest material of each body.
+/// Limits of the weakest material of each body.
 std::vector<contact::MaterialLimits> limits_of(const scene::Scene& scene) {
   std::vector<contact::MaterialLimits> out;
   const auto least = [](double& known, double value) {

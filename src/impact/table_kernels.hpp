@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Table kernels of a scene: read from a file, or sampled from the modes.
+// Sampled responses of a scene: read from a file, or computed from the modes.
 #pragma once
 
 #include <memory>

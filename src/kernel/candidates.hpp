@@ -64,7 +64,7 @@ std::vector<Need> needs_of(const scene::Scene& scene, const std::vector<scene::K
 Need worth_computing(const std::vector<scene::KernelRequest>& requests, const std::vector<Need>& needs,
                      std::size_t k);
 
-/// Limits a request for all candidates and components to what is needed.
+/// Limits a request for all candidates and components to those that are needed.
 scene::KernelRequest limited_to(scene::KernelRequest request, const Need& need);
 
 }  // namespace ricochet::kernel

@@ -29,8 +29,8 @@ mesh::Mesh hand_out(mesh::GlobalMesh whole, const parallel::Teams& teams) {
   return mesh::distribute(std::move(whole), teams.team());
 }
 
-/// Buffers of BLAS and MUMPS, and code that the search touches for the first time. They are stated, and part
-/// of what is not usable.
+/// Buffers of BLAS and MUMPS, and code that the search touches for the first time. They are part of the
+/// stated memory and of the memory that is not usable.
 constexpr double buffers_mib = 24;
 
 /// Delayed pivots and buffers need more memory than estimated.

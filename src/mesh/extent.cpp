@@ -45,7 +45,7 @@ std::vector<double> outline_of(const Mesh& mesh) {
     for (std::size_t k = 0; k < towards.size(); ++k) farthest[k] = std::max(farthest[k], reach(k, i));
   });
   MPI_Allreduce(MPI_IN_PLACE, farthest.data(), count, MPI_DOUBLE, MPI_MAX, mesh.comm);
-  // Of equally far nodes, the first one, whatever the number of ranks.
+  // The first of equally far nodes counts, so that the number of ranks has no effect.
   mesh.for_each_owned([&](std::size_t i, std::int64_t) {
     for (std::size_t k = 0; k < towards.size(); ++k)
       if (reach(k, i) == farthest[k] && mesh.canonical[i] < node[k]) {

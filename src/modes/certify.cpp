@@ -76,7 +76,7 @@ std::vector<Eigen::Index> measure(const parallel::Teams& teams, const Operators&
       if (teams.mine() != t) product.resize(shape.rows(), n);
       MPI_Bcast(teams.mine() == t ? momentum.data() : product.data(), static_cast<int>(shape.rows() * n),
                 MPI_DOUBLE, t, teams.peers());
-      // Of two modes that are both measured, one product suffices.
+      // One product suffices for two modes that are both measured.
       if (whole && teams.mine() < t) continue;
       const Eigen::Index rows = whole && teams.mine() == t ? from + n : shape.cols();
       Eigen::MatrixXd gram =

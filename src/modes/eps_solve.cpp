@@ -49,7 +49,7 @@ void ask(EPS eps, const std::string& type, const Probe& end) {
     check(STSetType(st, STSINVERT));
     check(STGetKSP(st, &ksp));
   }
-  // K and M have the same pattern, but on several ranks, PETSc 3.18 adds SBAIJ matrices wrongly if told so.
+  // K and M have the same pattern, but PETSc 3.18 would then add SBAIJ matrices wrongly on several ranks.
   check(STSetMatStructure(st, SUBSET_NONZERO_PATTERN));
   set_factors(ksp);
 }

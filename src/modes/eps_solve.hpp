@@ -9,7 +9,7 @@
 
 namespace ricochet::modes {
 
-/// The type of EPS to use: that of -eps_type in PETSC_OPTIONS, or else the given one. Throws InputError if
+/// The type of EPS to use: that of -eps_type in PETSC_OPTIONS, otherwise the given one. Throws InputError if
 /// SLEPc has no such type.
 std::string chosen_eps_type(const std::string& given);
 

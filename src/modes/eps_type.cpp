@@ -21,7 +21,7 @@ struct Data {
   Engine* engine = nullptr;
   ModeSet set;
   double origin = 0;
-  // Of the certificate: shifts, and eigenvalues of the EPS below each.
+  // The certificate: shifts, and eigenvalues of the EPS below each.
   std::vector<PetscReal> shifts;
   std::vector<PetscInt> counts;
 };

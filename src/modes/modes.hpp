@@ -67,7 +67,7 @@ struct Progress {
 };
 
 /// Number of modes up to a frequency, estimated by Weyl's law from mass, inertia and wave speed, and at most
-/// what the mesh resolves.
+/// the number that the mesh resolves.
 std::int64_t expected_modes(const elasticity::Body& body, Hertz up_to);
 
 /// Throws InputError if a body has fewer modes than `count`, or none.

@@ -25,7 +25,7 @@ double CountModel::count_at(double lambda) const {
   double ratio = below.ratio;
   if (above == known_.end()) {
     // The ratio continues with half of its slope, as a compromise between none and all. A probe that is too
-    // close to the last one says nothing about the slope.
+    // close to the last one does not determine the slope.
     const auto before = std::find_if(known_.rbegin(), known_.rend(), [&](const Known& one) {
       return one.place < below.place + std::log(0.7);
     });

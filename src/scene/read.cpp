@@ -114,7 +114,7 @@ void read_accuracy_of(Table& root, Scene& scene) {
 }
 
 /// Decides which settings of meshes are chosen for the accuracy: the order if a scene does not give it, and
-/// with it the size of elements if the scene says nothing about it either.
+/// with it the size of elements if the scene does not give it either.
 void find_open(Scene& scene) {
   for (Body& body : scene.bodies) {
     body.order_open = body.order_open && scene.accuracy && body.meshable();

@@ -19,7 +19,7 @@ namespace {
 constexpr double usable_share = 0.9;
 
 /// A body yields and turns back within about this many crossings of a wave. In this time, points approach by
-/// what the bodies would move.
+/// the undisturbed motion of the bodies.
 constexpr double crossings_of_touch = 10;
 
 /// Buffers of the result file and code that a run touches for the first time [bytes].

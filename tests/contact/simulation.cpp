@@ -185,9 +185,9 @@ TEST(Simulation, hears_the_waves_of_a_support_that_moves) {
     for (double front = length; front < t; front += 4 * length)
       tip += 2 * V * std::min(t - front, 2 * length);
     EXPECT_NEAR(steps.pickup_displacement(0), tip, 2e-3 * V * (length + t)) << t;
-    if (std::abs(std::fmod(t, 2 * length) - length) > 1)
-      EXPECT_NEAR(steps.pickup_velocity(0), std::fmod(t + length, 4 * length) > 2 * length ? 2 * V : 0,
-                  0.15 * V);
+    if (std::abs(std::fmod(t, 2 * length) - length) < 1) continue;
+    EXPECT_NEAR(steps.pickup_velocity(0), std::fmod(t + length, 4 * length) > 2 * length ? 2 * V : 0,
+                0.15 * V);
   }
   EXPECT_NEAR(steps.energy().total(), 0, 1e-10);
 }
