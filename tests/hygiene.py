@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Every source has its licence line; C++ is formatted; no tracked file is large, a fuzzing artefact or names a
-machine's folder.
+"""Every source has its licence line; C++ is formatted; rooms do not include each other in a circle; no tracked file
+is large, a fuzzing artefact or names a machine's folder.
 
     python3 tests/hygiene.py [FOLDER]    # status 1 and one line per finding; 77 without a git checkout
 """
+import graphlib
 import re
 import subprocess
 import sys
@@ -14,6 +15,7 @@ SOURCES = {".c", ".cmake", ".cpp", ".css", ".h", ".hpp", ".js", ".py", ".sh"}
 ARTEFACT = re.compile(r"(crash|leak|oom|timeout|slow-unit)-")
 HOME = re.compile(rb"/(home|root|work|Users)/\w")
 LARGEST = 1 << 20
+INCLUDE = re.compile(r'^#include "([^"]+/[^"]+)"', re.MULTILINE)
 UNFORMATTED = re.compile(r"^(?:\./)?(\S+?):(\d+):\d+: error: code should be clang-formatted", re.MULTILINE)
 
 
@@ -64,13 +66,32 @@ def unformatted(root, names):
         yield run.stderr.strip()
 
 
+def room(path):
+    """The room of a file, as in CONTRIBUTING.md: src/mesh, contact/law, kernels, …"""
+    parts = path.split("/")
+    return "/".join(parts[:2]) if parts[0] in ("contact", "src") and len(parts) > 2 else parts[0]
+
+
+def circles(root, names):
+    uses = {}
+    for name in names:
+        path = root / name
+        if name.endswith((".cpp", ".hpp")) and not name.startswith("tests/") and path.is_file():
+            included = {room(found) for found in INCLUDE.findall(path.read_text())}
+            uses.setdefault(room(name), set()).update(included - {room(name)})
+    try:
+        graphlib.TopologicalSorter(uses).prepare()
+    except graphlib.CycleError as error:
+        yield f"{' ← '.join(error.args[1])}: rooms include each other in a circle"
+
+
 def main(root):
     listed = subprocess.run(["git", "-C", root, "ls-files", "-z"], capture_output=True, text=True)
     if listed.returncode != 0:
         print(f"{root}: not a git checkout")
         return 77
     names = list(filter(None, listed.stdout.split("\0")))
-    found = [*findings(root, names), *unformatted(root, names)]
+    found = [*findings(root, names), *circles(root, names), *unformatted(root, names)]
     print("\n".join(found))
     return 1 if found else 0
 
