@@ -208,7 +208,7 @@ TEST(Simulation, stretches_a_bar_by_its_load) {
   EXPECT_EQ(growing.displacement()[0], 0);
   ASSERT_EQ(growing.step_block(3000).status, StepStatus::ok);
   EXPECT_NEAR(growing.displacement()[0], 2 * length, 1e-9);
-  EXPECT_NEAR(growing.energy().total(), 0, 1e-10);
+  EXPECT_NEAR(growing.energy().ledger(), 0, 1e-10);  // with the loss to damping
 }
 
 // It is at the wall at t = 5, and its force there is 1.
@@ -223,7 +223,8 @@ TEST(Simulation, lets_a_body_arrive_at_its_time) {
 }
 
 // A mass falls from h and bounces: it reaches the floor at √(2h/g) and from then on at intervals of 2
-// √(2h/g). With impulses at the ends of steps, each bounce comes late.
+// √(2h/g). With impulses at the ends of steps, each bounce comes late. 1e-10: an instant is found to
+// 1e-13 of the way, and later bounces amplify its error.
 TEST(Simulation, bounces_at_the_exact_instants) {
   constexpr double h = 0.1, g = 9.81;
   Scene scene = falling({.modes = 1, .points = 1, .flexibility = 0}, h, 0, g);
@@ -237,7 +238,7 @@ TEST(Simulation, bounces_at_the_exact_instants) {
     Simulation simulation(scene);
     ASSERT_EQ(simulation.step_block(1000).status, StepStatus::ok);
     const double error = std::abs(-simulation.pickup_displacement(0) - fallen);
-    EXPECT_EQ(error < 1e-12, instant == Instant::exact) << error;
+    EXPECT_EQ(error < 1e-10, instant == Instant::exact) << error;
     EXPECT_EQ(error > 1e-4, instant == Instant::step) << error;
   }
 }
