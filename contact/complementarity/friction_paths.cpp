@@ -64,7 +64,7 @@ void FrictionSystem::set_ridge(double ridge) noexcept {
   }
   norm_ += ridge - ridge_;
   ridge_ = ridge;
-  factor_count_ = 0;
+  discard_factor();
 }
 
 /// Solves the problem with a ridge ρ (p − c) added to w, and lets ρ decrease to 0. With a large ρ, points

@@ -69,24 +69,31 @@ bool FrictionSolver::know(const Symmetric& S, std::span<const FrictionContact> c
   return true;
 }
 
-/// Chooses the points of the system: those with a force in the guess. The last choice is kept if it is not
-/// much larger, because its matrix and factor are known.
+/// Chooses the points of the system: those with a force in the guess. Those of the last choice are kept
+/// unless they are many more, because their factor is known.
 void FrictionSolver::choose(const Forces& p) noexcept {
-  int forces = 0;
-  for (int k = 0; k < point_count_; ++k)
-    if (p(points_[k].normal) > 0 || point_count_ == 1) {
-      ++forces;
-      if (!points_[k].touches) gathered_ = false;
-    }
-  if (gathered_ && system_.points() <= forces + forces / 4 + 1) return;
-  gathered_ = false;
-  system_.clear();
+  const auto is_needed = [&](const Point& point) { return p(point.normal) > 0 || point_count_ == 1; };
+  int forces = 0, missing = 0;
   for (int k = 0; k < point_count_; ++k) {
-    points_[k].touches = p(points_[k].normal) > 0 || point_count_ == 1;
-    if (!points_[k].touches) continue;
-    touching_[system_.points()] = k;
-    system_.add(points_[k].coefficient);
+    if (!is_needed(points_[k])) continue;
+    ++forces;
+    missing += points_[k].touches ? 0 : 1;
   }
+  if (!gathered_ || system_.points() + missing > forces + forces / 4 + 1) {
+    system_.clear();
+    for (int k = 0; k < point_count_; ++k) points_[k].touches = false;
+    missing = forces;
+  }
+  gathered_ = gathered_ && missing == 0;
+  for (int k = 0; k < point_count_ && missing > 0; ++k)
+    if (is_needed(points_[k]) && !points_[k].touches) add(k);
+}
+
+void FrictionSolver::add(int k) noexcept {
+  points_[k].touches = true;
+  touching_[system_.points()] = k;
+  system_.add(points_[k].coefficient);
+  gathered_ = false;
 }
 
 /// Copies rows and columns of the chosen points.
@@ -140,13 +147,10 @@ bool FrictionSolver::add_closing(const Symmetric& S, const Right& r) noexcept {
     return w;
   };
   for (int k = 0; k < point_count_; ++k) {
-    Point& point = points_[k];
+    const Point& point = points_[k];
     if (point.touches) continue;
     if (r(point.normal) < -root_(point.normal) * reach || gap_of(point.normal) >= -tolerance) continue;
-    point.touches = true;
-    touching_[system_.points()] = k;
-    system_.add(point.coefficient);
-    gathered_ = false;
+    add(k);
   }
   for (int i = rows; i < system_.rows(); ++i) system_.p()[i] = 0;
   return system_.points() > before;

@@ -86,6 +86,7 @@ class FrictionSolver {
 
   bool know(const Symmetric& S, std::span<const FrictionContact> contacts) noexcept;
   void choose(const Forces& p) noexcept;
+  void add(int k) noexcept;
   void gather(const Symmetric& S, const Right& r) noexcept;
   bool add_closing(const Symmetric& S, const Right& r) noexcept;
   bool is_unsolvable(const Symmetric& S, const Right& r) noexcept;

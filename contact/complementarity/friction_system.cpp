@@ -15,12 +15,12 @@ using Eigen::Vector3d;
 constexpr double precision = 3e-13;  // of w, relative to |r|_∞ + ‖A‖_∞ |p|_∞, over normal rows or over all
 constexpr double polished_to = 0.01;   // of that precision
 constexpr double negligible = 1e-14;   // share of |p|_∞ that changes w by less than its tolerance
-constexpr double proximal = 1e-13;     // share of max A_ii added to the diagonal against singular matrices
 constexpr int patience_of_newton = 8;  // steps allowed without halving the error
 constexpr int first_sweeps = 5;
-constexpr double regular = 1e-11;  // smaller pivots, relative to max A_ii, leave the sign of det undecided
 constexpr double distinct = 1e-6;  // of solutions, relative to the largest force
 constexpr int steps_to_another = 12;
+constexpr int few_steps = 2,
+              unknowns_of_a_step = 20;   // a factor of n unknowns costs as much as 2 + n/20 steps
 constexpr double part_of_largest = 0.5;  // contradictions above it change states
 constexpr double certain = 4;            // residuals by which a slip must be reversed
 
@@ -43,48 +43,62 @@ FrictionSystem::FrictionSystem(int capacity) : factor_(capacity) {
   touch_.resize(n);
   best_touch_.resize(n);
   answer_touch_.resize(n);
-  factor_state_.resize(n);
+  held_.resize(n);
+  const auto border = static_cast<std::size_t>(BorderedFactor::most(capacity));
+  entries_.reserve(border);
+  kept_.reserve(border);
+  changed_.reserve(n);
   A_.resize(n * n);
-  for (std::vector<double>* x :
-       {&p_, &w_, &r_, &x_, &column_, &best_p_, &answer_, &plain_A_, &plain_r_, &centre_})
+  for (std::vector<double>* x : {&p_, &w_, &r_, &column_, &best_p_, &answer_, &plain_A_, &plain_r_, &centre_})
     x->resize(n);
+  x_.resize(n + border);
+  step_stride_ = static_cast<std::ptrdiff_t>(n + border);
+  steps_.resize((n + border) * most_steps);
 }
 
-void FrictionSystem::clear() noexcept { count_ = rows_ = factor_count_ = 0; }
+void FrictionSystem::clear() noexcept {
+  count_ = rows_ = 0;
+  discard_factor();
+}
 
 void FrictionSystem::add(double coefficient) noexcept {
   touch_[count_] = {.row = rows_, .coefficient = coefficient};
+  held_[count_] = {};
   rows_ += touch_[count_++].rows();
 }
 
 void FrictionSystem::set_matrix() noexcept {
   norm_ = rows_ > 0 ? A().cwiseAbs().colwise().sum().maxCoeff() : 0;
   diagonal_ = rows_ > 0 ? A().diagonal().maxCoeff() : 0;
-  factor_count_ = 0;
 }
 
 double FrictionSystem::scale() const { return largest_r_ + norm_ * largest_of(p_, rows_); }
 
 void FrictionSystem::evaluate() noexcept {
   Map<Eigen::VectorXd> w(w_.data(), rows_);
-  const double* const A = A_.data();
-  for (int i = 0; i < rows_; ++i) w_[i] = -r_[i];
-  for (int k = 0; k < count_; ++k) {
-    const int row = touch_[k].row;
-    const double* const column = A + static_cast<std::ptrdiff_t>(row) * rows_;
-    const double a = p_[row];
-    if (touch_[k].rows() == 1) {
-      if (a == 0) continue;
+  w = -Map<const Eigen::VectorXd>(r_.data(), rows_);
+  const Map<const Eigen::VectorXd> p(p_.data(), rows_);
+  if (2 * (p.array() != 0).count() > rows_) {
+    w.noalias() += A().selfadjointView<Eigen::Lower>() * p;
+  } else {
+    const double* const A = A_.data();
+    for (int k = 0; k < count_; ++k) {
+      const int row = touch_[k].row;
+      const double* const column = A + static_cast<std::ptrdiff_t>(row) * rows_;
+      const double a = p_[row];
+      if (touch_[k].rows() == 1) {
+        if (a == 0) continue;
 #pragma GCC ivdep
-      for (int i = 0; i < rows_; ++i) w_[i] += a * column[i];
-      continue;
+        for (int i = 0; i < rows_; ++i) w_[i] += a * column[i];
+        continue;
+      }
+      const double b = p_[row + 1], c = p_[row + 2];
+      if (a == 0 && b == 0 && c == 0) continue;
+      const double *const second = column + rows_, *const third = second + rows_;
+      double* const out = w_.data();
+#pragma GCC ivdep
+      for (int i = 0; i < rows_; ++i) out[i] += a * column[i] + b * second[i] + c * third[i];
     }
-    const double b = p_[row + 1], c = p_[row + 2];
-    if (a == 0 && b == 0 && c == 0) continue;
-    const double *const second = column + rows_, *const third = second + rows_;
-    double* const out = w_.data();
-#pragma GCC ivdep
-    for (int i = 0; i < rows_; ++i) out[i] += a * column[i] + b * second[i] + c * third[i];
   }
   const double by_forces = norm_ * largest_of(p_, rows_);
   tolerance_ = precision * (largest_r_ + by_forces);
@@ -228,100 +242,6 @@ void FrictionSystem::restore_best() noexcept {
   evaluate();
 }
 
-bool FrictionSystem::has_factor() const noexcept {
-  if (factor_count_ != count_) return false;
-  for (int k = 0; k < count_; ++k)
-    if (factor_state_[k] != touch_[k].state) return false;
-  return true;
-}
-
-/// out = Eᵀ column.
-void FrictionSystem::compress(const double* column, double* out) const noexcept {
-  for (int k = 0; k < count_; ++k) {
-    const Touch& touch = touch_[k];
-    const double* const c = column + touch.row;
-    if (touch.state == ContactState::open) continue;
-    if (touch.rows() == 1) {
-      *out++ = c[0];
-    } else if (touch.state == ContactState::stick) {
-      *out++ = c[0];
-      *out++ = c[1];
-      *out++ = c[2];
-    } else {
-      const double x = touch.direction.x(), y = touch.direction.y();
-      *out++ = c[0];
-      *out++ = x * c[2] - y * c[1];
-    }
-  }
-}
-
-void FrictionSystem::renew_factor() noexcept {
-  int unknowns = 0;
-  for (int k = 0; k < count_; ++k)
-    unknowns += touch_[k].state == ContactState::open    ? 0
-                : touch_[k].rows() == 1                  ? 1
-                : touch_[k].state == ContactState::stick ? 3
-                                                         : 2;
-  auto J = factor_.begin(unknowns);
-  const double ridge = proximal * diagonal_;
-  int c = 0;
-  for (int k = 0; k < count_; ++k) {
-    const Touch& touch = touch_[k];
-    factor_state_[k] = touch.state;
-    if (touch.state == ContactState::open) continue;
-    const double* const first = A_.data() + static_cast<std::ptrdiff_t>(touch.row) * rows_;
-    const double *const second = first + rows_, *const third = second + rows_;
-    if (touch.rows() == 1 || touch.state == ContactState::stick) {
-      for (int d = 0; d < touch.rows(); ++d, ++c) {
-        compress(first + static_cast<std::ptrdiff_t>(d) * rows_,
-                 J.data() + static_cast<std::ptrdiff_t>(c) * unknowns);
-        J(c, c) += ridge;
-      }
-      continue;
-    }
-    const double x = touch.direction.x(), y = touch.direction.y(), mu = touch.coefficient;
-#pragma GCC ivdep
-    for (int i = 0; i < rows_; ++i) column_[i] = first[i] - mu * (x * second[i] + y * third[i]);
-    compress(column_.data(), J.data() + static_cast<std::ptrdiff_t>(c) * unknowns);
-    J(c, c) += ridge;
-    ++c;
-#pragma GCC ivdep
-    for (int i = 0; i < rows_; ++i) column_[i] = x * third[i] - y * second[i];
-    compress(column_.data(), J.data() + static_cast<std::ptrdiff_t>(c) * unknowns);
-    const double alone = first[touch.row] > 0 ? -w_[touch.row] / first[touch.row] : 0;
-    const double normal = std::max(p_[touch.row], alone);
-    J(c, c) += ridge + (normal > 0 ? touch.slip / (mu * normal) : 1e12 * diagonal_);
-    ++c;
-  }
-  factor_count_ = count_;
-  factor_.factor();
-}
-
-/// Returns false if the factor is singular to working precision.
-bool FrictionSystem::newton() noexcept {
-  compress(w_.data(), x_.data());
-  if (!factor_.solve(x_.data())) return false;
-  const double* x = x_.data();
-  for (int k = 0; k < count_; ++k) {
-    Touch& touch = touch_[k];
-    if (touch.state == ContactState::open) continue;
-    double* const p = &p_[touch.row];
-    if (touch.state == ContactState::stick) {
-      for (int d = 0; d < touch.rows(); ++d) p[d] -= *x++;
-    } else {
-      p[0] -= *x++;
-      const double most = touch.coefficient * std::max(p[0], 0.0);
-      const double turn = *x++;
-      if (most > 0)
-        touch.direction = (most * touch.direction + across(touch.direction) * turn).stableNormalized();
-      tangential(p_, touch.row) = -most * touch.direction;
-    }
-  }
-  double sum = 0;
-  for (int i = 0; i < rows_; ++i) sum += p_[i];
-  return std::isfinite(sum);
-}
-
 /// The problem of point k alone, with the forces of all others.
 FrictionPoint FrictionSystem::local(int k) const noexcept {
   const int row = touch_[k].row;
@@ -392,6 +312,15 @@ void FrictionSystem::guess_state(int k, ContactState before, double slip) noexce
   project(k);
 }
 
+/// Whether a new factor is cheaper than the further steps that the one kept would need.
+bool FrictionSystem::is_slow(double error, double before, double goal) const noexcept {
+  if (error <= goal || std::isinf(before)) return false;
+  if (exact_) return error > 0.1 * before;
+  if (!(error < 0.9 * before)) return true;
+  return std::log(error / goal) >
+         (few_steps + factor_.size() / unknowns_of_a_step) * std::log(before / error);
+}
+
 /// Newton's method until the error is below `target` and no state contradicts the forces, or until the error
 /// has not halved in a number of steps. The first step keeps the states, unless all points are open: w
 /// belongs to forces of another r there, and would change many of them wrongly. A factor serves for further
@@ -403,6 +332,7 @@ SolveStatus FrictionSystem::try_newton(int& left, SolveStatistics& statistics, d
   int patience = patience_of_newton;
   contradicted_ = false;
   bool polished = false;
+  step_count_ = 0;
   evaluate();
   const bool is_open = std::all_of(touch_.begin(), touch_.begin() + count_,
                                    [](const Touch& touch) { return touch.state == ContactState::open; });
@@ -415,17 +345,17 @@ SolveStatus FrictionSystem::try_newton(int& left, SolveStatistics& statistics, d
     if (!std::isfinite(error + tolerance_)) return SolveStatus::not_finite;
     if (keep_best(error)) patience = patience_of_newton;
     if (error <= std::max(target, tolerance_) && !contradicted_) {
-      if (target > 0 || polished || error <= polished_to * tolerance_ || !has_factor())
+      if (target > 0 || polished || error <= polished_to * tolerance_ || !holds_states())
         return SolveStatus::solved;
       polished = true;
     }
     if (patience-- <= 0 || left-- <= 0) return SolveStatus::limited;
-    if (!has_factor() || error > 0.1 * before) {
+    if (holds_states() ? is_slow(error, before, std::max(target, tolerance_)) : exact_ || !update_factor()) {
       renew_factor();
       ++statistics.renewals;
     }
     before = error;
-    if (!newton()) return SolveStatus::limited;
+    if (!find_step() || !make_step()) return SolveStatus::limited;
     evaluate();
   }
 }
@@ -448,7 +378,10 @@ SolveStatus FrictionSystem::solve(double largest_r, double largest_normal_r, int
   SolveStatus status = try_newton(left, statistics);
   if (status == SolveStatus::limited && left > 0) {
     ++statistics.fallbacks;
-    status = follow_load(left, statistics);
+    exact_ = true;
+    restore_answer();
+    status = try_newton(left, statistics);
+    if (status == SolveStatus::limited) status = follow_load(left, statistics);
     if (status == SolveStatus::limited) {
       cautious_ = false;
       restore_answer();
@@ -457,20 +390,10 @@ SolveStatus FrictionSystem::solve(double largest_r, double largest_normal_r, int
       if (status == SolveStatus::limited) status = follow_paths(left, statistics);
       cautious_ = true;
     }
+    exact_ = false;
   }
   if (status == SolveStatus::limited) restore_best();
   return status;
-}
-
-/// The signs of the determinants of all solutions add up to 1. If that of a regular solution is negative,
-/// there are others. The factor need not be of the last iterate: iterations with it converged, which they
-/// would not if the signs differed.
-bool FrictionSystem::has_negative_determinant() noexcept {
-  const bool slips = std::any_of(touch_.begin(), touch_.begin() + count_,
-                                 [](const Touch& touch) { return touch.state == ContactState::slip; });
-  if (!slips) return false;
-  if (!has_factor()) renew_factor();
-  return factor_.sign(regular * diagonal_) < 0;
 }
 
 /// Where p_n may reduce w_n, a point can have other forces while those of the rest stay. Newton's method from

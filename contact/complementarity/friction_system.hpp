@@ -15,11 +15,12 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <vector>
 
+#include "contact/complementarity/bordered_factor.hpp"
 #include "contact/complementarity/complementarity.hpp"
 #include "contact/complementarity/friction_point.hpp"
-#include "contact/complementarity/pivoted_factor.hpp"
 
 namespace ricochet::contact {
 
@@ -81,10 +82,21 @@ class FrictionSystem {
   double violation() const noexcept;
   bool keep_best(double error) noexcept;
   void restore_best() noexcept;
-  bool has_factor() const noexcept;
-  void compress(const double* column, double* out) const noexcept;
+  void discard_factor() noexcept;
+  const Eigen::Vector2d& direction_in_factor(int k) const noexcept;
+  enum class Columns { D, E };
+  void compress(const double* column, Columns of, double* out) const noexcept;
+  double turning(const Touch& touch) const noexcept;
   void renew_factor() noexcept;
-  bool newton() noexcept;
+  bool holds_states() const noexcept;
+  void append_unknown(int k, const Eigen::Vector3d& move, const Eigen::Vector3d& equation,
+                      double turning) noexcept;
+  void append_multiplier(int k, const Eigen::Vector3d& free, const Eigen::Vector3d& condition,
+                         double compliance) noexcept;
+  bool update_factor() noexcept;
+  bool is_slow(double error, double before, double goal) const noexcept;
+  bool find_step() noexcept;
+  bool make_step() noexcept;
   SolveStatus try_newton(int& left, SolveStatistics& statistics, double target = 0) noexcept;
   void keep_answer() noexcept;
   void restore_answer() noexcept;
@@ -98,11 +110,37 @@ class FrictionSystem {
   double entry(int row) const { return A_[static_cast<std::size_t>(row) * (rows_ + 1)]; }
   double tangential_entry(int row) const { return std::max(entry(row + 1), entry(row + 2)); }
 
+  /// What factor and border hold of a point.
+  struct Held {
+    ContactState factored = ContactState::open;           ///< state in the factor
+    ContactState state = ContactState::open;              ///< state with the border
+    int at = 0;                                           ///< first unknown in the factor
+    Eigen::Vector2d direction = Eigen::Vector2d::Zero();  ///< t when it was factored
+    double turning = 0;                                   ///< entry of C of a slipping point then
+  };
+  /// A row and column of the border: of an unknown with its equation, or a multiplier.
+  struct Entry {
+    int point = 0;
+    bool is_unknown = false, turns = false;  ///< turns: an unknown with an entry of C
+    Eigen::Vector3d move = Eigen::Vector3d::Zero(), equation = move;  ///< of an unknown
+    double sign = 1;  ///< of the determinant without it over that with it
+  };
+  static constexpr double proximal =
+      1e-13;  ///< share of max A_ii added to the diagonal against singular matrices
+  static constexpr int most_steps = 12;  ///< of Broyden's method
+
   int count_ = 0, rows_ = 0;
   std::vector<Touch> touch_, best_touch_, answer_touch_;
-  std::vector<ContactState> factor_state_;
-  int factor_count_ = 0;  ///< points of the factor; 0 if there is none
-  PivotedFactor factor_;
+  std::vector<Held> held_;
+  std::vector<Entry> entries_;       ///< of the border
+  std::vector<int> kept_, changed_;  ///< scratch
+  bool has_factor_ = false;
+  BorderedFactor factor_;
+  std::vector<double> steps_;  ///< since the factor or its border has changed
+  std::array<double, most_steps> squares_{};
+  std::ptrdiff_t step_stride_ = 0;
+  int step_count_ = 0;
+  bool exact_ = false;  ///< whether each change of state renews the factor
   std::vector<double> A_, p_, w_, r_, x_, column_, best_p_, answer_, plain_A_, plain_r_, centre_;
   bool cautious_ = true;                        ///< whether few states change at once
   bool contradicted_ = false;                   ///< whether states were left that contradict the forces

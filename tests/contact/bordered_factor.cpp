@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A factor with a border against a factor of the whole matrix, made by Eigen.
+#include <gtest/gtest.h>
+
+#include <random>
+#include <vector>
+
+#include "contact/complementarity/bordered_factor.hpp"
+
+namespace ricochet::contact {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr int n = 70, b = 9;
+
+class Bordered : public testing::Test {
+ protected:
+  Bordered() {
+    std::normal_distribution<double> normal;
+    whole_ = MatrixXd::NullaryExpr(n + b, n + b, [&] { return normal(random_); });
+    factor_.begin(n) = whole_.topLeftCorner(n, n);
+    factor_.factor();
+  }
+
+  /// Appends entries of the whole matrix up to `last`.
+  void append_to(int last) {
+    const int first = factor_.border();
+    for (int i = first; i < last; ++i) {
+      factor_.append();
+      VectorXd::Map(factor_.column(i), n) = whole_.col(n + i).head(n);
+      VectorXd::Map(factor_.row(i), n) = whole_.row(n + i).head(n);
+      for (int j = 0; j <= i; ++j) {
+        factor_.corner(i, j) = whole_(n + i, n + j);
+        factor_.corner(j, i) = whole_(n + j, n + i);
+      }
+    }
+    factor_.complete(first);
+  }
+
+  void expect_solution(const MatrixXd& matrix) {
+    const int border = factor_.border();
+    ASSERT_EQ(matrix.rows(), n + border);
+    std::normal_distribution<double> normal;
+    const VectorXd right = VectorXd::NullaryExpr(n + border, [&] { return normal(random_); });
+    VectorXd x = right;
+    ASSERT_TRUE(factor_.solve(x.data(), x.data() + n));
+    const Eigen::FullPivLU<MatrixXd> lu(matrix);
+    const VectorXd exact = lu.solve(right);
+    // round-off times the condition of J, which is below 1e5 here
+    EXPECT_LE((x - exact).cwiseAbs().maxCoeff(), 1e-9 * exact.cwiseAbs().maxCoeff());
+    EXPECT_EQ(factor_.sign(1e-9), lu.determinant() > 0 ? 1 : -1);
+  }
+
+  std::mt19937_64 random_{3};
+  MatrixXd whole_;
+  BorderedFactor factor_{n + b};
+};
+
+TEST_F(Bordered, solves_without_a_border) { expect_solution(whole_.topLeftCorner(n, n)); }
+
+TEST_F(Bordered, solves_after_the_border_has_grown) {
+  for (const int border : {1, 4, b}) {
+    append_to(border);
+    expect_solution(whole_.topLeftCorner(n + border, n + border));
+  }
+}
+
+TEST_F(Bordered, solves_after_entries_have_left) {
+  append_to(b);
+  const std::vector<int> kept{1, 2, 5, 8};
+  factor_.keep(kept.data(), static_cast<int>(kept.size()));
+  factor_.complete(static_cast<int>(kept.size()));
+  std::vector<int> rows;
+  for (int i = 0; i < n; ++i) rows.push_back(i);
+  for (const int i : kept) rows.push_back(n + i);
+  expect_solution(whole_(rows, rows));
+}
+
+}  // namespace
+}  // namespace ricochet::contact
