@@ -74,18 +74,38 @@ bool PivotedFactor::solve(double* x) const noexcept {
   if (!(least_pivot_ > 0)) return false;
   const int n = size_;
   for (int c = 0; c < n; ++c) std::swap(x[c], x[exchange_[c]]);
-  for (int c = 0; c < n; ++c) {
-    const double* const column = entries_.data() + static_cast<std::ptrdiff_t>(c) * n;
-    const double factor = x[c];
+  const double* const a = entries_.data();
+  const auto column = [&](int c) { return a + static_cast<std::ptrdiff_t>(c) * n; };
+  // Four columns at once load and store x once.
+  int first = 0;
+  for (; first + 4 <= n; first += 4) {
+    const double *const a0 = column(first), *const a1 = column(first + 1), *const a2 = column(first + 2),
+                        *const a3 = column(first + 3);
+    double* const y = x + first;
+    y[1] -= a0[first + 1] * y[0];
+    y[2] -= a0[first + 2] * y[0] + a1[first + 2] * y[1];
+    y[3] -= a0[first + 3] * y[0] + a1[first + 3] * y[1] + a2[first + 3] * y[2];
+    const double y0 = y[0], y1 = y[1], y2 = y[2], y3 = y[3];
 #pragma GCC ivdep
-    for (int i = c + 1; i < n; ++i) x[i] -= factor * column[i];
+    for (int i = first + 4; i < n; ++i) x[i] -= (y0 * a0[i] + y1 * a1[i]) + (y2 * a2[i] + y3 * a3[i]);
   }
-  for (int c = n - 1; c >= 0; --c) {
-    const double* const column = entries_.data() + static_cast<std::ptrdiff_t>(c) * n;
-    x[c] /= column[c];
-    const double factor = x[c];
+  for (int c = first; c < n; ++c)
+    for (int i = c + 1; i < n; ++i) x[i] -= x[c] * column(c)[i];
+  for (int c = n - 1; c >= first; --c) {
+    x[c] /= column(c)[c];
+    for (int i = 0; i < c; ++i) x[i] -= x[c] * column(c)[i];
+  }
+  for (first -= 4; first >= 0; first -= 4) {
+    const double *const a0 = column(first), *const a1 = column(first + 1), *const a2 = column(first + 2),
+                        *const a3 = column(first + 3);
+    double* const y = x + first;
+    y[3] /= a3[first + 3];
+    y[2] = (y[2] - a3[first + 2] * y[3]) / a2[first + 2];
+    y[1] = (y[1] - a3[first + 1] * y[3] - a2[first + 1] * y[2]) / a1[first + 1];
+    y[0] = (y[0] - a3[first] * y[3] - a2[first] * y[2] - a1[first] * y[1]) / a0[first];
+    const double y0 = y[0], y1 = y[1], y2 = y[2], y3 = y[3];
 #pragma GCC ivdep
-    for (int i = 0; i < c; ++i) x[i] -= factor * column[i];
+    for (int i = 0; i < first; ++i) x[i] -= (y0 * a0[i] + y1 * a1[i]) + (y2 * a2[i] + y3 * a3[i]);
   }
   return true;
 }

@@ -33,8 +33,13 @@ MeanWeights reduced(const StepTrial& opening, double bank) noexcept {
   return {conserving_mean.end, share * conserving_mean.start, share * conserving_mean.before};
 }
 
-/// y = A x of the leading n rows, for an x with few nonzero entries.
+/// y = A x of the leading n rows of a symmetric A. If few entries of x are not 0, their columns are read,
+/// otherwise one triangle.
 void multiply(const MatrixXd& A, const Vector& x, Index n, Vector& y) noexcept {
+  if (2 * (x.head(n).array() != 0).count() > n) {
+    y.head(n).noalias() = A.topLeftCorner(n, n).selfadjointView<Eigen::Lower>() * x.head(n);
+    return;
+  }
   y.head(n).setZero();
   for (Index j = 0; j < n; ++j)
     if (x(j) != 0) y.head(n) += x(j) * A.col(j).head(n);

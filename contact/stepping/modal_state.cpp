@@ -74,8 +74,9 @@ double ModalState::residual_energy(const Vector& force) const noexcept {
   double energy = 0;
   for (Eigen::Index j = 0; j < force.size(); ++j) {
     if (force(j) == 0) continue;
-    for (Eigen::Index i = 0; i < force.size(); ++i)
-      if (force(i) != 0) energy += 0.5 * force(j) * system->R(i, j) * force(i);
+    const Eigen::Index below = force.size() - j - 1;
+    energy +=
+        force(j) * (0.5 * system->R(j, j) * force(j) + system->R.col(j).tail(below).dot(force.tail(below)));
   }
   return energy + energy_of(system->springs, force);
 }
