@@ -1,23 +1,30 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Contact problems with friction as files of FCLIB, and the time that the library needs to solve them cold.
+// Contact problems with friction as files of FCLIB, the time that the library needs to solve them cold, and
+// that of steps of a box that slides on its face.
 //
 //   bench_friction write FOLDER NX NY MODES MU STEPS EVERY    problems of two plates that rub on each other
 //   bench_friction solve FILE REPEATS                         one line of JSON: seconds of each solve, and r
+//   bench_friction slide KERNEL MU SPEED RATE STEPS           one line of JSON: processor seconds of each
+//   step
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <exception>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "base/hdf5_reader.hpp"
 #include "benchmarks/plates.hpp"
+#include "contact/api/scene_model.hpp"
 #include "contact/complementarity/friction_solver.hpp"
 #include "contact/output/fclib.hpp"
 #include "contact/stepping/run_steps.hpp"
+#include "kernels/read.hpp"
 
 namespace {
 
@@ -72,6 +79,36 @@ void solve(const std::string& path, int repeats) {
   fmt::print("{{\"seconds\": [{}], \"r\": [{}]}}\n", fmt::join(seconds, ", "), fmt::join(p, ", "));
 }
 
+double processor_seconds() {
+  timespec now;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// A body slides on the floor under its weight.
+void slide(const std::string& path, double friction, double speed, double rate, int steps) {
+  Scene scene;
+  scene.bodies = {{.name = "box",
+                   .kernel = std::make_shared<const kernels::Kernel>(kernels::read(path)),
+                   .velocity = {speed, 0.3 * speed, 0}}};
+  scene.obstacles = {{.name = "floor", .normal = {0, 0, 1}}};
+  scene.pairs = {{.a = "box", .b = "floor", .gap = 0, .friction = Friction{friction, friction, 0}}};
+  scene.gravity = {0, 0, -9.81};
+  const contact::Model model = model_of(scene);
+  const auto stepper = contact::make_stepper(model, {.step = 1 / rate, .block = 1});
+  std::vector<double> seconds;
+  double touching = 0;
+  for (int k = 0; k < steps; ++k) {
+    const double begin = processor_seconds();
+    if (stepper->step() != StepStatus::ok) throw std::runtime_error("a step failed");
+    seconds.push_back(processor_seconds() - begin);
+    touching += stepper->active();
+  }
+  const contact::SolveStatistics work = stepper->solver();
+  fmt::print("{{\"touching\": {}, \"renewals\": {}, \"fallbacks\": {}, \"seconds\": [{}]}}\n",
+             touching / steps, work.renewals, work.fallbacks, fmt::join(seconds, ", "));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -81,8 +118,12 @@ int main(int argc, char** argv) try {
           number<int>(argv[7]), number<int>(argv[8]));
   else if (what == "solve" && argc == 4)
     solve(argv[2], number<int>(argv[3]));
+  else if (what == "slide" && argc == 7)
+    slide(argv[2], number<double>(argv[3]), number<double>(argv[4]), number<double>(argv[5]),
+          number<int>(argv[6]));
   else
-    throw std::runtime_error("write FOLDER NX NY MODES MU STEPS EVERY, or solve FILE REPEATS");
+    throw std::runtime_error(
+        "write FOLDER NX NY MODES MU STEPS EVERY, solve FILE REPEATS, or slide KERNEL MU SPEED RATE STEPS");
 } catch (const std::exception& error) {
   fmt::print(stderr, "bench_friction: {}\n", error.what());
   return 2;

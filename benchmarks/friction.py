@@ -3,6 +3,7 @@
 
     scripts/bench friction           # medians of 5 rounds; python3-siconos comes with scripts/setup --tests
     scripts/bench friction --impact meshes/oblique/oblique.toml   # steps of an impact instead
+    scripts/bench friction --slide                                # steps of a box that slides instead
 
 The problems are steps of two plates that rub on each other (benchmarks/plates.hpp), written by --fclib: for each
 size the one in which most points slip. Siconos' methods are nonsmooth Gauss-Seidel (NSGS) and the Newton method
@@ -13,9 +14,13 @@ in units of the mean flexibility, over |q|. Run scripts/build first.
 With --impact, every 8th contact step of the scene is solved in turn by both Newton methods, from no forces, NSN_AC with the
 largest tolerance that leaves forces within 1e-6 of ours. The table shows means over the steps and the largest
 difference of forces.
+
+With --slide, a steel box slides on its face, or rests on it, with and without friction in turn. The table shows
+processor times: the median step, the mean with the first contact, and the slowest step.
 """
 import json
 import pathlib
+import statistics
 import tempfile
 import time
 
@@ -46,12 +51,32 @@ IMPACT_COLUMNS = [
     ("ms a step", lambda row: 1e3 * row["seconds"] / row["steps"], ".2f"),
     ("x ours", "ratio", ".2f"),
 ]
+SLIDE_COLUMNS = [
+    ("motion", "motion", ""),
+    ("rate (kHz)", lambda row: row["rate"] / 1e3, ".1f"),
+    ("friction", "friction", ".1f"),
+    ("touching", "touching", ".0f"),
+    ("median (ms)", lambda row: 1e3 * row["median"], ".2f"),
+    ("mean", lambda row: 1e3 * row["mean"], ".2f"),
+    ("slowest", lambda row: 1e3 * row["slowest"], ".1f"),
+    ("x frictionless", "ratio", ".1f"),
+    ("factors a step", "renewals", ".2f"),
+]
+# Points along both sides of the box less one, speed [m/s], rate [Hz].
+SLIDES = (
+    ("slides", (16, 17), 0.1, 44100.0),
+    ("slides", (16, 17), 0.1, 200e3),
+    ("rests", (13, 13), 0.0, 44100.0),
+    ("rests", (19, 19), 0.0, 44100.0),
+)
+SLIDE_STEPS = 200
 
 
 def add_arguments(parser):
     parser.add_argument(
         "--impact", type=pathlib.Path, metavar="SCENE", help="steps of this scene instead of plates"
     )
+    parser.add_argument("--slide", action="store_true", help="steps of a box that slides instead of plates")
     parser.add_argument(
         "--mu", type=float, default=0.3, help="coefficient of friction of the plates (default: 0.3)"
     )
@@ -130,7 +155,44 @@ def theirs(siconos, method, problem, tolerance):
     return run
 
 
+def slide(program, options):
+    table = tables.Table(SLIDE_COLUMNS)
+    scene = pathlib.Path(__file__).parent / "slider.toml"
+    for motion, (along, across), speed, rate in SLIDES:
+        with tempfile.TemporaryDirectory() as scope:
+            size = f"bodies.box.geometry={{along={along},across={across}}}"
+            programs.call([programs.BIN / "ricochet-kernel", scene, "--out", scope, "--set", size])
+            (kernel,) = pathlib.Path(scope).glob("*.kernel.h5")
+
+            def steps(friction):
+                command = [program, "slide", kernel, friction, speed, rate, SLIDE_STEPS]
+                return lambda: json.loads(programs.call(command, capture=True))
+
+            found = timing.alternate(options.rounds, {mu: steps(mu) for mu in (0.0, options.mu)})
+        plain = None
+        for friction, runs in found.items():
+            medians = [statistics.median(run["seconds"]) for run in runs]
+            best = runs[medians.index(min(medians))]
+            plain = plain or min(medians)
+            table.row(
+                {
+                    "motion": motion,
+                    "rate": rate,
+                    "friction": friction,
+                    "touching": best["touching"],
+                    "median": min(medians),
+                    "mean": statistics.mean(best["seconds"]),
+                    "slowest": max(best["seconds"]),
+                    "ratio": min(medians) / plain,
+                    "renewals": best["renewals"] / SLIDE_STEPS,
+                }
+            )
+
+
 def run(options):
+    if options.slide:
+        launch.build("bench_friction")
+        return slide(programs.BIN / "bench_friction", options)
     try:
         import siconos.numerics as siconos
     except ImportError as missing:

@@ -8,9 +8,9 @@
 // The method is Newton's on sets of open, sticking and slipping points (Alart & Curnier 1991), helped by
 // block Gauss-Seidel over points (Jourdan, Alart & Jean 1998); Acary & Brogliato 2008 describe both. What
 // differs here: a slipping point has two unknowns instead of three, so that every iterate is in the cone; a
-// factor is kept while the states stay, even if μ and the directions of slip change; a path of regularised
-// problems follows where both methods fail (friction_system.hpp); and single points are solved exactly
-// (friction_point.hpp).
+// factor is kept, and updated where states change (friction_factor.cpp), while that is cheaper than a new
+// one; a path of regularised problems follows where both methods fail (friction_system.hpp); and single
+// points are solved exactly (friction_point.hpp).
 #pragma once
 
 #include <Eigen/Dense>

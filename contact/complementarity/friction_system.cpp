@@ -323,9 +323,9 @@ bool FrictionSystem::is_slow(double error, double before, double goal) const noe
 
 /// Newton's method until the error is below `target` and no state contradicts the forces, or until the error
 /// has not halved in a number of steps. The first step keeps the states, unless all points are open: w
-/// belongs to forces of another r there, and would change many of them wrongly. A factor serves for further
-/// steps while the states stay and each step reduces the error to a tenth, and for a last one to round-off:
-/// the heat of a point that hardly slips errs by the residual.
+/// belongs to forces of another r there, and would change many of them wrongly. The factor is
+/// updated when states change, unless that or the further steps cost more than a new one, and serves for a
+/// last step to round-off: the heat of a point that hardly slips errs by the residual.
 SolveStatus FrictionSystem::try_newton(int& left, SolveStatistics& statistics, double target) noexcept {
   best_error_ = std::numeric_limits<double>::infinity();
   double before = std::numeric_limits<double>::infinity();
