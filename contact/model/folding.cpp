@@ -78,15 +78,20 @@ std::shared_ptr<const Model> fold(std::shared_ptr<const Model> model, const Step
   return out;
 }
 
-void set_folded(const Model& model, double t, const Vector& p, Vector& q) noexcept {
+void set_folded(const Model& model, double t, const Vector& p, Vector& q, Vector* v) noexcept {
   const Model::Folded& folded = model.folded;
   for (std::size_t j = 0; j < folded.modes.size(); ++j) {
     const auto column = static_cast<Eigen::Index>(j);
-    double force = folded.load(column) - folded.B.col(column).dot(p);
-    for (std::size_t d = 0; d < model.forcing.size(); ++d)
-      force += model.forcing[d].history.at(t) * folded.force(column, static_cast<Eigen::Index>(d));
-    const double omega = model.omega(folded.modes[j]);
-    q(folded.modes[j]) = force / (omega * omega);
+    const int n = folded.modes[j];
+    const double stiffness = model.omega(n) * model.omega(n);
+    double force = folded.load(column) - folded.B.col(column).dot(p), slope = 0;
+    for (std::size_t d = 0; d < model.forcing.size(); ++d) {
+      const double of_one = folded.force(column, static_cast<Eigen::Index>(d));
+      force += model.forcing[d].history.at(t) * of_one;
+      slope += model.forcing[d].history.slope(t) * of_one;
+    }
+    q(n) = force / stiffness;
+    if (v != nullptr) (*v)(n) = slope / stiffness;
   }
 }
 

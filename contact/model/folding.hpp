@@ -23,6 +23,7 @@ inline bool sampled(double omega, double step) { return !(omega * step > std::nu
 std::shared_ptr<const Model> fold(std::shared_ptr<const Model> model, const StepOptions& options);
 
 /// Sets the coordinates q (N) of the folded modes under the forces p (n) at t [s].
-void set_folded(const Model& model, double t, const Vector& p, Vector& q) noexcept;
+/// @param v  (N) if given, their rates under loads; those under p are not known
+void set_folded(const Model& model, double t, const Vector& p, Vector& q, Vector* v = nullptr) noexcept;
 
 }  // namespace ricochet::contact

@@ -52,10 +52,11 @@ VisualisationSurface::VisualisationSurface(const Model& model, int body, const S
 const SurfaceMotion& VisualisationSurface::at(double t, const Vector& q, const Vector& v,
                                               const Vector& force) {
   const Index rows = shape_.rows(), elastic = body_.modes - rigid_;
-  whole_ = q;
-  set_folded(model_, t, force, whole_);
-  const VectorXd own = whole_.segment(body_.first_mode, body_.modes),
-                 rate = v.segment(body_.first_mode, body_.modes);
+  all_q_ = q;
+  all_v_ = v;
+  set_folded(model_, t, force, all_q_, &all_v_);
+  const VectorXd own = all_q_.segment(body_.first_mode, body_.modes),
+                 rate = all_v_.segment(body_.first_mode, body_.modes);
   // A body may fly far, so the motion of its rigid modes is summed in double precision.
   const Eigen::MatrixXd rigid_shape = shape_.leftCols(rigid_).cast<double>();
   VectorXf deformation = constant_, velocity = shape_.rightCols(elastic) * rate.tail(elastic).cast<float>();

@@ -53,7 +53,7 @@ class VisualisationSurface {
   Eigen::VectorXf constant_;        ///< (3V) under gravity [m]
   Values forcing_;  ///< (3V,forcings) displacement for a history of value 1, in the order of of_body_
   std::vector<const Model::Forcing*> of_body_;
-  Vector whole_;  ///< (N) q of all modes
+  Vector all_q_, all_v_;  ///< (N) of all modes, also of folded ones
   SurfaceMotion out_;
 };
 
