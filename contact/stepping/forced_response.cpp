@@ -38,7 +38,7 @@ ForcedResponse::ForcedResponse(const Model& model, double step)
   piece(0);
 }
 
-ForcedResponse::Interval ForcedResponse::start() noexcept {
+ForcedResponse::Interval ForcedResponse::start() {
   Interval out;
   for (Vector* x : {&out.q, &out.v, &out.lift}) x->setZero(omega_.size());
   out.s = s_;

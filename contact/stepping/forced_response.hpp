@@ -53,7 +53,7 @@ class ForcedResponse {
 
   bool any() const { return !forcing_.empty(); }
   /// Returns an interval at t = 0 whose vectors are allocated.
-  Interval start() noexcept;
+  Interval start();
 
   /// The forcing at t.
   const Piece& piece(double t) noexcept;
