@@ -6,8 +6,8 @@
 namespace ricochet::contact {
 namespace {
 
-using Vector = Eigen::Map<Eigen::VectorXd>;
-using ConstVector = Eigen::Map<const Eigen::VectorXd>;
+using View = Eigen::Map<Eigen::VectorXd>;
+using ConstView = Eigen::Map<const Eigen::VectorXd>;
 
 }  // namespace
 
@@ -41,7 +41,7 @@ void BorderedFactor::complete(int first) noexcept {
   for (int j = first; j < border_; ++j) factor_.solve(column(j));
   for (int j = 0; j < border_; ++j)
     for (int i = j < first ? first : 0; i < border_; ++i)
-      corner(i, j) -= ConstVector(row(i), size_).dot(ConstVector(column(j), size_));
+      corner(i, j) -= ConstView(row(i), size_).dot(ConstView(column(j), size_));
   auto small = small_.begin(border_);
   for (int j = 0; j < border_; ++j) std::copy_n(&corner(0, j), border_, small.col(j).data());
   small_.factor();
@@ -50,10 +50,10 @@ void BorderedFactor::complete(int first) noexcept {
 bool BorderedFactor::solve(double* x, double* y) const noexcept {
   if (!factor_.solve(x)) return false;
   if (border_ == 0) return true;
-  Vector at(x, size_);
-  for (int i = 0; i < border_; ++i) y[i] -= ConstVector(rows_.data() + i * stride_, size_).dot(at);
+  View at(x, size_);
+  for (int i = 0; i < border_; ++i) y[i] -= ConstView(rows_.data() + i * stride_, size_).dot(at);
   if (!small_.solve(y)) return false;
-  for (int i = 0; i < border_; ++i) at -= y[i] * ConstVector(columns_.data() + i * stride_, size_);
+  for (int i = 0; i < border_; ++i) at -= y[i] * ConstView(columns_.data() + i * stride_, size_);
   return true;
 }
 

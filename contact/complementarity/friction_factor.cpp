@@ -21,7 +21,6 @@ using Eigen::Vector3d;
 constexpr double regular = 1e-11;   // smaller pivots, relative to max A_ii, leave the sign of det undecided
 constexpr double least_part = 0.2;  // of a step; Broyden's update that leaves less is not made
 
-Vector2d across(const Vector2d& t) { return {-t.y(), t.x()}; }
 Vector3d in_plane(const Vector2d& t) { return {0, t.x(), t.y()}; }
 
 int unknowns_of(const FrictionSystem::Touch& touch, ContactState state) {

@@ -29,8 +29,6 @@ Map<const Vector2d> tangential(const std::vector<double>& x, int row) {
   return Map<const Vector2d>(x.data() + row + 1);
 }
 
-Vector2d across(const Vector2d& t) { return {-t.y(), t.x()}; }
-
 /// The force that makes a displacement alone; the largest number if none does.
 double force_for(double displacement, double flexibility) {
   return flexibility > 0 ? displacement / flexibility : std::numeric_limits<double>::max();

@@ -24,6 +24,9 @@
 
 namespace ricochet::contact {
 
+/// t turned by a right angle.
+inline Eigen::Vector2d across(const Eigen::Vector2d& t) { return {-t.y(), t.x()}; }
+
 /// Only the constructor allocates.
 class FrictionSystem {
  public:
