@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <tuple>
 
 #include "contact/stepping/stepper.hpp"
 #include "tests/contact/falling_body.hpp"
@@ -125,6 +126,25 @@ TEST(FreeFlight, is_crossed_between_the_knots_of_loads_and_supports) {
       EXPECT_NEAR(jumped.energy.loads, plain.energy.loads, 1e-8 * plain.energy.kinetic);
       EXPECT_NEAR(jumped.energy.ledger(), plain.energy.ledger(), 1e-10 * plain.energy.kinetic);
     }
+}
+
+// A support carries the point to the floor at a steady speed while the modes rest, between two samples or
+// within a look-ahead block. Neither a flight nor a skipped candidate may miss the instant.
+TEST(FreeFlight, does_not_carry_a_point_through_a_floor) {
+  constexpr double speed = 0.1;
+  for (const auto& [per_sample, block, at] : {std::tuple{1000, 1, 1.5}, {1000, 8, 1.5}, {1, 8, 4.5}}) {
+    Model model = dropped(2, 1, at * sample * speed);
+    model.load.setZero();
+    drive(model, true, {{0, 1}, {0, speed}});
+    model.forcing[0].lift.setZero();
+    model.forcing[0].displacement.setOnes();
+    const StepOptions options{.step = sample / per_sample, .steps_per_sample = per_sample, .block = block};
+    const auto stepper = make_stepper(model, options);
+    while (stepper->active() == 0 && stepper->time() < 20 * sample)
+      ASSERT_EQ(stepper->step(), StepStatus::ok);
+    EXPECT_GE(stepper->time(), at * sample);
+    EXPECT_LE(stepper->time(), at * sample + 1.01 * options.step) << per_sample << " " << block;
+  }
 }
 
 // A mode turns the point into the floor and back again between two samples. The ends of the jump show
