@@ -159,6 +159,36 @@ TEST(Forcing, moves_modes_exactly_for_knots_at_the_ends_of_steps) {
     }
 }
 
+// Under a load that grows steadily, a damped mode settles at its rest position, which lags behind f/ω². The
+// points follow it. 1e-12: round-off, after the motion has decayed by e^−40.
+TEST(Forcing, moves_rest_positions_to_where_a_damped_body_settles) {
+  Model model = loose({{0, 200}, {0, 80}}, false, 0.01);
+  const Eigen::Index N = model.omega.size();
+  for (Eigen::Index n = 0; n < N; ++n) model.omega(n) = 1 + 0.7 * static_cast<double>(n);
+  model.decay = 0.4 * model.omega;
+  model.load.setLinSpaced(0.3, -0.2);
+  model.B = Matrix::Random(2, N);
+  model.R = Matrix::Zero(2, 2);
+  model.gap = Vector::Constant(2, 1e3);
+  model.area = Vector::Ones(2);
+  model.static_displacement = Vector{{0.01, -0.02}};
+  model.forcing[0].displacement = Vector{{0.1, 0.3}};
+  const auto stepper = make_stepper(model, {.step = 0.1});
+  while (stepper->time() < 100) ASSERT_EQ(stepper->step(), StepStatus::ok);
+  ForcedResponse forcing(model, 0.1);
+  const double t = stepper->time();
+  const ForcedResponse::Piece& piece = forcing.piece(t);
+  EXPECT_FALSE(piece.steady);
+  EXPECT_EQ(piece.to, 200);
+  const Vector y = stepper->modal()->q - piece.rest_q - model.load.cwiseQuotient(model.omega.cwiseAbs2());
+  EXPECT_LT(y.norm(), 1e-12 * stepper->modal()->q.norm());
+  EXPECT_LT((stepper->modal()->v - piece.rest_v).norm(), 1e-12 * piece.rest_v.norm());
+  const Vector u = stepper->displacement();
+  EXPECT_LT((u - piece.rest).norm(), 1e-12 * u.norm());
+  ASSERT_EQ(stepper->step(), StepStatus::ok);
+  EXPECT_LT((stepper->displacement() - u - 0.1 * piece.drift).norm(), 1e-12 * u.norm());
+}
+
 /// A body above a floor with a load and a moving support, both with ragged histories.
 Model busy(double step, double gap, unsigned seed) {
   std::mt19937 random(seed);
