@@ -18,11 +18,11 @@ Eigen::Map<Eigen::VectorXd> head(std::vector<double>& x, int n) { return {x.data
 
 }  // namespace
 
-ActiveSet::ActiveSet(int capacity) : stride_(std::max(capacity, 1)) {
+ActiveSet::ActiveSet(int capacity)
+    : stride_(std::max(capacity, 1)), factor_(static_cast<std::size_t>(stride_ * stride_)) {
   const auto n = static_cast<std::size_t>(stride_);
   active_.resize(n);
   is_active_.resize(n);
-  factor_.resize(n * n);
   row_.resize(n);
   d_.resize(n);
 }
@@ -50,6 +50,7 @@ bool ActiveSet::enter(const Symmetric& S, int j, bool trusted) noexcept {
     const double n = static_cast<double>(std::max<Eigen::Index>(S.rows(), 10));
     if (!(schur > 4 * n * std::numeric_limits<double>::epsilon() * sum * sum)) return false;
   }
+  factor_.resize(static_cast<std::size_t>((count_ + 1) * stride_));
   for (int k = 0; k < count_; ++k) *at(count_, k) = row_[k];
   *at(count_, count_) = std::sqrt(schur);
   active_[count_++] = j;

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <vector>
 
+#include "base/reserved.hpp"
+
 namespace ricochet::contact {
 
 /// S (n,n), symmetric positive semidefinite, both triangles.
@@ -58,8 +60,8 @@ class ActiveSet {
   int count_ = 0;
   std::vector<int> active_;
   std::vector<char> is_active_;
-  std::vector<double> factor_;  ///< L of S_PP = L Lᵀ, column-major
-  std::vector<double> row_;     ///< (p) scratch
+  base::Reserved<double> factor_;  ///< (p, stride) columns of L, S_PP = L Lᵀ
+  std::vector<double> row_;        ///< (p) scratch
   std::vector<double> d_;
 };
 

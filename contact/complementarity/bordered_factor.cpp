@@ -12,15 +12,19 @@ using ConstView = Eigen::Map<const Eigen::VectorXd>;
 }  // namespace
 
 BorderedFactor::BorderedFactor(int capacity)
-    : stride_(std::max(capacity, 1)), most_(most(std::max(capacity, 0))), factor_(capacity), small_(most_) {
-  const auto b = static_cast<std::size_t>(most_);
-  columns_.resize(static_cast<std::size_t>(stride_) * b);
-  rows_.resize(static_cast<std::size_t>(stride_) * b);
-  schur_.resize(b * b);
-}
+    : stride_(std::max(capacity, 1)),
+      most_(most(std::max(capacity, 0))),
+      factor_(capacity),
+      small_(most_),
+      columns_(static_cast<std::size_t>(stride_ * most_)),
+      rows_(static_cast<std::size_t>(stride_ * most_)),
+      schur_(static_cast<std::size_t>(most_ * most_)) {}
 
 void BorderedFactor::append() noexcept {
   const int i = border_++;
+  for (base::Reserved<double>* x : {&columns_, &rows_})
+    x->resize(static_cast<std::size_t>(border_ * stride_));
+  schur_.resize(static_cast<std::size_t>(border_ * most_));
   std::fill_n(column(i), size_, 0.0);
   std::fill_n(row(i), size_, 0.0);
   for (int j = 0; j <= i; ++j) corner(i, j) = corner(j, i) = 0;

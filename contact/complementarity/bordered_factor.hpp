@@ -9,7 +9,6 @@
 #pragma once
 
 #include <Eigen/Dense>
-#include <vector>
 
 #include "contact/complementarity/pivoted_factor.hpp"
 
@@ -54,7 +53,7 @@ class BorderedFactor {
   std::ptrdiff_t stride_;
   int most_, size_ = 0, border_ = 0;
   PivotedFactor factor_, small_;  ///< of J, of Σ
-  std::vector<double> columns_, rows_, schur_;
+  base::Reserved<double> columns_, rows_, schur_;
 };
 
 }  // namespace ricochet::contact

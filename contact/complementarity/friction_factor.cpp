@@ -84,7 +84,7 @@ void FrictionSystem::renew_factor() noexcept {
   for (int k = 0; k < count_; ++k) {
     const Touch& touch = touch_[k];
     if (touch.state == ContactState::open) continue;
-    const double* const first = A_.data() + static_cast<std::ptrdiff_t>(touch.row) * rows_;
+    const double* const first = A_.view().data() + static_cast<std::ptrdiff_t>(touch.row) * rows_;
     const double *const second = first + rows_, *const third = second + rows_;
     if (touch.rows() == 1 || touch.state == ContactState::stick) {
       for (int d = 0; d < touch.rows(); ++d) set_column(first + static_cast<std::ptrdiff_t>(d) * rows_);
@@ -117,7 +117,7 @@ bool FrictionSystem::holds_states() const noexcept {
 void FrictionSystem::append_unknown(int k, const Vector3d& move, const Vector3d& equation,
                                     double turning) noexcept {
   const auto multiply = [&](const Vector3d& x) {
-    const double* const A = A_.data() + static_cast<std::ptrdiff_t>(touch_[k].row) * rows_;
+    const double* const A = A_.view().data() + static_cast<std::ptrdiff_t>(touch_[k].row) * rows_;
     std::fill_n(column_.begin(), rows_, 0.0);
     for (int d = 0; d < touch_[k].rows(); ++d) {
       const double* const a = A + static_cast<std::ptrdiff_t>(d) * rows_;

@@ -14,14 +14,16 @@ constexpr double ill_conditioned = 1e7;
 }  // namespace
 
 FrictionSolver::FrictionSolver(int capacity, const FrictionOptions& options)
-    : options_(options), frictionless_(capacity, {.same_matrix = options.same_matrix}), system_(capacity) {
+    : options_(options),
+      frictionless_(capacity, {.same_matrix = options.same_matrix}),
+      system_(capacity),
+      normal_(std::max(capacity, 1)) {
   const auto n = static_cast<std::size_t>(std::max(capacity, 1));
   points_.resize(n);
   touching_.resize(n);
   states_.resize(n);
   slips_.resize(n);
   for (Eigen::VectorXd* x : {&root_, &work_, &forces_}) x->setZero(static_cast<Eigen::Index>(n));
-  normal_.setZero(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
 }
 
 void FrictionSolver::reset() noexcept {
@@ -160,13 +162,14 @@ bool FrictionSolver::add_closing(const Symmetric& S, const Right& r) noexcept {
 /// whatever the friction. There is one if and only if the problem without friction has no solution.
 bool FrictionSolver::is_unsolvable(const Symmetric& S, const Right& r) noexcept {
   auto right = work_.head(point_count_);
+  auto normal = normal_.begin(point_count_);
   for (int j = 0; j < point_count_; ++j) {
     right(j) = r(points_[j].normal);
-    for (int i = 0; i < point_count_; ++i) normal_(i, j) = S(points_[i].normal, points_[j].normal);
+    for (int i = 0; i < point_count_; ++i) normal(i, j) = S(points_[i].normal, points_[j].normal);
   }
   frictionless_.reset();
-  const bool unsolvable = frictionless_.solve(normal_.topLeftCorner(point_count_, point_count_), right,
-                                              forces_.head(point_count_)) == SolveStatus::no_solution;
+  const bool unsolvable =
+      frictionless_.solve(normal, right, forces_.head(point_count_)) == SolveStatus::no_solution;
   frictionless_.reset();
   return unsolvable;
 }

@@ -111,7 +111,7 @@ class FrictionSolver {
   std::vector<ContactState> states_;
   std::vector<double> slips_;             ///< |w_t| of slip
   Eigen::VectorXd root_, work_, forces_;  ///< (n) √S_ii; scratch
-  Eigen::MatrixXd normal_;                ///< (n,n) scratch
+  ReservedMatrix normal_;                 ///< scratch
 };
 
 }  // namespace ricochet::contact

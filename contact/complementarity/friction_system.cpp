@@ -36,7 +36,7 @@ double force_for(double displacement, double flexibility) {
 
 }  // namespace
 
-FrictionSystem::FrictionSystem(int capacity) : factor_(capacity) {
+FrictionSystem::FrictionSystem(int capacity) : factor_(capacity), A_(capacity) {
   const auto n = static_cast<std::size_t>(std::max(capacity, 1));
   touch_.resize(n);
   best_touch_.resize(n);
@@ -46,7 +46,6 @@ FrictionSystem::FrictionSystem(int capacity) : factor_(capacity) {
   entries_.reserve(border);
   kept_.reserve(border);
   changed_.reserve(n);
-  A_.resize(n * n);
   for (std::vector<double>* x : {&p_, &w_, &r_, &column_, &best_p_, &answer_, &plain_A_, &plain_r_, &centre_})
     x->resize(n);
   x_.resize(n + border);
@@ -56,6 +55,7 @@ FrictionSystem::FrictionSystem(int capacity) : factor_(capacity) {
 
 void FrictionSystem::clear() noexcept {
   count_ = rows_ = 0;
+  A_.begin(0);
   discard_factor();
 }
 
@@ -63,6 +63,7 @@ void FrictionSystem::add(double coefficient) noexcept {
   touch_[count_] = {.row = rows_, .coefficient = coefficient};
   held_[count_] = {};
   rows_ += touch_[count_++].rows();
+  A_.begin(rows_);
 }
 
 void FrictionSystem::set_matrix() noexcept {
@@ -79,7 +80,7 @@ void FrictionSystem::evaluate() noexcept {
   if (2 * (p.array() != 0).count() > rows_) {
     w.noalias() += A().selfadjointView<Eigen::Lower>() * p;
   } else {
-    const double* const A = A_.data();
+    const double* const A = A_.view().data();
     for (int k = 0; k < count_; ++k) {
       const int row = touch_[k].row;
       const double* const column = A + static_cast<std::ptrdiff_t>(row) * rows_;
@@ -247,7 +248,7 @@ FrictionPoint FrictionSystem::local(int k) const noexcept {
   point.coefficient = touch_[k].coefficient;
   Vector3d w;
   for (int d = 0; d < 3; ++d) {
-    const double* const column = A_.data() + static_cast<std::ptrdiff_t>(row + d) * rows_;
+    const double* const column = A_.view().data() + static_cast<std::ptrdiff_t>(row + d) * rows_;
     w(d) = Map<const Eigen::VectorXd>(column, rows_).dot(Map<const Eigen::VectorXd>(p_.data(), rows_)) -
            r_[row + d];
     point.S.col(d) = Map<const Vector3d>(column + row);
@@ -270,7 +271,7 @@ void FrictionSystem::sweep() noexcept {
     Touch& touch = touch_[k];
     const int row = touch.row;
     if (touch.rows() == 1) {
-      const double* const column = A_.data() + static_cast<std::ptrdiff_t>(row) * rows_;
+      const double* const column = A_.view().data() + static_cast<std::ptrdiff_t>(row) * rows_;
       const double w =
           Map<const Eigen::VectorXd>(column, rows_).dot(Map<const Eigen::VectorXd>(p_.data(), rows_)) -
           r_[row];
@@ -405,7 +406,7 @@ bool FrictionSystem::find_another(SolveStatistics& statistics) noexcept {
   };
   for (int k = 0; k < count_; ++k) {
     const Touch& touch = touch_[k];
-    const double* const column = A_.data() + static_cast<std::ptrdiff_t>(touch.row) * (rows_ + 1);
+    const double* const column = A_.view().data() + static_cast<std::ptrdiff_t>(touch.row) * (rows_ + 1);
     if (touch.rows() == 1 || column[0] > touch.coefficient * std::hypot(column[1], column[2])) continue;
     const FrictionPoint::Solutions found = local(k).solve(true);
     for (int i = 0; i < found.count; ++i) {

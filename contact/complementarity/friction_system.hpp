@@ -50,9 +50,9 @@ class FrictionSystem {
   Touch& operator[](int k) { return touch_[k]; }
   const Touch& operator[](int k) const { return touch_[k]; }
 
-  Eigen::Map<Eigen::MatrixXd> A() { return {A_.data(), rows_, rows_}; }  ///< (m,m)
-  double* p() { return p_.data(); }                                      ///< (m)
-  double* r() { return r_.data(); }                                      ///< (m)
+  Eigen::Map<Eigen::MatrixXd> A() { return A_.view(); }  ///< (m,m)
+  double* p() { return p_.data(); }                      ///< (m)
+  double* r() { return r_.data(); }                      ///< (m)
   const double* p() const { return p_.data(); }
   const double* w() const { return w_.data(); }  ///< (m) A p − r
   /// To be called after A has changed.
@@ -110,7 +110,7 @@ class FrictionSystem {
   void sweep() noexcept;
   FrictionPoint local(int k) const noexcept;
   void set(int k, const FrictionPoint::Solution& solution) noexcept;
-  double entry(int row) const { return A_[static_cast<std::size_t>(row) * (rows_ + 1)]; }
+  double entry(int row) const { return A_.view()(row, row); }
   double tangential_entry(int row) const { return std::max(entry(row + 1), entry(row + 2)); }
 
   /// What factor and border hold of a point.
@@ -144,7 +144,8 @@ class FrictionSystem {
   std::ptrdiff_t step_stride_ = 0;
   int step_count_ = 0;
   bool exact_ = false;  ///< whether each change of state renews the factor
-  std::vector<double> A_, p_, w_, r_, x_, column_, best_p_, answer_, plain_A_, plain_r_, centre_;
+  ReservedMatrix A_;
+  std::vector<double> p_, w_, r_, x_, column_, best_p_, answer_, plain_A_, plain_r_, centre_;
   bool cautious_ = true;                        ///< whether few states change at once
   bool contradicted_ = false;                   ///< whether states were left that contradict the forces
   double norm_ = 0, diagonal_ = 0, ridge_ = 0;  ///< ‖A‖_∞, max A_ii

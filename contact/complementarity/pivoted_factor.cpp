@@ -13,16 +13,13 @@ constexpr int width = 16;  // of a panel; narrow enough that Eigen keeps the
 
 }  // namespace
 
-PivotedFactor::PivotedFactor(int capacity) {
-  const auto n = static_cast<std::size_t>(std::max(capacity, 1));
-  entries_.resize(n * n);
-  exchange_.resize(n);
-}
+PivotedFactor::PivotedFactor(int capacity)
+    : matrix_(capacity), exchange_(static_cast<std::size_t>(std::max(capacity, 1))) {}
 
 /// Factors columns first … last − 1, which hold the Schur complement, and exchanges whole rows.
 void PivotedFactor::factor_panel(int first, int last) noexcept {
   const int n = size_;
-  double* const a = entries_.data();
+  double* const a = matrix_.view().data();
   for (int c = first; c < last; ++c) {
     double* const column = a + static_cast<std::ptrdiff_t>(c) * n;
     int pivot = c;
@@ -54,7 +51,7 @@ void PivotedFactor::factor_panel(int first, int last) noexcept {
 void PivotedFactor::factor() noexcept {
   sign_ = 1;
   least_pivot_ = std::numeric_limits<double>::infinity();
-  Eigen::Map<Eigen::MatrixXd> A(entries_.data(), size_, size_);
+  auto A = matrix_.view();
   if (size_ <= 2 * width) return factor_panel(0, size_);
   for (int first = 0; first < size_; first += width) {
     const int last = std::min(first + width, size_), rest = size_ - last;
@@ -74,7 +71,7 @@ bool PivotedFactor::solve(double* x) const noexcept {
   if (!(least_pivot_ > 0)) return false;
   const int n = size_;
   for (int c = 0; c < n; ++c) std::swap(x[c], x[exchange_[c]]);
-  const double* const a = entries_.data();
+  const double* const a = matrix_.view().data();
   const auto column = [&](int c) { return a + static_cast<std::ptrdiff_t>(c) * n; };
   // Four columns at once load and store x once.
   int first = 0;

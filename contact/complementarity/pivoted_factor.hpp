@@ -5,6 +5,8 @@
 #include <Eigen/Dense>
 #include <vector>
 
+#include "contact/complementarity/reserved_matrix.hpp"
+
 namespace ricochet::contact {
 
 class PivotedFactor {
@@ -14,7 +16,7 @@ class PivotedFactor {
   /// The matrix to be factored, (n,n) with uninitialised entries.
   Eigen::Map<Eigen::MatrixXd> begin(int n) noexcept {
     size_ = n;
-    return {entries_.data(), n, n};
+    return matrix_.begin(n);
   }
   void factor() noexcept;
   /// Replaces x (n) by A⁻¹ x. Returns false if a pivot is 0.
@@ -25,7 +27,7 @@ class PivotedFactor {
  private:
   void factor_panel(int first, int last) noexcept;
 
-  std::vector<double> entries_;
+  ReservedMatrix matrix_;
   std::vector<int> exchange_;
   int size_ = 0, sign_ = 1;
   double least_pivot_ = 0;

@@ -35,7 +35,7 @@ MeanWeights reduced(const StepTrial& opening, double bank) noexcept {
 
 /// y = A x of the leading n rows of a symmetric A. If few entries of x are not 0, their columns are read,
 /// otherwise one triangle.
-void multiply(const MatrixXd& A, const Vector& x, Index n, Vector& y) noexcept {
+void multiply(const Symmetric& A, const Vector& x, Index n, Vector& y) noexcept {
   if (2 * (x.head(n).array() != 0).count() > n) {
     y.head(n).noalias() = A.topLeftCorner(n, n).selfadjointView<Eigen::Lower>() * x.head(n);
     return;
@@ -106,8 +106,8 @@ ContactLaw::ContactLaw(const Model& model, const StepOptions& options)
   island_.resize(pairs);
   next_.resize(pairs);
   credit_.resize(pairs);
-  for (MatrixXd* x : {&problem_.M, &problem_.R, &problem_.S, &problem_.S_mean})
-    x->resize(model.rows(), model.rows());
+  for (ReservedMatrix* x : {&problem_.M, &problem_.R, &problem_.S, &problem_.S_mean})
+    *x = ReservedMatrix(model.rows());
 }
 
 void ContactLaw::hold(std::span<const int> rows) noexcept {
@@ -238,8 +238,7 @@ StepTrial ContactLaw::solve_island(int island, const StepMatrices& matrices, con
   }
   const StepMatrices part =
       all ? matrices
-          : StepMatrices{
-                .M = p.M, .R = matrices.R.size() > 0 ? p.R : matrices.R, .S = p.S, .S_mean = p.S_mean};
+          : StepMatrices{.M = p.M.view(), .R = p.R.view(), .S = p.S.view(), .S_mean = p.S_mean.view()};
   const auto overdraws = [&](const StepTrial& trial) { return bank + trial.removed - trial.heat < 0; };
   const bool mean = before.is_conserving() && !shock;
   MeanForce::Pair next{.weights = mean ? conserving_mean : backward_euler, .restarts = shock};
@@ -273,10 +272,10 @@ StepTrial ContactLaw::solve_island(int island, const StepMatrices& matrices, con
 void ContactLaw::gather(const StepMatrices& matrices, bool conserving) noexcept {
   Island& p = problem_;
   const Index n = std::ssize(p.held);
-  p.M.topLeftCorner(n, n) = matrices.M(p.held, p.held);
-  p.S.topLeftCorner(n, n) = matrices.S(p.held, p.held);
-  if (matrices.R.size() > 0) p.R.topLeftCorner(n, n) = matrices.R(p.held, p.held);
-  if (conserving) p.S_mean.topLeftCorner(n, n) = matrices.S_mean(p.held, p.held);
+  p.M.begin(n) = matrices.M(p.held, p.held);
+  p.S.begin(n) = matrices.S(p.held, p.held);
+  if (matrices.R.size() > 0) p.R.begin(n) = matrices.R(p.held, p.held);
+  if (conserving) p.S_mean.begin(n) = matrices.S_mean(p.held, p.held);
 }
 
 /// Gathers displacements, forces and contacts of an island.
@@ -314,7 +313,7 @@ StepTrial ContactLaw::attempt(const StepMatrices& matrices, const MeanWeights& w
   Island& p = problem_;
   const Index n = p.size;
   const bool euler = weights == backward_euler;
-  const MatrixXd& S = euler ? matrices.S : matrices.S_mean;
+  const Symmetric& S = euler ? matrices.S : matrices.S_mean;
   p.force.head(n) = weights.start * p.now.head(n) + weights.before * p.before.head(n);
   multiply(matrices.M, p.force, n, p.in_modes);  // M h
   p.u.head(n) = p.free.head(n) - p.in_modes.head(n);

@@ -26,10 +26,10 @@ namespace ricochet::contact {
 
 /// Flexibilities of k held rows over a step: the leading (k,k) of each matrix.
 struct StepMatrices {
-  const Eigen::MatrixXd& M;       ///< of the modes
-  const Eigen::MatrixXd& R;       ///< residual; empty: 0
-  const Eigen::MatrixXd& S;       ///< M + R
-  const Eigen::MatrixXd& S_mean;  ///< a M + R; unused unless steps are conserving
+  Symmetric M;       ///< of the modes
+  Symmetric R;       ///< residual; empty: 0
+  Symmetric S;       ///< M + R
+  Symmetric S_mean;  ///< a M + R; unused unless steps are conserving
 };
 
 /// A step of an island, or of all, that is solved but not accepted yet.
@@ -93,7 +93,7 @@ class ContactLaw {
     std::vector<int> pair, law;
     std::vector<PatchSpring> springs;
     std::vector<FrictionContact> contacts;
-    Eigen::MatrixXd M, R, S, S_mean;  ///< of an island that does not hold all rows
+    ReservedMatrix M, R, S, S_mean;  ///< of an island that does not hold all rows
   };
 
   int root(int body) const noexcept;

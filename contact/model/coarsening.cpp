@@ -154,7 +154,7 @@ Model coarsened(const Model& model) {
   const Matrix T = rows_of(model, means, out);
   out.B = T * model.B;
   out.R = T * model.R * T.transpose();
-  out.R_a = T * model.R_a * T.transpose();
+  if (model.R_a.size() > 0) out.R_a = T * model.R_a * T.transpose();
   out.static_displacement = T * model.static_displacement;
   out.static_a = T * model.static_a;
   for (Model::Belt& belt : out.belts) belt.slide = T * belt.slide;

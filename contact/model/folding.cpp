@@ -18,12 +18,12 @@ Vector part_of_a(const Model& model, int k, const Vector& column) {
 void fold_mode(Model& model, int k, int n) {
   const double stiffness = model.omega(n) * model.omega(n);
   const Vector B = model.B.col(n), flexible = B / stiffness;
-  const bool apart = model.R_a.size() > 0;  // whether the shares of body a are known
+  const bool apart = model.static_a.size() > 0;  // whether the shares of body a are known
   const Vector of_a = apart ? part_of_a(model, k, flexible) : Vector();
   model.R.noalias() += B * B.transpose() / stiffness;
   model.static_displacement += flexible * model.load(n);
   if (apart) {
-    model.R_a.noalias() += of_a * B.transpose();
+    if (model.R_a.size() > 0) model.R_a.noalias() += of_a * B.transpose();
     model.static_a += of_a * model.load(n);
   }
   for (Model::Receiver& receiver : model.receivers) {
@@ -61,7 +61,7 @@ std::shared_ptr<const Model> fold(std::shared_ptr<const Model> model, const Step
   folded.load = model->load(modes);
   folded.force.setZero(std::ssize(modes), std::ssize(model->forcing));
   folded.R = model->R.diagonal();
-  folded.R_a = model->R_a.diagonal();
+  folded.R_a = model->residual_of_a().diagonal();
   for (std::size_t j = 0; j < modes.size(); ++j)
     for (std::size_t d = 0; d < model->forcing.size(); ++d) {
       const Model::Forcing& one = model->forcing[d];

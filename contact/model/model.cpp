@@ -175,6 +175,33 @@ Selection selection(const PlacedBody& body, int index, const std::vector<Contact
   return out;
 }
 
+/// Adds P (F + Fᵀ)/2 Pᵀ of a body to R and R_a, with F the flexibility in its kernel. A few rows at a time
+/// need no further memory of the size of R.
+void add_residual(Model& model, int body, const Selection& P, const Eigen::Map<const Matrix>& F) {
+  constexpr Eigen::Index panel = 64;
+  std::vector<char> is_a(static_cast<std::size_t>(P.rows()), 0);
+  if (model.R_a.size() > 0)
+    for (const Model::PairBlock& pair : model.pairs)
+      if (pair.a == body) {
+        std::fill_n(is_a.begin() + pair.first_point, pair.points, 1);
+        if (pair.first_tangential >= 0) std::fill_n(is_a.begin() + pair.first_tangential, 2 * pair.points, 1);
+      }
+  for (Eigen::Index first = 0; first < P.rows(); first += panel) {
+    const Eigen::Index rows = std::min(panel, P.rows() - first), end = first + rows;
+    const Selection of_panel = P.middleRows(first, rows), so_far = P.topRows(end);
+    const Matrix half = 0.5 * (of_panel * F + of_panel * F.transpose());
+    const Matrix part = half * so_far.transpose();
+    for (Eigen::Index i = first; i < end; ++i)
+      for (Eigen::Index j = 0; j <= i; ++j) {
+        const double value = part(i - first, j);
+        model.R(i, j) += value;
+        if (j < i) model.R(j, i) += value;
+        if (is_a[i] != 0) model.R_a(i, j) += value;
+        if (is_a[j] != 0 && j < i) model.R_a(j, i) += value;
+      }
+  }
+}
+
 }  // namespace
 
 /// The first tangent is perpendicular to the axis of the world that is closest to the tangent plane.
@@ -301,7 +328,8 @@ Model build_model(const Placement& placement, const Vector3d& gravity,
   for (Vector* v : {&model.omega, &model.decay, &model.load, &model.q0, &model.v0}) v->setZero(modes);
   model.B.setZero(rows, modes);
   model.R.setZero(rows, rows);
-  model.R_a.setZero(rows, rows);
+  if (std::ranges::any_of(model.pairs, [](const Model::PairBlock& pair) { return pair.b >= 0; }))
+    model.R_a.setZero(rows, rows);
   model.has_residual = true;
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     const kernels::Kernel& kernel = *bodies[k].kernel;
@@ -323,24 +351,15 @@ Model build_model(const Placement& placement, const Vector3d& gravity,
     const auto& flexibility = kernel.surface.residual_flexibility;
     const auto& settling = kernel.loads.body_force_residual;
     model.has_residual = model.has_residual && !flexibility.empty();
-    Matrix R;
     Vector s = Vector::Zero(rows);
-    if (!flexibility.empty()) {
-      R.noalias() = Matrix(P * Eigen::Map<const Matrix>(flexibility.data(), held, held)) * P.transpose();
-      for (Eigen::Index row = 1; row < rows; ++row)  // ½ (R + Rᵀ) in place
-        for (Eigen::Index column = 0; column < row; ++column)
-          R(row, column) = R(column, row) = 0.5 * (R(row, column) + R(column, row));
-      model.R += R;
-    }
+    if (!flexibility.empty())
+      add_residual(model, static_cast<int>(k), P, Eigen::Map<const Matrix>(flexibility.data(), held, held));
     if (!settling.empty())
       s = P * (Eigen::Map<const Matrix>(settling.data(), held, 3) * (block.rotation.transpose() * gravity))
                   .eval();
     model.static_displacement += s;
     for (const Model::PairBlock& pair : model.pairs)
-      if (pair.a == static_cast<int>(k)) {
-        if (R.size() > 0) model.R_a += pair.part_of(Vector::Ones(rows)).asDiagonal() * R;
-        model.static_a += pair.part_of(s);
-      }
+      if (pair.a == static_cast<int>(k)) model.static_a += pair.part_of(s);
     add_forcing(model, static_cast<int>(k), forcing);
   }
   for (int k = 0; k < points; ++k)

@@ -54,10 +54,10 @@ struct Model {
   /// (m) b, by which the patches of a pair bulge beyond their means [m]; empty: 0. A point with b > 0 has a
   /// spring if it has residual flexibility; build_model adds the bulges of other points to their gaps.
   Vector bulge;
-  Vector static_displacement;       ///< (n) constant part of s, due to gravity [m]
-  Matrix R_a;                       ///< (n,n) share of body a of each row in R [m/N]
-  Vector static_a;                  ///< (n) share of body a in static_displacement [m]
-  Vector area;                      ///< (m) [m²]
+  Vector static_displacement;  ///< (n) constant part of s, due to gravity [m]
+  Matrix R_a{};     ///< (n,n) share of body a of each row in R [m/N]; empty if no pair has a second body
+  Vector static_a;  ///< (n) share of body a in static_displacement [m]
+  Vector area;      ///< (m) [m²]
   Matrix point_a, point_b, normal;  ///< (m,3) world
 
   /// A point with friction.
@@ -69,12 +69,15 @@ struct Model {
   std::vector<FrictionPoint> friction{};  ///< (f) in the order of their points
   Matrix tangent{};                       ///< (2f,3) of each tangential row, world
 
-  Eigen::Index points() const { return gap.size(); }  ///< m
-  Eigen::Index rows() const { return B.rows(); }      ///< n = m + 2 f
+  const Matrix& residual_of_a() const { return R_a.size() > 0 ? R_a : R; }  ///< R_a
+  Eigen::Index points() const { return gap.size(); }                        ///< m
+  Eigen::Index rows() const { return B.rows(); }                            ///< n = m + 2 f
   /// (n) R_ii of the kernels, and the share of body a in it: under the patches themselves, without folded
   /// modes [m/N].
   Vector patch_flexibility() const { return folded.modes.empty() ? Vector(R.diagonal()) : folded.R; }
-  Vector patch_flexibility_of_a() const { return folded.modes.empty() ? Vector(R_a.diagonal()) : folded.R_a; }
+  Vector patch_flexibility_of_a() const {
+    return folded.modes.empty() ? Vector(residual_of_a().diagonal()) : folded.R_a;
+  }
   /// (m) springs of the points; empty if no point has one.
   std::vector<PatchSpring> springs() const;
 

@@ -9,8 +9,7 @@ ContactSides::ContactSides(const Model& model, const StepOptions& options)
   for (Vector* x : {&before_a_, &before_b_, &motion_.displacement_a, &motion_.displacement_b,
                     &motion_.velocity_a, &motion_.velocity_b})
     x->setZero(m);
-  R_a_ = model.R_a.topRows(m);
-  R_b_ = R_a_ - model.R.topRows(m);
+  pressed_.reserve(static_cast<std::size_t>(model.rows()));
   if (options.scheme != Scheme::impulse) springs_ = model.springs();
   share_a_.setZero(m);
   const Vector flexibility = model.patch_flexibility(), of_a = model.patch_flexibility_of_a();
@@ -23,10 +22,6 @@ ContactSides::ContactSides(const Model& model, const StepOptions& options)
   for (std::size_t d = 0; d < model.forcing.size(); ++d) {
     driven_a_.col(d) = model.forcing[d].displacement_a.head(m);
     driven_b_.col(d) = (model.forcing[d].displacement_a - model.forcing[d].displacement).head(m);
-  }
-  if (options.scheme == Scheme::impulse) {
-    R_a_.setZero();
-    R_b_.setZero();
   }
 }
 
@@ -48,15 +43,23 @@ void ContactSides::along(const Vector& q, Vector& a, Vector& b) const noexcept {
 }
 
 void ContactSides::displacement(double time, const Vector& q, const Vector& p, Vector& a,
-                                Vector& b) const noexcept {
+                                Vector& b) noexcept {
   along(q, a, b);
   a += s_a_;
   b += s_b_;
-  for (Eigen::Index j = 0; j < p.size(); ++j)
-    if (p(j) != 0) {
-      a -= p(j) * R_a_.col(j);
-      b -= p(j) * R_b_.col(j);
+  pressed_.clear();
+  for (Eigen::Index j = 0; j < p.size() && options_.scheme != Scheme::impulse; ++j)
+    if (p(j) != 0) pressed_.push_back(static_cast<int>(j));
+  const Matrix& R_a = model_.residual_of_a();
+  for (Eigen::Index i = 0; i < a.size() && !pressed_.empty(); ++i) {
+    double of_a = 0, of_both = 0;
+    for (const int j : pressed_) {
+      of_a += R_a(i, j) * p(j);
+      of_both += model_.R(i, j) * p(j);
     }
+    a(i) -= of_a;
+    b(i) += of_both - of_a;
+  }
   for (std::size_t k = 0; k < springs_.size(); ++k) {
     const auto i = static_cast<Eigen::Index>(k);
     if (!(springs_[k].bulge > 0) || !(p(i) > 0)) continue;

@@ -46,12 +46,12 @@ class ContactSides {
     double time = 0;
     Vector q, p;  ///< (N), (n)
   };
-  void displacement(double time, const Vector& q, const Vector& p, Vector& a, Vector& b) const noexcept;
+  void displacement(double time, const Vector& q, const Vector& p, Vector& a, Vector& b) noexcept;
   void along(const Vector& q, Vector& a, Vector& b) const noexcept;
 
   const Model& model_;
   StepOptions options_;
-  Eigen::MatrixXd R_a_, R_b_;  ///< (m,n)
+  std::vector<int> pressed_;  ///< rows with a force
   std::vector<PatchSpring> springs_;
   Vector share_a_;                   ///< (m) share of a in each spring
   Vector s_a_, s_b_;                 ///< (m) constant part

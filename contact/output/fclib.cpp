@@ -91,6 +91,7 @@ ProblemFiles::ProblemFiles(const Model& model, const StepOptions& step, ProblemO
     : model_(model),
       options_(std::move(options)),
       system_(make_step_system(borrowed(model), step)),
+      matrices_(*system_),
       slip_(std::ssize(model.friction), model.rows(), step.step),
       displacement_(model.initial_displacement()),
       force_(Vector::Zero(model.rows())) {
@@ -114,14 +115,14 @@ void ProblemFiles::observe(const Stepper& stepper) {
 
 ProblemFiles::Problem ProblemFiles::problem_of(const Stepper& stepper) const {
   const Eigen::Index m = model_.points();
-  Problem out{.S = system_->S,
+  Problem out{.S = matrices_.S,
               .u = -stepper.displacement(),
               .q = {},
               .p = stepper.end_force(),
               .mu = Vector::Zero(m)};
   // M and R do not couple islands, whose weights differ.
   for (Eigen::Index j = 0; j < out.S.cols(); ++j)
-    if (stepper.weights(j) != backward_euler) out.S.col(j) = system_->S_mean.col(j);
+    if (stepper.weights(j) != backward_euler) out.S.col(j) = matrices_.S_mean.col(j);
   out.u.head(m) += model_.gap;
   for (std::size_t k = 0; k < system_->springs.size(); ++k) {
     const auto i = static_cast<Eigen::Index>(k);

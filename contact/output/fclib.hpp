@@ -53,6 +53,7 @@ class ProblemFiles {
   const Model& model_;
   ProblemOptions options_;
   std::shared_ptr<const StepSystem> system_;
+  RowMatrices matrices_;
   // with friction: before the step
   Slip slip_;
   Vector displacement_, force_;  ///< (n) u, p

@@ -5,21 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include "contact/stepping/propagator.hpp"
-
 namespace ricochet::contact {
-namespace {
-
-/// Rounds a bound up, so that it remains a bound.
-template <class T>
-T rounded_up(double bound) {
-  return static_cast<T>(bound * (1 + 2.0 * std::numeric_limits<T>::epsilon()));
-}
-
-}  // namespace
 
 template <class T>
-BlockSystem<T>::BlockSystem(std::shared_ptr<const StepSystem> shared, int steps, double step)
+BlockSystem<T>::BlockSystem(std::shared_ptr<const StepSystem> shared, int steps, double step, double at_once)
     : plain(std::move(shared)),
       loops(&simd::loops_of<T>(*simd::available().back())),
       length(steps),
@@ -31,9 +20,10 @@ BlockSystem<T>::BlockSystem(std::shared_ptr<const StepSystem> shared, int steps,
       tangential(static_cast<std::size_t>(contacts), -1),
       law(tangential),
       elastic(*plain),
+      matrices(std::make_unique<BlockMatrices<T>>(*plain, steps, step, at_once)),
       softness(Vector::Zero(modes)),
       band(bands),
-      yields(!plain->R.isZero(0)) {
+      yields(!plain->model->R.isZero(0)) {
   const StepSystem& system = *plain;
   const Model& model = *system.model;
   gap.head(contacts) = system.gap;
@@ -41,7 +31,7 @@ BlockSystem<T>::BlockSystem(std::shared_ptr<const StepSystem> shared, int steps,
     tangential[model.friction[f].point] = model.friction[f].tangential;
     law[model.friction[f].point] = static_cast<int>(f);
   }
-  const auto m = static_cast<std::size_t>(points), L = static_cast<std::size_t>(steps);
+  const auto m = static_cast<std::size_t>(points);
   const Eigen::Index N = model.omega.size();
   std::vector<int> ascending;  // elastic modes, by frequency
   for (int n = 0; n < N; ++n)
@@ -67,36 +57,12 @@ BlockSystem<T>::BlockSystem(std::shared_ptr<const StepSystem> shared, int steps,
     band[of].push_back(n);
     far.col(of) += model.B.col(n).cwiseAbs2() * softness(n);
   }
-  const Eigen::MatrixXd bends = model.B * softness.head(N).asDiagonal() * model.B.transpose() + system.R;
-  largest = bends.cwiseAbs().colwise().maxCoeff().transpose();
+  // The flexibility is positive semidefinite, so that |a_ij| ≤ (a_ii a_jj)^½.
+  const Vector bends = far.rowwise().sum() + model.R.diagonal();
+  if (points > 0) largest = (bends * bends.maxCoeff()).cwiseMax(0).cwiseSqrt();
   reach.assign(bands * width, T(0));
   for (std::size_t of = 0; of < bands; ++of)
     for (std::size_t i = 0; i < m; ++i) reach[of * width + i] = rounded_up<T>(std::sqrt(far(i, of)));
-  const auto padded = [&](const Eigen::MatrixXd& symmetric) {
-    std::vector<T> out(m * width, T(0));
-    for (std::size_t j = 0; j < m; ++j)
-      for (std::size_t i = 0; i < m; ++i) out[j * width + i] = static_cast<T>(symmetric(i, j));
-    return out;
-  };
-  flexibility = padded(bends);
-  if (yields) residual = padded(system.R);
-  influence.assign(m * width, T(0));
-
-  lag.assign(m * L * width, T(0));
-  Vector held = Vector::Zero(N), more(N);  // c of the steps so far
-  for (std::size_t d = 0; d < L; ++d) {
-    for (Eigen::Index n = 0; n < N; ++n)
-      more(n) = mode_response(model.omega(n), model.decay(n), static_cast<double>(d + 1) * step).c;
-    const Eigen::MatrixXd now = model.B * (more - held).asDiagonal() * model.B.transpose();
-    held = more;
-    for (std::size_t j = 0; j < m; ++j)
-      for (std::size_t i = 0; i < m; ++i) {
-        lag[(j * L + d) * width + i] = static_cast<T>(now(i, j));
-        T& bound = influence[j * width + i];
-        const double most = std::abs(now(i, j)) + (d == 0 ? std::abs(system.R(i, j)) : 0);
-        bound = std::max(bound, rounded_up<T>(most));
-      }
-  }
 }
 
 template struct BlockSystem<double>;

@@ -5,15 +5,22 @@
 #include <memory>
 #include <vector>
 
+#include "contact/stepping/block_matrices.hpp"
 #include "contact/stepping/simd.hpp"
 #include "contact/stepping/step_system.hpp"
 
 namespace ricochet::contact {
 
+/// Up to this size, a stepper computes the matrices of all rows at once, so that it is ready for real time
+/// [bytes].
+inline constexpr double matrices_at_once = 32 << 20;
+
 template <class T>
 struct BlockSystem {
   /// @param steps  L ≥ 1 @param step  Δ [s]
-  BlockSystem(std::shared_ptr<const StepSystem> system, int steps, double step);
+  /// @param at_once  as in BlockMatrices [bytes]
+  BlockSystem(std::shared_ptr<const StepSystem> system, int steps, double step,
+              double at_once = matrices_at_once);
 
   std::shared_ptr<const StepSystem> plain;
   const simd::Loops<T>* loops;
@@ -26,13 +33,11 @@ struct BlockSystem {
   std::vector<int> law;         ///< (contacts) entry in the friction of StepSystem, or −1
   ModeConstants elastic;        ///< (modes) each; 0 for rigid modes, which are stepped separately
   std::vector<T> B;             ///< (points, modes); 0 for rigid modes
-  std::vector<T> lag;           ///< (points, L, width) M_d
-  std::vector<T> influence;     ///< (points, width) largest |M_d,ij| over all lags, |R_ij| added to lag 0
-  std::vector<T> flexibility;   ///< (points, width) R + Σ B Bᵀ/ω² of elastic modes
-  std::vector<T> residual;      ///< (points, width) R; empty if R is 0
-  std::vector<T> reach;         ///< (bands, width) (Σ B²/ω²)^½ over the modes of a band
-  Vector softness;              ///< (modes) 1/ω² of elastic modes; 0 for others
-  Vector largest;               ///< (points) largest |flexibility|
+  /// Of the rows that may touch. It computes what is missing, as a cache does.
+  std::unique_ptr<BlockMatrices<T>> matrices;
+  std::vector<T> reach;                ///< (bands, width) (Σ B²/ω²)^½ over the modes of a band
+  Vector softness;                     ///< (modes) 1/ω² of elastic modes; 0 for others
+  Vector largest;                      ///< (points) upper bound on the entries of a row of the flexibility
   std::vector<std::vector<int>> band;  ///< elastic modes of a band
   std::vector<int> rigid;              ///< modes with ω = 0
   Matrix rigid_B;                      ///< (points, rigid)

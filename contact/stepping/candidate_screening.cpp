@@ -27,7 +27,7 @@ CandidateScreening<T>::CandidateScreening(const BlockSystem<T>& system) : every_
   for (Vector* x : {&spent_, &budget_}) x->setZero(system.points);
   rigid_at_.setZero(system.length);
   std::iota(every_band_.begin(), every_band_.end(), 0);
-  raised_.reserve(system.points);
+  places_.reserve(system.points);
   factor_.reserve(std::max<std::size_t>(system.points, bands));
   sum_.assign(system.width, T(0));
 }
@@ -36,20 +36,22 @@ template <class T>
 void CandidateScreening<T>::start(const BlockSystem<T>& system, std::span<const int> changed) noexcept {
   budget_.setZero();
   factor_.clear();
+  places_.clear();
   for (int i : changed) {
     budget_(i) = growth * spent_(i);
+    places_.push_back(system.matrices->place(i));
     factor_.push_back(static_cast<T>(budget_(i)));
   }
-  combine(system, system.influence, changed);
+  combine(system, system.matrices->influence(), places_);
   for (int i = 0; i < system.contacts; ++i) could_(i) = at_least(sum_[i], changed.size());
   spent_.setZero();
 }
 
 /// sum_ = Σ_k factor_k row_k of a matrix (·, width), for the contacts
 template <class T>
-void CandidateScreening<T>::combine(const BlockSystem<T>& system, const std::vector<T>& rows,
+void CandidateScreening<T>::combine(const BlockSystem<T>& system, const T* rows,
                                     std::span<const int> of) noexcept {
-  system.loops->combine(simd::padded(system.contacts, simd::point_pad), rows.data(), system.width, of.data(),
+  system.loops->combine(simd::padded(system.contacts, simd::point_pad), rows, system.width, of.data(),
                         of.size(), factor_.data(), sum_.data());
 }
 
@@ -60,8 +62,12 @@ void CandidateScreening<T>::bound_by_energy(const BlockSystem<T>& of, const Moti
                                             const Vector& held_force, std::span<const int> pressed,
                                             const Matrix& rigid_motion) noexcept {
   factor_.clear();
-  for (int j : pressed) factor_.push_back(static_cast<T>(held_force(j)));
-  combine(of, of.flexibility, pressed);
+  places_.clear();
+  for (int j : pressed) {
+    factor_.push_back(static_cast<T>(held_force(j)));
+    places_.push_back(of.matrices->place(j));
+  }
+  combine(of, of.matrices->flexibility(), places_);
   const double slack = 2 * held_force.cwiseAbs().sum() * static_cast<double>(pressed.size() + 2) *
                        static_cast<double>(std::numeric_limits<T>::epsilon());
   for (int i = 0; i < of.contacts; ++i)
@@ -76,7 +82,7 @@ void CandidateScreening<T>::bound_by_energy(const BlockSystem<T>& of, const Moti
     }
     factor_.push_back(static_cast<T>(std::sqrt(energy)));
   }
-  combine(of, of.reach, every_band_);
+  combine(of, of.reach.data(), every_band_);
   for (int i = 0; i < of.contacts; ++i) {
     margin_(i) -= at_least(sum_[i], bands);
     if (of.rigid.empty()) continue;
@@ -88,19 +94,19 @@ void CandidateScreening<T>::bound_by_energy(const BlockSystem<T>& of, const Moti
 template <class T>
 bool CandidateScreening<T>::raise_budgets(const BlockSystem<T>& system, std::span<const int> points,
                                           const Vector& change) noexcept {
-  raised_.clear();
+  places_.clear();
   factor_.clear();
   for (std::size_t k = 0; k < points.size(); ++k) {
     const int i = points[k];
     const double spent = spent_(i) + change(k);
     if (spent <= budget_(i)) continue;
-    raised_.push_back(i);
+    places_.push_back(system.matrices->place(i));
     factor_.push_back(static_cast<T>(growth * spent - budget_(i)));
     budget_(i) = growth * spent;
   }
-  if (raised_.empty()) return false;
-  combine(system, system.influence, raised_);
-  for (int i = 0; i < system.contacts; ++i) could_(i) += at_least(sum_[i], raised_.size());
+  if (places_.empty()) return false;
+  combine(system, system.matrices->influence(), places_);
+  for (int i = 0; i < system.contacts; ++i) could_(i) += at_least(sum_[i], places_.size());
   return true;
 }
 

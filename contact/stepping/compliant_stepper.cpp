@@ -4,7 +4,10 @@
 namespace ricochet::contact {
 
 CompliantStepper::CompliantStepper(std::shared_ptr<const Model> model, const StepOptions& options)
-    : Stepper(options, *model), state_(std::move(model), options), flight_(*state_.system, options) {
+    : Stepper(options, *model),
+      state_(std::move(model), options),
+      matrices_(std::make_shared<const RowMatrices>(*state_.system)),
+      flight_(*state_.system, options) {
   state_.displacement(contact_.mean.end(), u_);
 }
 
@@ -22,7 +25,7 @@ StepStatus CompliantStepper::step() noexcept {
   law_.start = displacement();
   law_.free = state_.now.s;
   law_.free.noalias() += system.model->B * state_.next_q;
-  const StepTrial trial = law_.solve(system.matrices(), contact_.mean, slip);
+  const StepTrial trial = law_.solve(matrices_->all(), contact_.mean, slip);
   if (!has_forces(trial.status)) return failure(trial.status);
   next_force_ = law_.force();
   next_end_ = law_.end();

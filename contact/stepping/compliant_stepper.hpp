@@ -21,6 +21,7 @@ class CompliantStepper final : public Stepper {
 
  private:
   ModalState state_;
+  std::shared_ptr<const RowMatrices> matrices_;
   FreeFlight flight_;
   mutable bool u_is_current_ = true;
 };

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Dense>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -11,29 +10,22 @@
 namespace ricochet::contact {
 
 /// The parts of the system that the kept points of a block need, gathered into dense arrays. The kept points
-/// change rarely. A copy has the same capacity but is empty.
+/// change rarely.
 template <class T>
 class GatheredSystem {
  public:
   explicit GatheredSystem(const BlockSystem<T>& system);
-  GatheredSystem(const GatheredSystem& other);
-  GatheredSystem& operator=(const GatheredSystem& other);
-  GatheredSystem(GatheredSystem&&) noexcept = default;
-  GatheredSystem& operator=(GatheredSystem&&) noexcept = default;
-  ~GatheredSystem() = default;
 
-  bool holds() const { return holds_; }
   void take(const BlockSystem<T>& system, std::span<const int> points) noexcept;
   /// Gathers the lags of a point with a force unless they are present.
   void need(const BlockSystem<T>& system, int position) noexcept;
 
-  std::size_t width = 0;            ///< padded number of points
-  Eigen::MatrixXd S, S_mean, M, R;  ///< (points, points) as in StepSystem
-  std::unique_ptr<T[]> lag;         ///< (points, L, width) S_d
+  std::size_t width = 0;           ///< padded number of points
+  ReservedMatrix S, S_mean, M, R;  ///< (points, points) as in RowMatrices
+  base::Reserved<T> lag;           ///< (points, L, width) M_d
+  StepMatrices all() const { return {.M = M.view(), .R = R.view(), .S = S.view(), .S_mean = S_mean.view()}; }
 
  private:
-  std::size_t room_;  ///< capacity of `lag`
-  bool holds_ = false;
   std::vector<int> points_;
   std::vector<char> has_lags_;  ///< by position
 };

@@ -4,6 +4,24 @@
 #include <cmath>
 
 namespace ricochet::contact {
+namespace {
+
+/// Share of the mean diagonal of A that is added to it. If there are more points than modes, A is singular
+/// and determines only Bᵀ P; this term selects the P of least norm and leaves 1e-12 of the approach velocity.
+constexpr double least_norm = 1e-12;
+
+std::shared_ptr<const Eigen::MatrixXd> admittance_of(const StepSystem& system, const StepOptions& options) {
+  const Matrix& B = system.model->B;
+  auto out = std::make_shared<Eigen::MatrixXd>();
+  if (options.admittance == Admittance::jump)
+    *out = B * B.transpose();
+  else
+    *out = B * (system.b / options.step).asDiagonal() * B.transpose();
+  if (out->size() > 0) out->diagonal().array() += least_norm * out->diagonal().mean();
+  return out;
+}
+
+}  // namespace
 
 double touching_margin(const StepSystem& system, Eigen::Index i, double size, double s) noexcept {
   // u_i is a sum of N products, so its round-off is a small multiple of ε |B_i| |q|.
@@ -11,10 +29,12 @@ double touching_margin(const StepSystem& system, Eigen::Index i, double size, do
 }
 
 ImpulseProblem::ImpulseProblem(const ModalState& state, const StepOptions& options)
-    : options_(options), next_(state.now) {
+    : options_(options),
+      next_(state.now),
+      A_(admittance_of(*state.system, options)),
+      sub_(state.system->gap.size()) {
   const Eigen::Index m = state.system->gap.size();
   for (Vector* x : {&rhs_, &solution_}) x->setZero(m);
-  sub_.setZero(m, m);
   touching_.reserve(m);
 }
 
@@ -43,12 +63,13 @@ SolveStatus ImpulseProblem::solve(ModalState& state, const Vector& u, ContactSol
     rate = &next_.s;
   }
   const Eigen::Index n = touching_.size();
+  auto sub = sub_.begin(n);
   for (Eigen::Index j = 0; j < n; ++j) {
     const int i = touching_[j];
     rhs_(j) = (1 + options_.restitution) * (system.model->B.row(i).dot(*x) + (*rate)(i));
-    for (Eigen::Index l = 0; l < n; ++l) sub_(l, j) = system.S(touching_[l], i);
+    for (Eigen::Index l = 0; l < n; ++l) sub(l, j) = (*A_)(touching_[l], i);
   }
-  const SolveStatus status = solver.solve(sub_.topLeftCorner(n, n), rhs_.head(n), solution_.head(n));
+  const SolveStatus status = solver.solve(sub, rhs_.head(n), solution_.head(n));
   for (Eigen::Index j = 0; j < n; ++j) impulse(touching_[j]) = solution_(j);
   return status;
 }

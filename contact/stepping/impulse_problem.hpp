@@ -7,6 +7,7 @@
 // unique, and the P of least norm is computed.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "contact/complementarity/contact_solver.hpp"
@@ -30,9 +31,10 @@ class ImpulseProblem {
 
  private:
   StepOptions options_;
-  ForcedResponse::Interval next_;  ///< the next step, for "difference"
-  Vector rhs_, solution_;          ///< (m) of the touching points
-  Eigen::MatrixXd sub_;            ///< (m,m) A of the touching points
+  ForcedResponse::Interval next_;             ///< the next step, for "difference"
+  Vector rhs_, solution_;                     ///< (m) of the touching points
+  std::shared_ptr<const Eigen::MatrixXd> A_;  ///< (m,m)
+  ReservedMatrix sub_;                        ///< A of the touching points
   std::vector<int> touching_;
 };
 

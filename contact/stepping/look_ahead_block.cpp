@@ -40,7 +40,8 @@ LookAheadBlock<T>::LookAheadBlock(std::shared_ptr<const BlockSystem<T>> system, 
   for (std::vector<char>* x : {&was_kept_, &is_predicted_, &has_changed_}) x->assign(m, 0);
   has_force_.assign(static_cast<std::size_t>(system_->contacts), 0);
   position_.assign(m, -1);
-  for (std::vector<int>* x : {&pressed_, &predicted_, &kept_, &gathered_, &have_changed_, &changed_})
+  for (std::vector<int>* x :
+       {&pressed_, &places_, &predicted_, &kept_, &gathered_, &have_changed_, &changed_})
     x->reserve(m);
   change_.reserve(m);
   factor_.reserve(m);
@@ -82,10 +83,13 @@ template <class T>
 void LookAheadBlock<T>::hold(const Vector& force) noexcept {
   held_force_ = force;
   pressed_.clear();
+  places_.clear();
   factor_.clear();
   for (int j = 0; j < system_->points; ++j) {
     if (force(j) == 0) continue;
     pressed_.push_back(j);
+    system_->matrices->need(j);
+    places_.push_back(system_->matrices->place(j));
     factor_.push_back(static_cast<T>(force(j)));
   }
   system_->loops->combine(system_->modes, system_->B.data(), system_->modes, pressed_.data(), pressed_.size(),
@@ -97,8 +101,8 @@ void LookAheadBlock<T>::hold(const Vector& force) noexcept {
     load_[n] -= held_[n];
   }
   if (system_->yields) {
-    system_->loops->combine(system_->width, system_->residual.data(), system_->width, pressed_.data(),
-                            pressed_.size(), factor_.data(), sum_.data());
+    system_->loops->combine(system_->width, system_->matrices->residual(), system_->width, places_.data(),
+                            places_.size(), factor_.data(), sum_.data());
     std::copy_n(sum_.begin(), system_->points, held_rest_.begin());
   }
   for (std::size_t r = 0; r < rigid_held_.size(); ++r) {
@@ -164,7 +168,7 @@ template <class T>
 double LookAheadBlock<T>::at_start(int point, const MeanForce& mean) const noexcept {
   if (was_kept_[point] != 0) return ended_(point);
   const StepSystem& plain = *system_->plain;
-  double u = s_(0, point) - plain.R.col(point).dot(mean.end());
+  double u = s_(0, point) - plain.model->R.row(point).dot(mean.end());
   for (Eigen::Index n = 0; n < constant_.size(); ++n) u += plain.model->B(point, n) * q_[n];
   if (point < system_->contacts && !plain.springs.empty() && mean.end()(point) > 0)
     u -= plain.springs[point].displacement(mean.end()(point));
@@ -176,8 +180,6 @@ template <class T>
 StepTrial LookAheadBlock<T>::step(ContactLaw& law, const MeanForce& mean, Slip* slip, Vector& force,
                                   Vector& end) noexcept {
   const int l = taken_ + 1;
-  if (!kept_.empty() && !near_.holds()) near_.take(*system_, gathered_);
-  const StepMatrices matrices{.M = near_.M, .R = near_.R, .S = near_.S, .S_mean = near_.S_mean};
   StepTrial trial;
   do {
     for (std::size_t k = 0; k < kept_.size(); ++k) {
@@ -185,7 +187,7 @@ StepTrial LookAheadBlock<T>::step(ContactLaw& law, const MeanForce& mean, Slip* 
       law.free(at) = u(k, l) + held_push_(at);
       law.start(at) = before(at, mean);
     }
-    trial = law.solve(matrices, mean, slip);
+    trial = law.solve(near_.all(), mean, slip);
     if (!has_forces(trial.status)) return trial;
     for (std::size_t k = 0; k < kept_.size(); ++k) {
       const auto at = static_cast<Eigen::Index>(k);
@@ -211,7 +213,7 @@ StepTrial LookAheadBlock<T>::step(ContactLaw& law, const MeanForce& mean, Slip* 
     has_changed_[i] = 1;
   }
   if (!changed_.empty())
-    system_->loops->near(near_.width, near_.lag.get(), length(), changed_.data(), changed_.size(),
+    system_->loops->near(near_.width, near_.lag.data(), length(), changed_.data(), changed_.size(),
                          change_.data(), length() - taken_, &u(0, l), system_->width);
   touching_ = 0;
   work_ = 0;
@@ -377,11 +379,13 @@ template <class T>
 void LookAheadBlock<T>::keep(int point, const MeanForce& mean) noexcept {
   const std::size_t k = kept_.size(), width = system_->width;
   const auto i = static_cast<std::size_t>(point);
+  BlockMatrices<T>& matrices = *system_->matrices;
+  matrices.need(point);
   position_[i] = static_cast<int>(k);
   kept_.push_back(point);
   for (int l = 1; l <= length(); ++l) u(k, l) = predicted_u_[(l - 1) * width + i];
   for (int j : have_changed_) {
-    const T* lag = &system_->lag[j * length() * width + i];
+    const T* lag = matrices.lags(j) + matrices.place(point);
     for (int from = 1; from <= taken_; ++from) {
       const auto change = static_cast<double>(changes_[j * length() + from - 1]);
       if (change == 0) continue;
@@ -390,8 +394,8 @@ void LookAheadBlock<T>::keep(int point, const MeanForce& mean) noexcept {
   }
   if (taken_ == 0) return;
   for (std::size_t other = 0; other < k; ++other)
-    u(k, taken_) -=
-        system_->plain->R(point, kept_[other]) * (mean.end()(kept_[other]) - held_force_(kept_[other]));
+    u(k, taken_) -= system_->plain->model->R(point, kept_[other]) *
+                    (mean.end()(kept_[other]) - held_force_(kept_[other]));
 }
 
 /// Gathers the matrices of the kept points.
@@ -399,17 +403,18 @@ template <class T>
 void LookAheadBlock<T>::gather(ContactLaw& law) noexcept {
   law.hold(kept_);
   if (kept_.empty()) return;
-  if (gathered_ != kept_ || !near_.holds()) {
+  if (gathered_ != kept_) {
     gathered_ = kept_;
     near_.take(*system_, gathered_);
   }
   const auto n = static_cast<Eigen::Index>(kept_.size());
+  const auto [M, R, S, S_mean] = near_.all();
   held_push_.head(n).setZero();
   held_at_.head(n).setZero();
   for (Eigen::Index k = 0; k < n; ++k)
     if (const double force = held_force_(kept_[k]); force != 0) {
-      held_push_.head(n) += force * near_.S.col(k).head(n);
-      if (system_->yields) held_at_.head(n) += force * near_.R.col(k).head(n);
+      held_push_.head(n) += force * S.col(k).head(n);
+      if (system_->yields) held_at_.head(n) += force * R.col(k).head(n);
     }
 }
 

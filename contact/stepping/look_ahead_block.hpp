@@ -125,6 +125,7 @@ class LookAheadBlock {
   std::vector<int> position_;    ///< (points) position in kept_, or −1
   std::vector<int> gathered_;    ///< the points of near_
   std::vector<int> pressed_, predicted_, kept_, have_changed_;  ///< λ̂ > 0; …; λ̄ ≠ λ̂ in this block
+  std::vector<int> places_;                                     ///< of pressed_ in the matrices
   std::vector<int> changed_;                                    ///< positions with λ̄ ≠ λ̂ in this step
   std::vector<T> change_, factor_, sum_;  ///< λ̄ − λ̂ of changed_; scratch, (points) and (padded)
   int touching_ = 0;

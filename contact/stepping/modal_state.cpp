@@ -75,8 +75,8 @@ double ModalState::residual_energy(const Vector& force) const noexcept {
   for (Eigen::Index j = 0; j < force.size(); ++j) {
     if (force(j) == 0) continue;
     const Eigen::Index below = force.size() - j - 1;
-    energy +=
-        force(j) * (0.5 * system->R(j, j) * force(j) + system->R.col(j).tail(below).dot(force.tail(below)));
+    energy += force(j) * (0.5 * model().R(j, j) * force(j) +
+                          model().R.row(j).tail(below).transpose().dot(force.tail(below)));
   }
   return energy + energy_of(system->springs, force);
 }
@@ -127,7 +127,7 @@ void ModalState::displacement(const Vector& force, Vector& u) const noexcept {
   u = s;
   u.noalias() += model().B * q;
   for (Eigen::Index i = 0; i < force.size(); ++i)
-    if (force(i) != 0) u -= force(i) * system->R.col(i);
+    if (force(i) != 0) u -= force(i) * model().R.row(i).transpose();
   yield(system->springs, force, u);
 }
 

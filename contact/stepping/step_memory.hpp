@@ -11,16 +11,13 @@ namespace ricochet::contact {
 struct ModelSize {
   Eigen::Index rows = 0, points = 0, modes = 0;  ///< n, m, N
   Eigen::Index near = 0;  ///< rows of points that may touch; the matrices of blocks hold them again
-  Eigen::Index held = 0;  ///< rows of the largest static correction of a kernel
   std::size_t pairs = 1;  ///< if there are several, islands hold the matrices of their rows once more
   bool has_residual = false;
+  bool two_sided = false;  ///< whether a pair has a second body
 };
 
-/// Memory of a model [bytes]: of B, R and R_a.
+/// Memory of a model [bytes]: of B, R and, if a pair has two bodies, R_a.
 double model_bytes(const ModelSize& size);
-
-/// Memory that build_model needs at its peak, besides that of the model [bytes].
-double building_bytes(const ModelSize& size);
 
 /// Memory of the stepper that make_stepper returns, in use [bytes]. All that has fewer than two large
 /// dimensions is left out.

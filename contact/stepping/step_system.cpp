@@ -14,10 +14,6 @@
 namespace ricochet::contact {
 namespace {
 
-/// Share of the mean diagonal of A that is added to it. If there are more points than modes, A is singular
-/// and determines only Bᵀ P; this term selects the P of least norm and leaves 1e-12 of the approach velocity.
-constexpr double least_norm = 1e-12;
-
 void check(const Model& model, const StepOptions& o) {
   if (!(o.step > 0) || !std::isfinite(o.step))
     throw InputError(
@@ -90,22 +86,16 @@ std::shared_ptr<const StepSystem> make_step_system(std::shared_ptr<const Model> 
   }
   for (const int n : model.folded.modes)
     for (Vector* x : out.all()) (*x)(n) = 0;
-  out.R = model.R;
-  if (compliant) {
-    out.M = model.B * out.c.asDiagonal() * model.B.transpose();
-    out.S = out.M + out.R;
-    if (conserves(model, options)) out.S_mean = conserving_mean.end * out.M + out.R;
-  } else if (options.admittance == Admittance::jump) {
-    out.S = model.B * model.B.transpose();
-  } else {
-    out.S = model.B * (out.b / options.step).asDiagonal() * model.B.transpose();
-  }
-  if (!compliant && m > 0) {
-    out.S.diagonal().array() += least_norm * out.S.diagonal().mean();
-    out.norm = model.B.rowwise().norm();
-  }
+  out.conserving = conserves(model, options);
+  if (!compliant) out.norm = model.B.topRows(m).rowwise().norm();
   return std::make_shared<const StepSystem>(std::move(out));
 }
+
+RowMatrices::RowMatrices(const StepSystem& system)
+    : M(system.model->B * system.c.asDiagonal() * system.model->B.transpose()),
+      R(system.model->R),
+      S(M + R),
+      S_mean(system.conserving ? conserving_mean.end * M + R : Eigen::MatrixXd()) {}
 
 Energy initial_energy(const Model& model) {
   return {.kinetic = 0.5 * model.v0.squaredNorm(),

@@ -33,15 +33,21 @@ struct ModeConstants {
 /// Constants of stepping a folded model for a step Δ.
 struct StepSystem : ModeConstants {
   std::shared_ptr<const Model> model;
-  Vector gap;                        ///< (m) g; impulse: of the means of patches
-  Eigen::MatrixXd R;                 ///< (n,n) residual flexibility
-  Eigen::MatrixXd M;                 ///< (n,n) compliant: B c Bᵀ
-  Eigen::MatrixXd S;                 ///< (n,n) compliant: M + R; impulse: A
-  Eigen::MatrixXd S_mean;            ///< (n,n) a M + R of conserving steps; empty if steps are not conserving
-  std::vector<PatchSpring> springs;  ///< (m), or empty
-  Vector norm;                       ///< (m) |B_i|, of the impulse scheme
-  StepMatrices matrices() const { return {.M = M, .R = R, .S = S, .S_mean = S_mean}; }
-  bool damped = false;
+  Vector gap;                               ///< (m) g; impulse: of the means of patches
+  std::vector<PatchSpring> springs;         ///< (m), or empty
+  Vector norm;                              ///< (m) |B_i|, of the impulse scheme
+  bool damped = false, conserving = false;  ///< whether a mode is damped, whether steps are conserving
+};
+
+/// The matrices of all rows of a model over a compliant step, for steppers that solve all rows at once.
+struct RowMatrices {
+  explicit RowMatrices(const StepSystem& system);
+
+  Eigen::MatrixXd M;       ///< (n,n) B c Bᵀ
+  Eigen::MatrixXd R;       ///< (n,n) residual flexibility
+  Eigen::MatrixXd S;       ///< (n,n) M + R
+  Eigen::MatrixXd S_mean;  ///< (n,n) a M + R of conserving steps; empty if steps are not conserving
+  StepMatrices all() const { return {.M = M, .R = R, .S = S, .S_mean = S_mean}; }
 };
 
 /// Whether steps of a folded model are conserving. Without R, changes of force cost nothing, and backward

@@ -34,18 +34,25 @@ double magnitude(const Vector3& v) { return std::hypot(v[0], v[1], v[2]); }
 /// Distance by which two bodies can approach while they touch [m]; infinite if a wave speed is unknown.
 double approach_of(const scene::Scene& scene, const KernelPointers& kernels,
                    const contact::ContactPair& pair) {
-  double speed = 0, crossing = 0;
+  double turning = 0, crossing = 0;
+  Eigen::Vector3d towards = Eigen::Vector3d::Zero();  // velocity of a relative to b
   for (const int k : {pair.a, pair.b}) {
     if (k < 0) continue;
     const auto body = static_cast<std::size_t>(k);
     const Vector3 size = size_of(*kernels[body]);
     const double length = std::max({size[0], size[1], size[2]});
-    speed += magnitude(scene.bodies[body].velocity) + magnitude(scene.bodies[body].angular_velocity) * length;
+    const Eigen::Map<const Eigen::Vector3d> velocity(scene.bodies[body].velocity.data());
+    towards += (k == pair.a ? 1.0 : -1.0) * velocity;
+    turning += magnitude(scene.bodies[body].angular_velocity) * length;
     const double wave = wave_speeds(scene.bodies[body]).low;
     if (!std::isfinite(wave) || length == 0) return std::numeric_limits<double>::infinity();
     crossing = std::max(crossing, length / wave);
   }
-  return crossings_of_touch * crossing * (speed + magnitude(scene.loads.gravity) * scene.time.duration);
+  double closing = 0;
+  for (const contact::Pairing::Point& point : pair.pairing.points)
+    closing = std::max(closing, point.normal.dot(towards));
+  const double time = std::min(crossings_of_touch * crossing, scene.time.duration);
+  return time * (closing + turning + magnitude(scene.loads.gravity) * scene.time.duration);
 }
 
 contact::ModelSize size_of(const scene::Scene& scene, const KernelPointers& kernels,
@@ -54,12 +61,11 @@ contact::ModelSize size_of(const scene::Scene& scene, const KernelPointers& kern
   for (const kernels::Kernel* kernel : kernels) {
     out.modes += static_cast<Eigen::Index>(kernel->modes.size());
     out.has_residual = out.has_residual && !kernel->surface.residual_flexibility.empty();
-    out.held = std::max(out.held, static_cast<Eigen::Index>(
-                                      std::lround(std::sqrt(kernel->surface.residual_flexibility.size()))));
   }
   for (const contact::ContactPair& pair : placement.pairs) {
     const auto& points = pair.pairing.points;
     if (points.empty()) continue;
+    out.two_sided = out.two_sided || pair.b >= 0;
     const Eigen::Index rows = pair.request.friction ? 3 : 1;
     const double end = std::ranges::min_element(points, {}, &contact::Pairing::Point::gap)->gap +
                        approach_of(scene, kernels, pair);
@@ -96,8 +102,8 @@ double Need::mib() const { return (now + more) / base::mib; }
 Need need_of(const scene::Scene& scene, const KernelPointers& kernels, const contact::Placement& placement) {
   const contact::ModelSize size = size_of(scene, kernels, placement);
   const StepOptions options = step_options(scene);
-  const double model = contact::model_bytes(size), building = contact::building_bytes(size);
-  Need out{.now = base::resident_bytes(), .more = model + building + buffers};
+  const double model = contact::model_bytes(size);
+  Need out{.now = base::resident_bytes(), .more = model + buffers};
   if (options.scheme == Scheme::at_rest) {
     // The static flexibility, with and without springs, and the solver; with friction, counted in runs.
     const bool rubs = size.rows > size.points;
@@ -105,16 +111,13 @@ Need need_of(const scene::Scene& scene, const KernelPointers& kernels, const con
     return out;
   }
   const double steps = contact::stepper_bytes(size, options);
-  // The sides of the contact in the result: R of body a and of body b.
-  const double sides =
-      2.0 * sizeof(double) * static_cast<double>(size.points) * static_cast<double>(size.rows);
-  out.more = model + std::max(building, steps + sides) + buffers;
+  out.more = model + steps + buffers;
   if (!scene.accuracy) return out;
   // Copies of the kernels without their pictures, once for all runs and once with fewer or other modes;
   // models with fewer points; the model of a run, which is built beside these, and its steps.
   double copies = 0;
   for (const kernels::Kernel* kernel : kernels) copies += 2 * bytes_of(*kernel);
-  const double choice = copies + (1 + coarser_models) * model + model + std::max(building, steps);
+  const double choice = copies + (2 + coarser_models) * model + steps;
   out.more = std::max(out.more, choice);
   return out;
 }

@@ -149,7 +149,7 @@ TEST(Islands, that_merge_and_part_never_gain_energy) {
 TEST(Islands, share_their_banks) {
   const Model model = chain_of({{10, 0}, {7, 0}}, {{0, 1}, {1, -1}});
   const StepOptions options{.step = 0.3, .block = 1};
-  const auto system = make_step_system(borrowed(model), options);
+  const RowMatrices matrices(*make_step_system(borrowed(model), options));
   ContactLaw law(model, options);
   MeanForce mean(model, true);
   const Vector force{{0.1, 0.1}};
@@ -157,7 +157,7 @@ TEST(Islands, share_their_banks) {
   mean.advance(force, {{.bank = 0}, {.bank = 1}});
   law.start = Vector{{0, 0}};
   law.free = Vector{{-0.5, 1e-3}};
-  const StepTrial trial = law.solve(system->matrices(), mean, nullptr);
+  const StepTrial trial = law.solve(matrices.all(), mean, nullptr);
   ASSERT_EQ(trial.status, SolveStatus::solved);
   ASSERT_EQ(law.force()(0), 0.25 * 0.1 + 0.125 * 0.1);  // of the mean with λ⁺ = 0: it opened
   law.accept(mean, law.end());

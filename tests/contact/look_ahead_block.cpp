@@ -282,7 +282,7 @@ TEST(Blocks, that_fail_after_others_leave_the_last_known_step) {
 /// Makes `steps` steps of a block from the state of a stepper. `force` is that of the last step.
 template <class T>
 void run(LookAheadBlock<T>& block, ContactLaw law, const Stepper& from, int steps, Vector& force) {
-  MeanForce mean(12, true);
+  MeanForce mean(force.size(), true);
   Vector end = from.end_force();
   mean.advance(end, {MeanForce::Pair{}});
   block.set_forcing(from.modal()->forcing.piece(), std::numeric_limits<double>::max());
@@ -319,6 +319,36 @@ TEST(Blocks, that_are_taken_back_start_again_as_new_ones) {
     EXPECT_NEAR(found.contact, exact.contact, 1e-9 * std::abs(exact.contact));
     EXPECT_NEAR(found.kinetic, exact.kinetic, 1e-9 * exact.kinetic);
   }
+}
+
+// Many points far apart: their matrices are computed when points come into sight, within a step, which must
+// not allocate. 1e-9: impacts amplify round-off by about 1e4 over these steps.
+TEST(Blocks, of_many_points_compute_the_matrices_of_those_that_may_touch) {
+  constexpr int points = 300, block = 64;
+  const Model model = dropped(60, points, 1e-1, 3);
+  const Difference difference = compare(model, {.step = step, .block = block}, 480);
+  EXPECT_LT(difference.force, 1e-9);
+  EXPECT_LT(difference.motion, 1e-9);
+  EXPECT_GT(difference.touches, 3);
+
+  const auto counted = make_stepper(model, {.step = step, .block = block});
+  const long before = heap_counter::calls;
+  for (int k = 0; k < 480; ++k) ASSERT_EQ(counted->step(), StepStatus::ok);
+  EXPECT_EQ(heap_counter::calls, before);
+
+  const StepOptions options{.step = step, .block = 1};
+  const auto stepper = make_stepper(model, options);
+  while (stepper->active() == 0) ASSERT_EQ(stepper->step(), StepStatus::ok);
+  const auto system = std::make_shared<const BlockSystem<double>>(make_step_system(borrowed(model), options),
+                                                                  block, options.step);
+  LookAheadBlock<double> ahead(system, false);
+  Vector force = Vector::Zero(points);
+  run(ahead, ContactLaw(model, options), *stepper, 8, force);
+  int computed = 0;
+  for (int i = 0; i < points; ++i) computed += system->matrices->place(i) >= 0 ? 1 : 0;
+  EXPECT_GT(force.maxCoeff(), 0);
+  EXPECT_GT(computed, 0);
+  EXPECT_LT(computed, points / 4);
 }
 
 /// Random numbers; entries of the padding are 0.
