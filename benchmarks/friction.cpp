@@ -22,7 +22,7 @@
 #include "benchmarks/plates.hpp"
 #include "contact/api/scene_model.hpp"
 #include "contact/complementarity/friction_solver.hpp"
-#include "contact/output/fclib.hpp"
+#include "contact/files/fclib.hpp"
 #include "contact/stepping/run_steps.hpp"
 #include "kernels/read.hpp"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "contact/output/error_estimate.hpp"
+#include "contact/figures/error_estimate.hpp"
 
 namespace ricochet::contact {
 

@@ -39,8 +39,7 @@
 #include <utility>
 #include <vector>
 
-#include "contact/accuracy/quantities.hpp"
-#include "contact/output/summary.hpp"
+#include "contact/figures/quantities.hpp"
 #include "ricochet/kernel.hpp"
 
 namespace ricochet::contact {

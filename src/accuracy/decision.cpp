@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "contact/accuracy/error_report.hpp"
-#include "contact/accuracy/spectrum.hpp"
+#include "contact/figures/spectrum.hpp"
 #include "src/accuracy/contact_zone.hpp"
 #include "src/accuracy/local_refinement.hpp"
 #include "src/accuracy/mesh_levels.hpp"

@@ -15,8 +15,8 @@
 #include <variant>
 #include <vector>
 
-#include "contact/output/histories.hpp"
-#include "contact/output/summary.hpp"
+#include "contact/files/histories.hpp"
+#include "contact/files/summary_file.hpp"
 #include "kernels/read.hpp"
 #include "kernels/write.hpp"
 #include "ricochet/error.hpp"

@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <optional>
 
-#include "contact/output/fclib.hpp"
-#include "contact/output/motion_file.hpp"
-#include "contact/output/recorder.hpp"
+#include "contact/files/fclib.hpp"
+#include "contact/files/motion_file.hpp"
+#include "contact/files/recorder.hpp"
 #include "src/impact/runner.hpp"
 #include "src/sound/receiver_sounds.hpp"
 

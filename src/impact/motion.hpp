@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "contact/output/motion_file.hpp"
+#include "contact/files/motion_file.hpp"
 #include "src/scene/scene.hpp"
 #include "src/store/stored_kernels.hpp"
 

@@ -4,7 +4,8 @@
 
 #include <string>
 
-#include "contact/output/summary.hpp"
+#include "contact/figures/equilibrium_summary.hpp"
+#include "contact/figures/summary.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet::impact {

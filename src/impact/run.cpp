@@ -6,6 +6,7 @@
 #include <chrono>
 #include <ostream>
 
+#include "contact/files/summary_file.hpp"
 #include "ricochet/error.hpp"
 #include "src/impact/files.hpp"
 #include "src/impact/motion.hpp"

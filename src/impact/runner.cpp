@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "contact/accuracy/error_report.hpp"
-#include "contact/output/summary_observer.hpp"
+#include "contact/figures/summary_observer.hpp"
 #include "contact/stepping/run_steps.hpp"
 #include "ricochet/error.hpp"
 #include "src/accuracy/scene_dial.hpp"

@@ -9,8 +9,9 @@
 #include <optional>
 #include <variant>
 
+#include "contact/figures/equilibrium_summary.hpp"
+#include "contact/figures/summary.hpp"
 #include "contact/model/model.hpp"
-#include "contact/output/summary.hpp"
 #include "contact/static/equilibrium.hpp"
 #include "contact/stepping/stepper.hpp"
 #include "contact/table/table.hpp"

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "contact/input/table_file.hpp"
+#include "contact/files/table_file.hpp"
 #include "contact/table/modal_table.hpp"
 #include "contact/table/table_stepper.hpp"
 #include "src/store/memory.hpp"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "contact/output/summary.hpp"
+#include "contact/figures/summary.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet::impact {

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "contact/output/receivers.hpp"
-#include "contact/output/summary.hpp"
+#include "contact/figures/receivers.hpp"
+#include "contact/figures/summary.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet::sound {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "contact/input/history_file.hpp"
+#include "contact/files/history_file.hpp"
 #include "contact/pairing/placement.hpp"
 #include "kernels/read.hpp"
 

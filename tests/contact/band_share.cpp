@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The share of the modes above the band, compared with the exact modes of rods.
-#include "contact/output/band_share.hpp"
+#include "contact/figures/band_share.hpp"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 
-#include "contact/output/summary_observer.hpp"
+#include "contact/figures/summary_observer.hpp"
 #include "tests/contact/bodies.hpp"
 
 namespace band_share_test {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Velocities of the two sides of a contact, compared with d'Alembert's solution for elastic rods and with the
 // motion that a rigid wall allows.
-#include "contact/output/contact_sides.hpp"
+#include "contact/figures/contact_sides.hpp"
 
 #include <gtest/gtest.h>
 

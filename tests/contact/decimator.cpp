@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Fewer rows of a signal: tones that must stay, tones that must vanish, and lines that must not bend.
-#include "contact/output/decimator.hpp"
+#include "contact/files/decimator.hpp"
 
 #include <gtest/gtest.h>
 

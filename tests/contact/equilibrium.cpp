@@ -9,8 +9,8 @@
 #include <random>
 
 #include "base/hdf5_reader.hpp"
-#include "contact/output/recorder.hpp"
-#include "contact/output/summary.hpp"
+#include "contact/figures/equilibrium_summary.hpp"
+#include "contact/files/recorder.hpp"
 #include "tests/contact/bodies.hpp"
 
 namespace equilibrium_test {

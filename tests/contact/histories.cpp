@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The histories that a study keeps: the rows of the total force. Those of other quantities are compared with
 // result files in tests/programs/sweep.py.
-#include "contact/output/histories.hpp"
+#include "contact/files/histories.hpp"
 
 #include <gtest/gtest.h>
 

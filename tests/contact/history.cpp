@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Histories: values, slopes, integrals, and files that are refused with one line.
 #include "contact/model/history.hpp"
-#include "contact/input/history_file.hpp"
+#include "contact/files/history_file.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // A part without candidates that passes through an obstacle is found, and a flattened body is not.
-#include "contact/output/obstacle_check.hpp"
+#include "contact/figures/obstacle_check.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "contact/output/summary_observer.hpp"
+#include "contact/figures/summary_observer.hpp"
 #include "tests/contact/plate.hpp"
 
 namespace obstacle_check_test {

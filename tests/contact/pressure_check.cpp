@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Warnings on pressure are issued just above their limits and not just below.
-#include "contact/output/pressure_check.hpp"
+#include "contact/figures/pressure_check.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "contact/output/summary_observer.hpp"
+#include "contact/figures/summary_observer.hpp"
 #include "contact/static/equilibrium.hpp"
 #include "tests/contact/plate.hpp"
 

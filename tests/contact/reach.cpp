@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "contact/output/summary_observer.hpp"
+#include "contact/figures/summary_observer.hpp"
 #include "contact/pairing/placement.hpp"
 #include "kernels/algebra.hpp"
 #include "tests/contact/plate.hpp"

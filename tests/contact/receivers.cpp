@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Motion of receivers and reactions of supports, for bars with known waves and statics.
-#include "contact/output/receivers.hpp"
+#include "contact/figures/receivers.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "base/hdf5_reader.hpp"
-#include "contact/output/recorder.hpp"
+#include "contact/files/recorder.hpp"
 #include "tests/contact/bodies.hpp"
 
 namespace receivers_test {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Result files: their contents after a run, and their absence until it ends.
-#include "contact/output/recorder.hpp"
+#include "contact/files/recorder.hpp"
 #include "base/hdf5_reader.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Each warning is issued for a run that deserves it, and not for a similar run that does not.
-#include "contact/output/resolution_check.hpp"
+#include "contact/figures/resolution_check.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <numeric>
 #include <random>
 
-#include "contact/output/summary_observer.hpp"
+#include "contact/figures/summary_observer.hpp"
 #include "tests/contact/plate.hpp"
 
 namespace resolution_check_test {

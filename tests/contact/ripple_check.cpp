@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // A spectral line above the band is found with its frequency and amplitude; pulses, lines within the band and
 // lines far above it are not.
-#include "contact/output/ripple_check.hpp"
+#include "contact/figures/ripple_check.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include <numbers>
 #include <random>
 
-#include "contact/output/summary_observer.hpp"
+#include "contact/figures/summary_observer.hpp"
 #include "tests/contact/plate.hpp"
 
 namespace ripple_check_test {

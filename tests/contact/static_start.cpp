@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "contact/output/summary_observer.hpp"
+#include "contact/figures/summary_observer.hpp"
 #include "contact/stepping/stepper.hpp"
 #include "tests/contact/plate.hpp"
 #include "tests/kernels/bar.hpp"

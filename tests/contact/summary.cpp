@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The summary of a run compared with the mechanics of two rods: contact lasts 2L/c,
 // and the rods exchange their velocities.
-#include "contact/output/summary_observer.hpp"
+#include "contact/figures/summary_observer.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,6 +10,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "contact/files/summary_file.hpp"
 #include "tests/contact/bodies.hpp"
 #include "tests/contact/rigid_plate.hpp"
 #include "tests/contact/sliding.hpp"

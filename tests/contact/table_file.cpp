@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Files of tables: what is written comes back, and what is not a table is refused.
-#include "contact/input/table_file.hpp"
+#include "contact/files/table_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 // A table of sampled kernels, edited as described in tests/fuzz/hdf5_edits.hpp. An accepted table is
 // unchanged after it is written and read again. It can be stepped or is refused with one line.
 #include "contact/table/table.hpp"
-#include "contact/input/table_file.hpp"
+#include "contact/files/table_file.hpp"
 
 #include "contact/table/table_stepper.hpp"
 #include "tests/contact/table_writer.hpp"

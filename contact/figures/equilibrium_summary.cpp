@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "contact/figures/equilibrium_summary.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "contact/figures/linearity_check.hpp"
+#include "contact/figures/obstacle_check.hpp"
+
+namespace ricochet::contact {
+
+using Eigen::Vector3d;
+
+EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium,
+                             std::vector<MaterialLimits> limits) {
+  EquilibriumSummary out;
+  out.imbalance = equilibrium.imbalance;
+  out.iterations = equilibrium.iterations;
+  out.candidates = static_cast<int>(model.gap.size());
+  if (out.candidates > 0)
+    out.max_penetration_m =
+        std::max(0.0, (equilibrium.displacement.head(model.points()) - model.gap).maxCoeff());
+  for (const Model::BodyBlock& body : model.bodies) {
+    out.modes[body.name] = body.modes;
+    out.basis[body.name] = body.kernel->modes.basis;
+    const double angle = rigid_motion(body, pseudo_inverse(body.inertia), equilibrium.q).rotation.norm();
+    if (auto warning = rotation_warning(body.name, angle); warning && equilibrium.active > 0)
+      out.warnings.push_back(*warning);
+  }
+  PressureCheck pressure(model, std::move(limits));
+  pressure.observe(equilibrium.force, equilibrium.time);
+  for (std::string& warning : pressure.warnings()) out.warnings.push_back(std::move(warning));
+  ObstacleCheck obstacles(model);
+  obstacles.observe(equilibrium.q, equilibrium.time);
+  for (std::string& warning : obstacles.warnings()) out.warnings.push_back(std::move(warning));
+  const auto moved = [&](int k) -> Vector3d {
+    const Model::BodyBlock& body = model.bodies[k];
+    return body.momentum * equilibrium.q.segment(body.first_mode, body.modes) / body.mass;
+  };
+  for (const Model::PairBlock& pair : model.pairs) {
+    EquilibriumSummary::Pair figures;
+    const auto force = equilibrium.force.segment(pair.first_point, pair.points).array();
+    const auto area = model.area.segment(pair.first_point, pair.points).array();
+    const Vector3d sum = model.normal.middleRows(pair.first_point, pair.points).transpose() * force.matrix();
+    out.unpaired += pair.unpaired;
+    figures.force_n = sum.norm();
+    figures.contact_points = static_cast<int>((force > 0).count());
+    figures.contact_area_m2 = (force > 0).select(area, 0).sum();
+    if (figures.contact_points > 0) {
+      figures.peak_pressure_pa = (force / area).maxCoeff();
+      const Vector3d nearer = moved(pair.a) - (pair.b < 0 ? Vector3d::Zero() : moved(pair.b));
+      figures.approach_m = nearer.dot(sum.normalized());
+      if (auto warning = reach_warning(model, pair, figures.approach_m)) out.warnings.push_back(*warning);
+    }
+    if (pair.first_tangential >= 0) {
+      figures.friction_n = model.friction_resultant(pair, equilibrium.force).norm();
+      figures.sticking_points = figures.slipping_points = 0;
+      for (std::size_t f = 0; f < model.friction.size(); ++f) {
+        const int i = model.friction[f].point - pair.first_point;
+        if (i < 0 || i >= pair.points) continue;
+        *figures.sticking_points += equilibrium.states[f] == ContactState::stick;
+        *figures.slipping_points += equilibrium.states[f] == ContactState::slip;
+      }
+    }
+    out.pairs.push_back(figures);
+  }
+  return out;
+}
+
+}  // namespace ricochet::contact

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "contact/figures/linearity_check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+namespace ricochet::contact {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+namespace {
+
+// Bounds beyond which linear elasticity with pairs fixed in the reference configuration does not model the
+// impact.
+constexpr double fastest_share = 0.02;  // of the wave speed: strains of a few per cent
+constexpr double farthest_share = 0.5;  // of the spacing: beyond it, a neighbour is the nearer candidate
+constexpr double largest_rotation_deg = 5.0;  // linear rotations lengthen a body by 1 − cos, 0.4 % here
+
+double in_degrees(double angle) { return angle * 180 / std::numbers::pi; }
+
+/// Smallest distance between two corners of a surface element; infinite for rods.
+/// @param surface  kernels::Surface or kernels::WholeSurface
+template <class Any>
+double spacing_of(const Any& surface) {
+  double smallest = std::numeric_limits<double>::infinity();
+  const std::size_t k = surface.element_corners;
+  const auto node = [&](std::size_t corner) {
+    return Eigen::Map<const Vector3d>(&surface.node[3 * surface.element[corner]]);
+  };
+  for (std::size_t t = 0; t + k <= surface.element.size(); t += k)
+    for (std::size_t i = 0; i < k; ++i)
+      for (std::size_t j = 0; j < i; ++j) smallest = std::min(smallest, (node(t + i) - node(t + j)).norm());
+  return smallest;
+}
+
+}  // namespace
+
+RigidMotion rigid_motion(const Model::BodyBlock& body, const Matrix3d& inverse_inertia, const Vector& state) {
+  RigidMotion out;
+  out.centre = body.centre;
+  if (body.supported) return out;
+  const auto modal = state.segment(body.first_mode, body.modes);
+  const Vector3d linear = body.momentum * modal, angular = body.angular_momentum * modal;
+  out.linear = linear / body.mass;
+  out.rotation = inverse_inertia * (angular - body.centre.cross(linear));
+  return out;
+}
+
+Matrix3d pseudo_inverse(const Matrix3d& inertia) {
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(inertia);
+  Vector3d inverse = Vector3d::Zero();
+  for (int k = 0; k < 3; ++k)
+    if (eigen.eigenvalues()(k) > 1e-9 * eigen.eigenvalues()(2)) inverse(k) = 1 / eigen.eigenvalues()(k);
+  return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+std::optional<std::string> rotation_warning(const std::string& body, double angle) {
+  if (!(in_degrees(angle) > largest_rotation_deg)) return {};
+  return fmt::format("{} turned by {:.3g} degrees while touching (above {:g}): rotations are linearised",
+                     body, in_degrees(angle), largest_rotation_deg);
+}
+
+std::optional<std::string> reach_warning(const Model& model, const Model::PairBlock& pair, double nearer) {
+  if (!pair.reach || !(nearer >= *pair.reach)) return {};
+  return fmt::format(
+      "{} came {:.4g} m nearer to what it touches, beyond reach = {:g} m: points that reach left out may "
+      "touch, too",
+      model.bodies[pair.a].name, nearer, *pair.reach);
+}
+
+LinearityCheck::LinearityCheck(const Model& model, double wave_speed)
+    : model_(model), wave_speed_(wave_speed), nearer_(model.pairs.size(), 0) {
+  for (const Model::BodyBlock& body : model.bodies) inverse_inertia_.push_back(pseudo_inverse(body.inertia));
+  for (const Model::PairBlock& pair : model.pairs) {
+    const kernels::Surface& surface = model.bodies[pair.a].kernel->surface;
+    spacing_.push_back(surface.whole ? spacing_of(*surface.whole) : spacing_of(surface));
+  }
+  // θ = I⁻¹ (L − c × p): elastic modes have neither momentum p nor angular momentum L.
+  for (std::size_t k = 0; k < model.bodies.size(); ++k) {
+    const Model::BodyBlock& body = model.bodies[k];
+    Turn& turn = turns_.emplace_back();
+    for (int n = 0; n < body.modes; ++n) {
+      if (model.omega(body.first_mode + n) != 0) continue;
+      const Vector3d linear = body.momentum.col(n), angular = body.angular_momentum.col(n),
+                     rotation = inverse_inertia_[k] * (angular - body.centre.cross(linear));
+      if (rotation.isZero(0)) continue;
+      turn.mode.push_back(body.first_mode + n);
+      turn.per_mode.conservativeResize(3, std::ssize(turn.mode));
+      turn.per_mode.rightCols<1>() = rotation;
+    }
+  }
+}
+
+void LinearityCheck::observe_rotation(const Vector& q, double time) {
+  last_ = time;
+  for (Turn& turn : turns_) {
+    Vector3d rotation = Vector3d::Zero();
+    for (std::size_t k = 0; k < turn.mode.size(); ++k)
+      rotation += turn.per_mode.col(static_cast<Eigen::Index>(k)) * q(turn.mode[k]);
+    turn.angle = std::max(turn.angle, rotation.norm());
+    if (!turn.since && in_degrees(turn.angle) > largest_rotation_deg) turn.since = time;
+  }
+}
+
+/// Warning about the body that turned farthest, unless its rotation while touching is reported already.
+std::string LinearityCheck::turned_in_flight() const {
+  if (turns_.empty()) return "";
+  const auto worst = std::ranges::max_element(turns_, {}, &Turn::angle);
+  const std::string& name = model_.bodies[static_cast<std::size_t>(worst - turns_.begin())].name;
+  // What is written up to this time is right.
+  if (!worst->since || *worst->since >= last_) return "";
+  if (rotation_warning(tilted_, tilt_) && name == tilted_) return "";
+  return fmt::format(
+      "{} turned by {:.3g} degrees in flight, beyond {:g} after {:.4g} s: rotations are linearised, so its "
+      "later motion and contact are wrong. End the run there (time.duration)",
+      name, in_degrees(worst->angle), largest_rotation_deg, *worst->since);
+}
+
+void LinearityCheck::observe(const Stepper& stepper, const Vector& before, bool first) {
+  std::vector<RigidMotion> moved, speed;
+  for (std::size_t k = 0; k < model_.bodies.size(); ++k) {
+    moved.push_back(rigid_motion(model_.bodies[k], inverse_inertia_[k], stepper.modal()->q));
+    speed.push_back(rigid_motion(model_.bodies[k], inverse_inertia_[k], before));
+  }
+  const auto turned = [&](int k) {
+    const double angle = moved[k].rotation.norm();
+    if (angle <= tilt_) return;
+    tilt_ = angle;
+    tilted_ = model_.bodies[k].name;
+  };
+  const auto relative = [&](const std::vector<RigidMotion>& motion, const Model::PairBlock& pair, int i) {
+    Vector3d out = motion[pair.a].at(model_.point_a.row(i).transpose());
+    if (pair.b >= 0) out -= motion[pair.b].at(model_.point_b.row(i).transpose());
+    return out;
+  };
+  for (std::size_t p = 0; p < model_.pairs.size(); ++p) {
+    const Model::PairBlock& pair = model_.pairs[p];
+    if ((stepper.force().segment(pair.first_point, pair.points).array() > 0).any()) {
+      turned(pair.a);
+      if (pair.b >= 0) turned(pair.b);
+    }
+    for (int i = pair.first_point; i < pair.first_point + pair.points; ++i) {
+      const bool pressed = stepper.force()(i) > 0;
+      if (!pressed && !pair.reach) continue;
+      const Vector3d n = model_.normal.row(i).transpose();
+      nearer_[p] = std::max(nearer_[p], n.dot(relative(moved, pair, i)));
+      if (!pressed) continue;
+      if (first) approach_ = std::max(approach_, n.dot(relative(speed, pair, i)));
+      if (pair.b < 0) continue;  // a half-space looks the same everywhere
+      const Vector3d shift = relative(moved, pair, i);
+      const double slip = (shift - shift.dot(n) * n).norm();
+      if (slip / spacing_[p] > slip_share_) {
+        slip_ = slip;
+        slip_share_ = slip / spacing_[p];
+      }
+    }
+  }
+}
+
+double LinearityCheck::nearer() const { return std::ranges::max(nearer_); }
+
+std::vector<std::string> LinearityCheck::warnings() const {
+  std::vector<std::string> out;
+  if (wave_speed_ > 0 && approach_ > fastest_share * wave_speed_)
+    out.push_back(
+        fmt::format("approach speed {:.4g} m/s is {:.3g} % of the wave speed {:.4g} m/s (above {:g} %): "
+                    "strains may be too large for linear elasticity",
+                    approach_, 100 * approach_ / wave_speed_, wave_speed_, 100 * fastest_share));
+  if (slip_share_ > farthest_share)
+    out.push_back(
+        fmt::format("tangential motion {:.4g} m is {:.3g} times the candidate spacing (above {:g}): pairs "
+                    "are fixed in the initial configuration",
+                    slip_, slip_share_, farthest_share));
+  if (auto warning = rotation_warning(tilted_, tilt_)) out.push_back(*warning);
+  if (std::string warning = turned_in_flight(); !warning.empty()) out.push_back(std::move(warning));
+  for (std::size_t p = 0; p < model_.pairs.size(); ++p)
+    if (auto warning = reach_warning(model_, model_.pairs[p], nearer_[p])) out.push_back(*warning);
+  return out;
+}
+
+}  // namespace ricochet::contact

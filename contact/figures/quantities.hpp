@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The quantities of interest of one run (ricochet/quantity.hpp), and facts about its contact.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "contact/figures/error_estimate.hpp"
+#include "contact/model/model.hpp"
+#include "ricochet/step_options.hpp"
+
+namespace ricochet::contact {
+
+/// A quantity with the scale to which its error is relative.
+struct Figure {
+  Vector value;
+  double scale = 0;
+};
+
+/// The quantities of one run. All runs of one scene have the same ones.
+///
+/// Velocities are those when contact last ended, or at the end of the run if bodies still touch. They are
+/// relative to V, the largest speed at which a pair of bodies approached when contact began, or half of the
+/// largest change of velocity if that is larger (bodies that are pressed together have no approach speed).
+/// With one free body, the relative error of its velocity is thus the error of the coefficient of
+/// restitution. Angular velocities are relative to V divided by the body's radius of gyration, and energies
+/// to kinetic + strain energy when contact began. All other quantities are relative to themselves.
+struct Quantities {
+  std::map<Quantity, Figure> figures;
+  /// The longest touch [s]; 0 at rest. Truncated fronts open a contact for moments: gaps of up to two steps,
+  /// or a tenth of the touch so far, do not end it.
+  double longest_touch = 0;
+  std::vector<bool> pressed{};  ///< (m) points with a force in some step; empty at rest
+  std::vector<double> force{};  ///< Σ λ_i of each step [N]; empty at rest
+  double nearer = 0;            ///< farthest rigid approach of pressed points [m]; 0 at rest
+  /// If nothing touched in an impact: the smallest distance of a pair of points [m], and the side of a square
+  /// with the area of this point [m].
+  double missed_by = std::numeric_limits<double>::infinity(), spacing_there = 0;
+  bool touched() const;
+};
+
+/// Relative distance of each quantity: |a − b| / scale of a. If a scale is 0, the distance is infinite unless
+/// both values are equal.
+Errors distances(const Quantities& a, const Quantities& b);
+
+/// @param receivers  whether to record the motion of receivers too
+/// @param poll  called after each step; it may throw to end the run
+/// @return no value if a step has no solution or is not finite
+/// Throws InputError as make_stepper does.
+std::optional<Quantities> impact_quantities(const Model& model, const StepOptions& options,
+                                            std::int64_t steps, bool receivers = false,
+                                            const std::function<void()>& poll = {});
+
+/// Throws as find_equilibrium does.
+Quantities rest_quantities(const Model& model);
+
+}  // namespace ricochet::contact

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The histories that a study keeps of an impact, without its result file: the datasets of
+// docs/formats/result.md that are asked for, and the total contact force.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/hdf5_writer.hpp"
+#include "contact/figures/receivers.hpp"
+#include "contact/files/energy_rows.hpp"
+#include "contact/files/receiver_rows.hpp"
+#include "contact/model/model.hpp"
+#include "contact/static/equilibrium.hpp"
+#include "contact/stepping/stepper.hpp"
+#include "contact/table/table.hpp"
+
+namespace ricochet::contact {
+
+struct HistoryOptions {
+  bool force = false;      ///< /contact/time, total_force
+  bool receivers = false;  ///< /receivers/time, NAME/velocity
+  bool bodies = false;     ///< /time, /bodies/NAME/velocity
+  bool energy = false;     ///< /time, /energy; not known with a table
+  std::int64_t every = 1;  ///< as in RecorderOptions
+  int receivers_every = 1;
+};
+
+class Histories {
+ public:
+  /// Writes the rows of t = 0. `model` must outlive the histories. Throws InputError, like all members, if
+  /// the folder of temporary files cannot be written.
+  Histories(const Model& model, const StepOptions& step, const HistoryOptions& options);
+  /// Records of bodies at rest, without rows and velocities.
+  Histories(const Model& model, const HistoryOptions& options);
+  /// Records of a run by sampled responses. Energies and receivers are not known; their datasets are absent.
+  Histories(const Table& table, const StepOptions& step, const HistoryOptions& options);
+
+  /// Call it after each step of `stepper`.
+  void record(const Stepper& stepper);
+  void record(const Equilibrium& equilibrium);
+
+  /// The content of an HDF5 file. No member may be called afterwards.
+  std::string file();
+
+ private:
+  using Rows = base::hdf5::Rows;
+  Histories(const Model* model, const StepOptions& step, const HistoryOptions& options,
+            const std::vector<std::string>& bodies);
+  void force_row(const Stepper& stepper);
+  void add_force(double time, double force);
+  void bodies_row(const Vector& v, double time);
+  void bodies_row(const Eigen::Matrix3Xd& velocity);
+
+  const Model* model_;  ///< null with a table
+  double step_;
+  std::int64_t every_;
+  base::hdf5::Writer file_;
+  Rows* time_ = nullptr;
+  Rows *force_time_ = nullptr, *force_ = nullptr;
+  std::int64_t force_end_ = -1;  ///< step of the last row of the force
+  bool pressed_ = false;         ///< whether this row has a force
+  std::vector<Rows*> velocity_;  ///< by body
+  std::optional<EnergyRows> energy_;
+  std::optional<Receivers> receivers_;
+  std::optional<ReceiverRows> receiver_rows_;
+};
+
+}  // namespace ricochet::contact

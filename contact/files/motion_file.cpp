@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "contact/files/motion_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "base/xdmf.hpp"
+
+namespace ricochet::contact {
+namespace {
+
+namespace xdmf = base::xdmf;
+using base::hdf5::Shape;
+using Eigen::Index;
+
+std::filesystem::path with(std::filesystem::path stem, const char* ending) { return stem += ending; }
+
+std::string number_of(std::size_t frame) { return fmt::format("/{:06}", frame); }
+
+std::string group_of(const std::string& body) { return "/bodies/" + body; }
+std::string group_of(std::size_t pair) { return fmt::format("/contact/{}", pair + 1); }
+
+template <class Values>
+void write(base::hdf5::Writer& file, const std::string& dataset, const Values& x, const char* unit) {
+  using T = typename Values::Scalar;
+  const auto rows = static_cast<std::size_t>(x.rows()), columns = static_cast<std::size_t>(x.cols());
+  file.write(dataset, std::span<const T>(x.data(), rows * columns),
+             Values::ColsAtCompileTime == 1 ? Shape{rows} : Shape{rows, columns}, unit);
+}
+
+/// The candidate of each point of a pair, or −1 if the point has several, as coarsened patches do.
+std::vector<int> candidates_of(const Selection& selection, const Model::PairBlock& pair, int components) {
+  std::vector<int> out;
+  for (int i = pair.first_point; i < pair.first_point + pair.points; ++i) {
+    int candidate = -1;
+    for (Selection::InnerIterator it(selection, i); it; ++it) {
+      const int of_entry = static_cast<int>(it.col()) / components;
+      if (candidate >= 0 && of_entry != candidate) {
+        candidate = -1;
+        break;
+      }
+      candidate = of_entry;
+    }
+    out.push_back(candidate);
+  }
+  return out;
+}
+
+}  // namespace
+
+MotionFile::MotionFile(const Model& model, const StepOptions& step, const MotionOptions& options)
+    : model_(model), stem_(options.stem), every_(options.every), file_(with(stem_, ".h5")) {
+  for (std::size_t k = 0; k < model.bodies.size(); ++k)
+    surfaces_.emplace_back(model, static_cast<int>(k), step);
+  for (std::size_t p = 0; p < model.pairs.size(); ++p)
+    patches_.push_back(patch_of(model.pairs[p], options.pairs.at(p)));
+  write_setting(options);
+}
+
+MotionFile::MotionFile(const Stepper& start, const Model& model, const MotionOptions& options)
+    : MotionFile(model, start.options(), options) {
+  frame(0, start.modal()->q, start.modal()->v, start.displacement(), start.force(), start.end_force(),
+        start.slip().states());
+}
+
+MotionFile::MotionFile(const Model& model, const MotionOptions& options)
+    : MotionFile(model, StepOptions{}, options) {}
+
+void MotionFile::record(const Equilibrium& equilibrium) {
+  const Vector rest = Vector::Zero(model_.omega.size());
+  frame(equilibrium.time, equilibrium.q, rest, equilibrium.displacement, equilibrium.force, equilibrium.force,
+        equilibrium.states);
+}
+
+MotionFile::Patch MotionFile::patch_of(const Model::PairBlock& pair, const std::string& name) const {
+  Patch out;
+  out.name = name;
+  out.pair = &pair;
+  const Model::BodyBlock& a = model_.bodies[pair.a];
+  const kernels::Surface& surface = a.kernel->surface;
+  std::map<std::int64_t, std::int64_t> point;
+  const std::vector<int> candidates = candidates_of(a.selection, pair, surface.components);
+  for (std::size_t i = 0; i < candidates.size(); ++i) point[candidates[i]] = static_cast<std::int64_t>(i);
+  const auto k = static_cast<std::size_t>(surface.element_corners);
+  if (std::ranges::count(candidates, -1) == 0)
+    for (std::size_t e = 0; e + k <= surface.element.size(); e += k) {
+      std::vector<std::int64_t> corners;
+      for (std::size_t j = 0; j < k; ++j)
+        if (const auto found = point.find(surface.element[e + j]); found != point.end())
+          corners.push_back(found->second);
+      if (corners.size() == k) out.element.insert(out.element.end(), corners.begin(), corners.end());
+    }
+  out.corners = surface.element_corners;
+  if (out.element.empty()) {
+    out.corners = 1;
+    for (int i = 0; i < pair.points; ++i) out.element.push_back(i);
+  }
+  out.offset = model_.point_a.middleRows(pair.first_point, pair.points);
+  out.place = surfaces_[pair.a].closest(out.offset);
+  for (int i = 0; i < pair.points; ++i) out.offset.row(i) -= out.place[i].point;
+  return out;
+}
+
+void MotionFile::write_setting(const MotionOptions& options) {
+  file_.attribute("/", "format", "ricochet-motion");
+  file_.attribute("/", "version", 1);
+  file_.attribute("/", "title", options.title);
+  file_.attribute("/", "created_by", options.created_by);
+  const auto elements = [&](const std::string& group, const std::vector<std::int64_t>& element, int corners) {
+    const auto k = static_cast<std::size_t>(corners);
+    file_.write(group + "/element", element, {element.size() / k, k}, "1");
+  };
+  for (std::size_t k = 0; k < surfaces_.size(); ++k)
+    elements(group_of(model_.bodies[k].name), surfaces_[k].view().element,
+             surfaces_[k].view().element_corners);
+  for (std::size_t p = 0; p < patches_.size(); ++p) {
+    elements(group_of(p), patches_[p].element, patches_[p].corners);
+    file_.attribute(group_of(p), "name", patches_[p].name);
+    write(file_, group_of(p) + "/area",
+          Vector(model_.area.segment(model_.pairs[p].first_point, model_.pairs[p].points)), "m^2");
+  }
+}
+
+void MotionFile::record(const Stepper& stepper) {
+  if (!stepper.at_sample() || stepper.steps() / stepper.options().steps_per_sample % every_ != 0) return;
+  frame(stepper.time(), stepper.modal()->q, stepper.modal()->v, stepper.displacement(), stepper.force(),
+        stepper.end_force(), stepper.slip().states());
+}
+
+void MotionFile::frame(double t, const Vector& q, const Vector& v, const Vector& u, const Vector& force,
+                       const Vector& end_force, std::span<const ContactState> states) {
+  const std::string number = number_of(time_.size());
+  for (std::size_t k = 0; k < surfaces_.size(); ++k) {
+    const std::string group = group_of(model_.bodies[k].name);
+    const SurfaceMotion& surface = surfaces_[k].at(t, q, v, end_force);
+    write(file_, group + "/position" + number, surface.position, "m");
+    write(file_, group + "/deformation" + number, surface.deformation, "m");
+    write(file_, group + "/velocity" + number, surface.velocity, "m/s");
+    for (std::size_t p = 0; p < patches_.size(); ++p)
+      if (patches_[p].pair->a == static_cast<int>(k)) contact_frame(p, number, u, force, states, surface);
+  }
+  time_.push_back(t);
+}
+
+void MotionFile::contact_frame(std::size_t pair, const std::string& number, const Vector& u,
+                               const Vector& force, std::span<const ContactState> states,
+                               const SurfaceMotion& surface) {
+  const Patch& patch = patches_[pair];
+  const Model::PairBlock& points = *patch.pair;
+  const auto own = [&](const Vector& x) -> Vector { return x.segment(points.first_point, points.points); };
+  Matrix position = patch.offset;
+  for (int i = 0; i < points.points; ++i) {
+    const SurfacePoint& place = patch.place[i];
+    for (std::size_t j = 0; j < 3; ++j)
+      position.row(i) += place.weight[j] * surface.position.row(place.node[j]).cast<double>();
+  }
+  const Vector lambda = own(force);
+  const std::string group = group_of(pair);
+  write(file_, group + "/position" + number, position, "m");
+  write(file_, group + "/force" + number, lambda, "N");
+  write(file_, group + "/pressure" + number, Vector(lambda.cwiseQuotient(own(model_.area))), "Pa");
+  write(file_, group + "/gap" + number, Vector(own(model_.gap) - own(u)), "m");
+  Matrix push = lambda.asDiagonal() * -model_.normal.middleRows(points.first_point, points.points);
+  if (points.first_tangential >= 0) {
+    Vector state(points.points);
+    for (std::size_t f = 0; f < states.size(); ++f) {
+      const Model::FrictionPoint& point = model_.friction[f];
+      const int i = point.point - points.first_point;
+      if (i < 0 || i >= points.points) continue;
+      state(i) = static_cast<double>(states[f]);
+      push.row(i) -= force.segment<2>(point.tangential).transpose() *
+                     model_.tangent.middleRows(point.tangential - model_.points(), 2);
+    }
+    write(file_, group + "/state" + number, state, "1");
+  }
+  write(file_, group + "/push" + number, push, "N");
+}
+
+std::filesystem::path MotionFile::xdmf() const { return with(stem_, ".xdmf"); }
+
+void MotionFile::commit() {
+  write(file_, "/time", Vector(Eigen::Map<const Vector>(time_.data(), time_.size())), "s");
+  // An .xdmf of an earlier run would not match the new data.
+  std::error_code ignored;
+  std::filesystem::remove(xdmf(), ignored);
+  file_.commit();
+  write_xdmf();
+}
+
+void MotionFile::write_xdmf() const {
+  xdmf::File text(xdmf(), file_.path().filename().string());
+  const auto film = [&](xdmf::Grid grid, const std::string& group, const std::vector<xdmf::Field>& moving) {
+    const std::vector<xdmf::Field> steady = grid.fields;
+    text.begin(grid.name);
+    for (std::size_t k = 0; k < time_.size(); ++k) {
+      grid.fields = steady;
+      for (xdmf::Field field : moving) {
+        field.dataset = group + "/" + field.name + number_of(k);
+        if (field.name == "position")
+          grid.position = field;
+        else
+          grid.fields.push_back(field);
+      }
+      text.add(grid, time_[k]);
+    }
+    text.end();
+  };
+  for (std::size_t k = 0; k < surfaces_.size(); ++k) {
+    const kernels::View& view = surfaces_[k].view();
+    const std::string &name = model_.bodies[k].name, group = group_of(name);
+    film({.name = name,
+          .corners = view.element_corners,
+          .elements = view.element.size() / static_cast<std::size_t>(view.element_corners),
+          .nodes = surfaces_[k].nodes(),
+          .element = group + "/element"},
+         group, {{"position", "", true, 4}, {"deformation", "", true, 4}, {"velocity", "", true, 4}});
+  }
+  for (std::size_t p = 0; p < patches_.size(); ++p) {
+    const Patch& patch = patches_[p];
+    std::vector<xdmf::Field> fields{{"position", "", true, 8},
+                                    {"force", "", false, 8},
+                                    {"pressure", "", false, 8},
+                                    {"gap", "", false, 8},
+                                    {"push", "", true, 8}};
+    if (patch.pair->first_tangential >= 0) fields.push_back({"state", "", false, 8});
+    film({.name = patch.name,
+          .corners = patch.corners,
+          .elements = patch.element.size() / static_cast<std::size_t>(patch.corners),
+          .nodes = static_cast<std::size_t>(patch.pair->points),
+          .element = group_of(p) + "/element",
+          .fields = {{"area", group_of(p) + "/area", false, 8}}},
+         group_of(p), fields);
+  }
+  text.commit();
+}
+
+}  // namespace ricochet::contact

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "contact/files/recorder.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "contact/files/rows.hpp"
+
+namespace ricochet::contact {
+namespace {
+
+using Eigen::Vector3d;
+
+std::vector<double> flat(const Matrix& x) { return {x.data(), x.data() + x.size()}; }
+
+}  // namespace
+
+double least_bytes(const Model& model, const RecorderOptions& options, std::int64_t samples) {
+  const double rows = samples / options.every, bodies = model.bodies.size(),
+               receivers = model.receivers.size();
+  double numbers = rows * (1 + 9 + 12 * bodies);
+  if (receivers > 0) numbers += static_cast<double>(samples / options.receivers_every) * (1 + 9 * receivers);
+  if (options.snapshot_every > 0)
+    numbers += static_cast<double>(samples / options.snapshot_every) * (1.0 + model.omega.size());
+  return sizeof(double) * numbers;
+}
+
+Recorder::Recorder(const Model* model, const Vector& gap, const Vector& area, double step,
+                   const RecorderOptions& options)
+    : model_(model),
+      gap_(gap),
+      step_(step),
+      every_(options.every),
+      snapshot_every_(model ? options.snapshot_every : 0),
+      file_(options.path) {
+  file_.attribute("/", "format", "ricochet-result");
+  file_.attribute("/", "version", 1);
+  file_.attribute("/", "title", options.title);
+  file_.attribute("/", "scene", options.scene);
+  file_.attribute("/", "created_by", options.created_by);
+  const std::size_t m = gap.size();
+  file_.write<double>("/contact/initial_gap", flat(gap), {m}, "m");
+  file_.attribute("/contact", "step", step * static_cast<double>(options.every));
+  if (model || area.size() > 0) file_.write<double>("/contact/area", flat(area), {m}, "m^2");
+  time_ = &file_.rows("/time", {}, "s");
+  contact_ = {&file_.rows("/contact/time", {}, "s"), &file_.rows("/contact/force", {m}, "N"),
+              &file_.rows("/contact/gap", {m}, "m")};
+}
+
+Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOptions& options)
+    : Recorder(&model, model.gap, model.area, step.step, options) {
+  sides_.emplace(model, step);
+  receivers_.emplace(model, step);
+  write_points(model);
+  for (std::size_t k = 0; k < model.bodies.size(); ++k) {
+    add_body(model.bodies[k].name, model.bodies[k].mass);
+    write_body(model.bodies[k], k, options);
+  }
+  make_model_rows(step, options.receivers_every);
+  if (step.scheme == Scheme::at_rest) return;
+  time_->append(0);
+  bodies_row(model.initial_rates(), 0, 0);
+  energy_->append(initial_energy(model));
+  persistency_->append(0);
+  if (snapshots_) snapshots_->append(0, model.q0, Vector::Zero(model.rows()));
+  if (receiver_rows_) receiver_rows_->record(*receivers_);
+}
+
+Recorder::Recorder(const Model& model, const RecorderOptions& options)
+    : Recorder(model, {.scheme = Scheme::at_rest}, options) {}
+
+void Recorder::record(const Equilibrium& equilibrium) {
+  time_->append(equilibrium.time);
+  push(equilibrium.force, 1);  // for one second, so that impulses are forces
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const Model::BodyBlock& body = model_->bodies[k];
+    Vector3d load = bodies_[k].contact_impulse + body.weight;
+    for (const Model::Forcing& one : model_->forcing)
+      if (one.body == static_cast<int>(k)) load += one.history.at(equilibrium.time) * one.total;
+    for (Rows* const rows : {bodies_[k].velocity, bodies_[k].momentum, bodies_[k].angular_momentum})
+      append(rows, Vector3d::Zero());
+    append(bodies_[k].reaction, body.supported ? Vector3d(-load) : Vector3d::Zero());
+    bodies_[k].contact_impulse.setZero();
+  }
+  energy_->append(equilibrium.energy);
+  persistency_->append(0);
+  if (equilibrium.active > 0) {
+    contact_row(equilibrium.time, equilibrium.displacement, equilibrium.force);
+    sides_row(sides_->at_rest(equilibrium));
+    friction_row(equilibrium.displacement, equilibrium.force, equilibrium.states);
+  }
+  if (snapshots_) snapshots_->append(equilibrium.time, equilibrium.q, equilibrium.force);
+}
+
+Recorder::Recorder(const Table& table, const Model* source, const StepOptions& step,
+                   const RecorderOptions& options)
+    : Recorder(nullptr, table.gap, table.area, step.step, options) {
+  time_->append(0);
+  Eigen::Matrix3Xd velocity(3, std::ssize(table.bodies));
+  for (std::size_t b = 0; b < table.bodies.size(); ++b) {
+    add_body(table.bodies[b].name, table.bodies[b].mass);
+    velocity.col(b) = table.bodies[b].velocity;
+  }
+  if (source) write_points(*source);
+  for (std::size_t k = 0; source && k < source->bodies.size(); ++k)
+    if (!source->bodies[k].supported) write_body(source->bodies[k], k, options);
+  if (step.scheme == Scheme::compliant) {
+    persistency_ = &file_.rows("/contact/persistency", {}, "W");
+    persistency_->append(0);
+  }
+  bodies_row(velocity);
+}
+
+void Recorder::write_points(const Model& model) {
+  const std::size_t m = model.gap.size();
+  file_.write<double>("/contact/point_a", flat(model.point_a), {m, 3}, "m");
+  file_.write<double>("/contact/point_b", flat(model.point_b), {m, 3}, "m");
+  file_.write<double>("/contact/normal", flat(model.normal), {m, 3}, "1");
+  std::vector<double> number(m);
+  for (std::size_t p = 0; p < model.pairs.size(); ++p)
+    std::fill_n(number.begin() + model.pairs[p].first_point, model.pairs[p].points, p + 1);
+  file_.write<double>("/contact/pair", number, {m}, "1");
+}
+
+void Recorder::write_body(const Model::BodyBlock& body, std::size_t number, const RecorderOptions& options) {
+  const std::string group = "/bodies/" + body.name;
+  file_.attribute(group, "kernel", number < options.kernel_files.size() ? options.kernel_files[number] : "");
+  file_.attribute(group, "rotation", flat(Matrix(body.rotation)));
+  file_.attribute(group, "translation", flat(Vector(body.translation)));
+}
+
+Recorder::BodyRows& Recorder::add_body(const std::string& name, double mass) {
+  const std::string group = "/bodies/" + name;
+  file_.group(group);
+  file_.attribute(group, "mass", mass);
+  return bodies_.emplace_back(BodyRows{.velocity = &file_.rows(group + "/velocity", {3}, "m/s"),
+                                       .momentum = &file_.rows(group + "/momentum", {3}, "kg m/s"),
+                                       .mass = mass});
+}
+
+void Recorder::make_model_rows(const StepOptions& step, int receivers_every) {
+  const std::size_t m = gap_.size();
+  contact_.displacement_a = &file_.rows("/contact/displacement_a", {m}, "m");
+  contact_.displacement_b = &file_.rows("/contact/displacement_b", {m}, "m");
+  contact_.velocity_a = &file_.rows("/contact/velocity_a", {m}, "m/s");
+  contact_.velocity_b = &file_.rows("/contact/velocity_b", {m}, "m/s");
+  if (!model_->friction.empty()) {
+    contact_.tangential_force = &file_.rows("/contact/tangential_force", {m, 3}, "N");
+    contact_.tangential_displacement = &file_.rows("/contact/tangential_displacement", {m, 3}, "m");
+    contact_.state = &file_.rows("/contact/state", {m}, "1");
+  }
+  energy_.emplace(file_);
+  persistency_ = &file_.rows("/contact/persistency", {}, "W");
+  if (snapshot_every_ > 0) snapshots_.emplace(file_, *model_);
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const Model::BodyBlock& body = model_->bodies[k];
+    const std::string group = "/bodies/" + body.name;
+    bodies_[k].angular_momentum = &file_.rows(group + "/angular_momentum", {3}, "kg m^2/s");
+    bodies_[k].reaction = &file_.rows(group + "/reaction", {3}, "N");
+  }
+  if (!model_->receivers.empty()) receiver_rows_.emplace(file_, *model_, step, receivers_every);
+}
+
+void Recorder::record(const Stepper& stepper) {
+  const std::int64_t k = stepper.steps();
+  const double t = stepper.time();
+  const ModalState* modal = stepper.modal();
+  const bool touching = (stepper.force().array() > 0).any();
+  if (modal && touching) push(stepper.force(), step_);
+  if (touching && k % every_ == 0) {
+    contact_row(t, stepper.displacement(), stepper.force());
+    if (modal) {
+      sides_row(sides_->after(stepper));
+      friction_row(stepper.displacement(), stepper.force(), stepper.slip().states());
+    }
+  }
+  if (modal) sides_->pass(stepper);
+  if (!stepper.at_sample()) return;
+  const std::int64_t sample = k / stepper.options().steps_per_sample;
+  if (sample % every_ == 0) {
+    time_->append(t);
+    if (persistency_) persistency_->append(stepper.persistency());
+    if (modal) {
+      bodies_row(modal->v, static_cast<double>(last_row_) * step_, t);
+      energy_->append(modal->energy());
+    } else {
+      bodies_row(*stepper.body_velocities());
+    }
+    last_row_ = k;
+  }
+  if (!modal) return;
+  if (snapshots_ && sample % snapshot_every_ == 0) snapshots_->append(t, modal->q, stepper.end_force());
+  receivers_->observe(stepper);
+  if (receiver_rows_) receiver_rows_->record(*receivers_);
+}
+
+/// Adds the impulses that `force` (n) exerts on the bodies in `duration` [s].
+void Recorder::push(const Vector& force, double duration) {
+  for (const Model::PairBlock& pair : model_->pairs) {
+    const Vector3d impulse = duration * model_->resultant(pair, force);
+    bodies_[pair.a].contact_impulse -= impulse;
+    if (pair.b >= 0) bodies_[pair.b].contact_impulse += impulse;
+  }
+}
+
+/// @param from  time of the previous row, or `to` in the first row
+void Recorder::bodies_row(const Vector& v, double from, double to) {
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const Model::BodyBlock& body = model_->bodies[k];
+    BodyRows& rows = bodies_[k];
+    const Vector3d momentum = model_->momentum(static_cast<int>(k), v, to);
+    Vector3d reaction = Vector3d::Zero();
+    if (body.supported && to > from) {
+      Vector3d impulse = rows.contact_impulse + (to - from) * body.weight;
+      for (const Model::Forcing& one : model_->forcing)
+        if (one.body == static_cast<int>(k)) impulse += one.history.integral(from, to) * one.total;
+      reaction = (momentum - rows.last_momentum - impulse) / (to - from);
+    }
+    append(rows.velocity, momentum / body.mass);
+    append(rows.momentum, momentum);
+    append(rows.angular_momentum, model_->angular_momentum(static_cast<int>(k), v, to));
+    append(rows.reaction, reaction);
+    rows.last_momentum = momentum;
+    rows.contact_impulse.setZero();
+  }
+}
+
+void Recorder::bodies_row(const Eigen::Matrix3Xd& velocity) {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const Vector3d v = velocity.col(b);
+    append(bodies_[b].velocity, v);
+    append(bodies_[b].momentum, bodies_[b].mass * v);
+  }
+}
+
+void Recorder::contact_row(double time, const Vector& u, const Vector& force) {
+  contact_.time->append(time);
+  append(contact_.force, force.head(gap_.size()));
+  append(contact_.gap, gap_ - u.head(gap_.size()));
+}
+
+/// Forces τ on b, displacements of a relative to b, and states of all points; 0 for points without friction.
+void Recorder::friction_row(const Vector& w, const Vector& force, std::span<const ContactState> states) {
+  if (contact_.state == nullptr) return;
+  const Eigen::Index m = gap_.size();
+  Matrix pushed = Matrix::Zero(m, 3), moved = pushed;
+  Vector state = Vector::Zero(m);
+  for (std::size_t f = 0; f < states.size(); ++f) {
+    const auto& [point, row, law] = model_->friction[f];
+    const auto tangents = model_->tangent.middleRows(row - m, 2);
+    pushed.row(point) = force.segment<2>(row).transpose() * tangents;
+    moved.row(point) = w.segment<2>(row).transpose() * tangents;
+    state(point) = static_cast<double>(states[f]);
+  }
+  contact_.tangential_force->append(std::span<const double>(pushed.data(), pushed.size()));
+  contact_.tangential_displacement->append(std::span<const double>(moved.data(), moved.size()));
+  append(contact_.state, state);
+}
+
+void Recorder::sides_row(const SidesMotion& sides) {
+  append(contact_.displacement_a, sides.displacement_a);
+  append(contact_.displacement_b, sides.displacement_b);
+  append(contact_.velocity_a, sides.velocity_a);
+  append(contact_.velocity_b, sides.velocity_b);
+}
+
+void Recorder::commit(const std::filesystem::path& summary) {
+  if (receiver_rows_) receiver_rows_->finish();
+  file_.commit(summary);
+}
+
+}  // namespace ricochet::contact

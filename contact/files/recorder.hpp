@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Streams a run into a result file (docs/formats/result.md). The file gets its final name only when it is
+// complete.
+//
+//   Recorder recorder(model, step_options, {.path = "out/two-disks.result.h5", …});
+//   while (…) { stepper.step(); recorder.record(stepper); }
+//   recorder.commit();
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/hdf5_writer.hpp"
+#include "contact/figures/contact_sides.hpp"
+#include "contact/figures/receivers.hpp"
+#include "contact/files/energy_rows.hpp"
+#include "contact/files/receiver_rows.hpp"
+#include "contact/files/snapshot_rows.hpp"
+#include "contact/model/model.hpp"
+#include "contact/static/equilibrium.hpp"
+#include "contact/stepping/stepper.hpp"
+#include "contact/table/table.hpp"
+
+namespace ricochet::contact {
+
+struct RecorderOptions {
+  std::filesystem::path path;
+  std::string title{}, scene{};             ///< scene: resolved TOML
+  std::string created_by{};                 ///< program and version
+  std::vector<std::string> kernel_files{};  ///< by body of the model
+  std::int64_t every = 1;           ///< writes a row every n-th output sample, and in contact every n-th step
+  std::int64_t snapshot_every = 0;  ///< writes modal coordinates every n-th output sample; 0 for never
+  int receivers_every = 1;          ///< output samples between rows of receivers
+};
+
+/// Lower bound on the size of a result [bytes]; rows that are written during contact are not counted.
+double least_bytes(const Model& model, const RecorderOptions& options, std::int64_t samples);
+
+class Recorder {
+ public:
+  /// Creates the file and writes the row of t = 0. `model` must outlive the recorder.
+  /// Throws InputError if the file cannot be created.
+  Recorder(const Model& model, const StepOptions& step, const RecorderOptions& options);
+
+  /// Creates the file for bodies at rest, without rows. Throws as above.
+  Recorder(const Model& model, const RecorderOptions& options);
+
+  /// Records a run by sampled responses. Energies, the motion of the two sides and modal coordinates are not
+  /// known; their datasets are absent. `snapshot_every` is not used.
+  /// @param source  the model from which the table was sampled, for points and normals, or null
+  Recorder(const Table& table, const Model* source, const StepOptions& step, const RecorderOptions& options);
+
+  /// Call it after each step of `stepper`; it applies `every`. Throws InputError if the disk is full.
+  void record(const Stepper& stepper);
+  /// Writes a row. Throws as above.
+  void record(const Equilibrium& equilibrium);
+
+  /// Motion of the receivers after the last step. Must not be called with a table.
+  const Receivers& receivers() const { return *receivers_; }
+
+  /// Writes buffered rows and gives the file its final name. No member may be called afterwards.
+  /// @param summary  summary of an earlier run; it is removed first, because a summary marks a complete run
+  void commit(const std::filesystem::path& summary = {});
+
+ private:
+  using Rows = base::hdf5::Rows;
+  struct BodyRows {
+    Rows *velocity, *momentum, *angular_momentum = nullptr, *reaction = nullptr;
+    double mass = 0;
+    Eigen::Vector3d last_momentum = Eigen::Vector3d::Zero();    ///< at the last row
+    Eigen::Vector3d contact_impulse = Eigen::Vector3d::Zero();  ///< on this body, since the last row [N s]
+  };
+  struct ContactRows {
+    Rows *time, *force, *gap;
+    Rows *displacement_a = nullptr, *displacement_b = nullptr, *velocity_a = nullptr, *velocity_b = nullptr;
+    // with friction
+    Rows *tangential_force = nullptr, *tangential_displacement = nullptr, *state = nullptr;
+  };
+
+  Recorder(const Model* model, const Vector& gap, const Vector& area, double step,
+           const RecorderOptions& options);
+  void write_points(const Model& model);
+  void write_body(const Model::BodyBlock& body, std::size_t number, const RecorderOptions& options);
+  BodyRows& add_body(const std::string& name, double mass);
+  void make_model_rows(const StepOptions& step, int receivers_every);
+  void push(const Vector& force, double duration);
+  void bodies_row(const Vector& v, double from, double to);
+  void bodies_row(const Eigen::Matrix3Xd& velocity);
+  void contact_row(double time, const Vector& u, const Vector& force);
+  void sides_row(const SidesMotion& sides);
+  void friction_row(const Vector& w, const Vector& force, std::span<const ContactState> states);
+
+  const Model* model_;  ///< null with a table
+  Vector gap_;          ///< (m)
+  double step_;
+  std::int64_t every_, snapshot_every_, last_row_ = 0;
+  base::hdf5::Writer file_;
+  std::optional<ContactSides> sides_;
+  std::optional<Receivers> receivers_;
+  Rows* time_;
+  Rows* persistency_ = nullptr;
+  ContactRows contact_{};
+  std::optional<EnergyRows> energy_;
+  std::vector<BodyRows> bodies_;
+  std::optional<ReceiverRows> receiver_rows_;
+  std::optional<SnapshotRows> snapshots_;
+};
+
+}  // namespace ricochet::contact

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "contact/files/snapshot_rows.hpp"
+
+#include "contact/model/folding.hpp"
+
+namespace ricochet::contact {
+namespace {
+
+std::span<const double> span_of(const Vector& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
+
+}  // namespace
+
+SnapshotRows::SnapshotRows(base::hdf5::Writer& file, const Model& model)
+    : model_(model), time_(file.rows("/snapshots/time", {}, "s")) {
+  for (const Model::BodyBlock& body : model.bodies) {
+    const kernels::Kernel& kernel = *body.kernel;
+    Body& rows = bodies_.emplace_back();
+    rows.modal = &file.rows("/snapshots/" + body.name, {static_cast<std::size_t>(body.modes)}, "kg^1/2 m");
+    const std::string group = "/static/" + body.name;
+    file.group(group);
+    const Vector gravity = body.rotation.transpose() * model.gravity;
+    file.attribute(group, "gravity", span_of(gravity));
+    if (!kernel.surface.residual_flexibility.empty()) {
+      const auto components = static_cast<std::size_t>(kernel.surface.residual_components());
+      rows.snapshot = &file.rows(group + "/snapshot", {}, "1");
+      rows.candidate = &file.rows(group + "/candidate", {}, "1");
+      rows.force = &file.rows(group + "/force", {components}, "N");
+    }
+    if (!kernel.applied.empty())
+      rows.load = &file.rows(group + "/load", {kernel.applied.size(), 3}, "Pa or N");
+    if (!kernel.motions.empty()) rows.motion = &file.rows(group + "/motion", {kernel.motions.size(), 3}, "m");
+  }
+}
+
+void SnapshotRows::append(double time, const Vector& q, const Vector& p) {
+  time_.append(time);
+  Vector whole = q;
+  set_folded(model_, time, p, whole);
+  for (const Model::Forcing& one : model_.forcing)
+    whole.segment(one.first_mode, one.lift.size()) += one.history.at(time) * one.lift;
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const Model::BodyBlock& body = model_.bodies[k];
+    const Body& rows = bodies_[k];
+    rows.modal->append(span_of(whole.segment(body.first_mode, body.modes)));
+    if (rows.force != nullptr) append_forces(body, rows, p);
+    Vector load = Vector::Zero(3 * body.kernel->applied.size()),
+           motion = Vector::Zero(3 * body.kernel->motions.size());
+    for (const Model::Forcing& one : model_.forcing)
+      if (one.body == static_cast<int>(k))
+        (one.support ? motion : load).segment<3>(3 * one.entry) +=
+            one.history.at(time) * (body.rotation.transpose() * one.vector);
+    if (rows.load != nullptr) rows.load->append(span_of(load));
+    if (rows.motion != nullptr) rows.motion->append(span_of(motion));
+  }
+  ++count_;
+}
+
+/// The forces p on the relative displacements u = P u_C + … push the candidates of this body by −Pᵀ p.
+void SnapshotRows::append_forces(const Model::BodyBlock& body, const Body& rows, const Vector& p) {
+  const Vector force = -(body.static_selection.transpose() * p);
+  const Eigen::Index components = body.kernel->surface.residual_components();
+  for (Eigen::Index j = 0; j < force.size(); j += components) {
+    const auto own = force.segment(j, components);
+    if ((own.array() == 0).all()) continue;
+    rows.snapshot->append(static_cast<double>(count_));
+    rows.candidate->append(static_cast<double>(j / components));
+    rows.force->append({own.data(), static_cast<std::size_t>(components)});
+  }
+}
+
+}  // namespace ricochet::contact
