@@ -39,6 +39,7 @@
 #include <utility>
 #include <vector>
 
+#include "contact/figures/error_estimate.hpp"
 #include "contact/figures/quantities.hpp"
 #include "ricochet/kernel.hpp"
 

@@ -11,6 +11,15 @@ namespace ricochet::contact {
 
 using Eigen::Vector3d;
 
+Figures EquilibriumSummary::quantities() const {
+  Vector force(std::ssize(pairs)), approach(std::ssize(pairs));
+  for (Eigen::Index p = 0; p < force.size(); ++p) {
+    force[p] = pairs[static_cast<std::size_t>(p)].force_n;
+    approach[p] = pairs[static_cast<std::size_t>(p)].approach_m;
+  }
+  return {{Quantity::force, {force, force.norm()}}, {Quantity::approach, {approach, approach.norm()}}};
+}
+
 EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium,
                              std::vector<MaterialLimits> limits) {
   EquilibriumSummary out;
@@ -20,10 +29,12 @@ EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium,
   if (out.candidates > 0)
     out.max_penetration_m =
         std::max(0.0, (equilibrium.displacement.head(model.points()) - model.gap).maxCoeff());
-  for (const Model::BodyBlock& body : model.bodies) {
+  const std::vector<RigidMotion> rigid = RigidMotions(model).of(equilibrium.q);
+  for (std::size_t k = 0; k < model.bodies.size(); ++k) {
+    const Model::BodyBlock& body = model.bodies[k];
     out.modes[body.name] = body.modes;
     out.basis[body.name] = body.kernel->modes.basis;
-    const double angle = rigid_motion(body, pseudo_inverse(body.inertia), equilibrium.q).rotation.norm();
+    const double angle = rigid[k].rotation.norm();
     if (auto warning = rotation_warning(body.name, angle); warning && equilibrium.active > 0)
       out.warnings.push_back(*warning);
   }

@@ -36,6 +36,8 @@ struct EquilibriumSummary {
   std::optional<ErrorEstimate> error_estimate;  ///< set by the caller
   std::vector<std::string> warnings;
   double wall_s = 0;  ///< set by the caller
+
+  Figures quantities() const;  ///< force and approach of each pair
 };
 
 /// @param limits  by body, for warnings on pressure; empty: unknown

@@ -6,12 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "ricochet/quantity.hpp"
+#include "contact/figures/figure.hpp"
 
 namespace ricochet::contact {
-
-/// Relative error of each quantity that a run has.
-using Errors = std::map<Quantity, double>;
 
 enum class Cause {
   mesh,         ///< order and size of the elements

@@ -10,7 +10,6 @@
 
 namespace ricochet::contact {
 
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 namespace {
@@ -40,25 +39,6 @@ double spacing_of(const Any& surface) {
 
 }  // namespace
 
-RigidMotion rigid_motion(const Model::BodyBlock& body, const Matrix3d& inverse_inertia, const Vector& state) {
-  RigidMotion out;
-  out.centre = body.centre;
-  if (body.supported) return out;
-  const auto modal = state.segment(body.first_mode, body.modes);
-  const Vector3d linear = body.momentum * modal, angular = body.angular_momentum * modal;
-  out.linear = linear / body.mass;
-  out.rotation = inverse_inertia * (angular - body.centre.cross(linear));
-  return out;
-}
-
-Matrix3d pseudo_inverse(const Matrix3d& inertia) {
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(inertia);
-  Vector3d inverse = Vector3d::Zero();
-  for (int k = 0; k < 3; ++k)
-    if (eigen.eigenvalues()(k) > 1e-9 * eigen.eigenvalues()(2)) inverse(k) = 1 / eigen.eigenvalues()(k);
-  return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
-}
-
 std::optional<std::string> rotation_warning(const std::string& body, double angle) {
   if (!(in_degrees(angle) > largest_rotation_deg)) return {};
   return fmt::format("{} turned by {:.3g} degrees while touching (above {:g}): rotations are linearised",
@@ -74,35 +54,22 @@ std::optional<std::string> reach_warning(const Model& model, const Model::PairBl
 }
 
 LinearityCheck::LinearityCheck(const Model& model, double wave_speed)
-    : model_(model), wave_speed_(wave_speed), nearer_(model.pairs.size(), 0) {
-  for (const Model::BodyBlock& body : model.bodies) inverse_inertia_.push_back(pseudo_inverse(body.inertia));
+    : model_(model),
+      wave_speed_(wave_speed),
+      rigid_(model),
+      nearer_(model.pairs.size(), 0),
+      turns_(model.bodies.size()) {
   for (const Model::PairBlock& pair : model.pairs) {
     const kernels::Surface& surface = model.bodies[pair.a].kernel->surface;
     spacing_.push_back(surface.whole ? spacing_of(*surface.whole) : spacing_of(surface));
-  }
-  // θ = I⁻¹ (L − c × p): elastic modes have neither momentum p nor angular momentum L.
-  for (std::size_t k = 0; k < model.bodies.size(); ++k) {
-    const Model::BodyBlock& body = model.bodies[k];
-    Turn& turn = turns_.emplace_back();
-    for (int n = 0; n < body.modes; ++n) {
-      if (model.omega(body.first_mode + n) != 0) continue;
-      const Vector3d linear = body.momentum.col(n), angular = body.angular_momentum.col(n),
-                     rotation = inverse_inertia_[k] * (angular - body.centre.cross(linear));
-      if (rotation.isZero(0)) continue;
-      turn.mode.push_back(body.first_mode + n);
-      turn.per_mode.conservativeResize(3, std::ssize(turn.mode));
-      turn.per_mode.rightCols<1>() = rotation;
-    }
   }
 }
 
 void LinearityCheck::observe_rotation(const Vector& q, double time) {
   last_ = time;
-  for (Turn& turn : turns_) {
-    Vector3d rotation = Vector3d::Zero();
-    for (std::size_t k = 0; k < turn.mode.size(); ++k)
-      rotation += turn.per_mode.col(static_cast<Eigen::Index>(k)) * q(turn.mode[k]);
-    turn.angle = std::max(turn.angle, rotation.norm());
+  for (std::size_t k = 0; k < turns_.size(); ++k) {
+    Turn& turn = turns_[k];
+    turn.angle = std::max(turn.angle, rigid_.of(static_cast<int>(k), q).rotation.norm());
     if (!turn.since && in_degrees(turn.angle) > largest_rotation_deg) turn.since = time;
   }
 }
@@ -122,11 +89,7 @@ std::string LinearityCheck::turned_in_flight() const {
 }
 
 void LinearityCheck::observe(const Stepper& stepper, const Vector& before, bool first) {
-  std::vector<RigidMotion> moved, speed;
-  for (std::size_t k = 0; k < model_.bodies.size(); ++k) {
-    moved.push_back(rigid_motion(model_.bodies[k], inverse_inertia_[k], stepper.modal()->q));
-    speed.push_back(rigid_motion(model_.bodies[k], inverse_inertia_[k], before));
-  }
+  const std::vector<RigidMotion> moved = rigid_.of(stepper.modal()->q), speed = rigid_.of(before);
   const auto turned = [&](int k) {
     const double angle = moved[k].rotation.norm();
     if (angle <= tilt_) return;

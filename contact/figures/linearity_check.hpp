@@ -6,22 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "contact/figures/rigid_motion.hpp"
 #include "contact/model/model.hpp"
 #include "contact/stepping/stepper.hpp"
 
 namespace ricochet::contact {
-
-/// Mass-mean displacement and rotation (or their rates) of a body; 0 for supported bodies.
-struct RigidMotion {
-  Eigen::Vector3d linear{0, 0, 0}, rotation{0, 0, 0}, centre{0, 0, 0};
-  Eigen::Vector3d at(const Eigen::Vector3d& x) const { return linear + rotation.cross(x - centre); }
-};
-
-RigidMotion rigid_motion(const Model::BodyBlock& body, const Eigen::Matrix3d& inverse_inertia,
-                         const Vector& state);
-
-/// Pseudo-inverse of an inertia tensor, because rods have no inertia about their axis, or none at all.
-Eigen::Matrix3d pseudo_inverse(const Eigen::Matrix3d& inertia);
 
 /// Returns a warning if `body` turned by more than linear rotations allow.
 /// @param angle  [rad], while touching
@@ -52,8 +41,6 @@ class LinearityCheck {
 
  private:
   struct Turn {                   ///< rotation of a body in its rigid modes
-    std::vector<int> mode;        ///< the rigid modes that turn it
-    Eigen::Matrix3Xd per_mode;    ///< (3, of these) [kg^-1/2 m^-1]
     double angle = 0;             ///< largest [rad]
     std::optional<double> since;  ///< time after which it exceeded what linear rotations allow [s]
   };
@@ -61,7 +48,7 @@ class LinearityCheck {
 
   const Model& model_;
   double wave_speed_;
-  std::vector<Eigen::Matrix3d> inverse_inertia_;  ///< by body, pseudo-inverse
+  RigidMotions rigid_;
   std::vector<double> spacing_;  ///< by pair, smallest distance between neighbouring candidates of a [m]
   double approach_ = 0;  ///< largest normal approach speed of a point in the first step of an episode [m/s]
   std::vector<double> nearer_;        ///< by pair, farthest rigid approach of its points [m]

@@ -5,8 +5,6 @@
 
 #include <algorithm>
 
-#include "contact/figures/linearity_check.hpp"
-
 namespace ricochet::contact {
 
 using Eigen::Matrix3Xd;
@@ -24,8 +22,7 @@ Points points(const std::vector<double>& values) {
 
 }  // namespace
 
-ObstacleCheck::ObstacleCheck(const Model& model) : model_(model), passages_(model) {
-  for (const Model::BodyBlock& body : model.bodies) inverse_inertia_.push_back(pseudo_inverse(body.inertia));
+ObstacleCheck::ObstacleCheck(const Model& model) : model_(model), rigid_(model), passages_(model) {
   for (std::size_t p = 0; p < model.pairs.size(); ++p) {
     const Model::PairBlock& pair = model.pairs[p];
     const Model::BodyBlock& body = model.bodies[pair.a];
@@ -52,9 +49,7 @@ ObstacleCheck::ObstacleCheck(const Model& model) : model_(model), passages_(mode
 }
 
 void ObstacleCheck::observe(const Vector& q, double time) {
-  std::vector<RigidMotion> motions;
-  for (std::size_t k = 0; k < model_.bodies.size(); ++k)
-    motions.push_back(rigid_motion(model_.bodies[k], inverse_inertia_[k], q));
+  const std::vector<RigidMotion> motions = rigid_.of(q);
   passages_.observe(motions, time);
   for (Side& side : sides_) {
     const Model::PairBlock& pair = model_.pairs[side.pair];

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "contact/figures/passage_check.hpp"
+#include "contact/figures/rigid_motion.hpp"
 #include "contact/model/model.hpp"
 
 namespace ricochet::contact {
@@ -43,7 +44,7 @@ class ObstacleCheck {
     Eigen::Vector3d at{0, 0, 0};      ///< where, in the initial position
   };
   const Model& model_;
-  std::vector<Eigen::Matrix3d> inverse_inertia_;  ///< by body
+  RigidMotions rigid_;
   std::vector<Side> sides_;
   PassageCheck passages_;
 };

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "contact/figures/linearity_check.hpp"
+#include "contact/figures/rigid_motion.hpp"
 #include "contact/model/model.hpp"
 #include "contact/pairing/surface_projection.hpp"
 

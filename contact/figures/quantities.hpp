@@ -1,36 +1,21 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The quantities of interest of one run (ricochet/quantity.hpp), and facts about its contact.
+// The quantities of interest of one run, and facts about its contact, for error estimates.
 #pragma once
 
 #include <cstdint>
 #include <functional>
 #include <limits>
-#include <map>
 #include <optional>
 #include <vector>
 
-#include "contact/figures/error_estimate.hpp"
+#include "contact/figures/figure.hpp"
 #include "contact/model/model.hpp"
 #include "ricochet/step_options.hpp"
 
 namespace ricochet::contact {
 
-/// A quantity with the scale to which its error is relative.
-struct Figure {
-  Vector value;
-  double scale = 0;
-};
-
-/// The quantities of one run. All runs of one scene have the same ones.
-///
-/// Velocities are those when contact last ended, or at the end of the run if bodies still touch. They are
-/// relative to V, the largest speed at which a pair of bodies approached when contact began, or half of the
-/// largest change of velocity if that is larger (bodies that are pressed together have no approach speed).
-/// With one free body, the relative error of its velocity is thus the error of the coefficient of
-/// restitution. Angular velocities are relative to V divided by the body's radius of gyration, and energies
-/// to kinetic + strain energy when contact began. All other quantities are relative to themselves.
 struct Quantities {
-  std::map<Quantity, Figure> figures;
+  Figures figures;
   /// The longest touch [s]; 0 at rest. Truncated fronts open a contact for moments: gaps of up to two steps,
   /// or a tenth of the touch so far, do not end it.
   double longest_touch = 0;
@@ -43,8 +28,7 @@ struct Quantities {
   bool touched() const;
 };
 
-/// Relative distance of each quantity: |a − b| / scale of a. If a scale is 0, the distance is infinite unless
-/// both values are equal.
+/// Relative error of each quantity of `b`, with the scales of `a`.
 Errors distances(const Quantities& a, const Quantities& b);
 
 /// @param receivers  whether to record the motion of receivers too

@@ -9,7 +9,6 @@
 #include <numbers>
 #include <utility>
 
-#include "contact/figures/linearity_check.hpp"
 #include "contact/model/folding.hpp"
 
 namespace ricochet::contact {
@@ -35,9 +34,8 @@ constexpr double faster = 1.05;
 
 }  // namespace
 
-ResolutionCheck::ResolutionCheck(const Model& model) : model_(model), most_active_(model.pairs.size(), 0) {
-  for (const Model::BodyBlock& body : model.bodies) inverse_inertia_.push_back(pseudo_inverse(body.inertia));
-}
+ResolutionCheck::ResolutionCheck(const Model& model)
+    : model_(model), rigid_(model), most_active_(model.pairs.size(), 0) {}
 
 void ResolutionCheck::observe(const Stepper& stepper, const Vector& before) {
   if (step_ == 0) {
@@ -73,9 +71,7 @@ void ResolutionCheck::observe(const Stepper& stepper, const Vector& before) {
 /// Largest approach speed of the pressed points in the rigid motion of the bodies [m/s].
 /// @param rates  (N) q̇
 double ResolutionCheck::approach(const Vector& force, const Vector& rates) const {
-  std::vector<RigidMotion> speed;
-  for (std::size_t k = 0; k < model_.bodies.size(); ++k)
-    speed.push_back(rigid_motion(model_.bodies[k], inverse_inertia_[k], rates));
+  const std::vector<RigidMotion> speed = rigid_.of(rates);
   double fastest = 0;
   for (const Model::PairBlock& pair : model_.pairs)
     for (int i = pair.first_point; i < pair.first_point + pair.points; ++i) {
@@ -87,7 +83,7 @@ double ResolutionCheck::approach(const Vector& force, const Vector& rates) const
   return fastest;
 }
 
-std::vector<std::string> ResolutionCheck::warnings(const Summary& figures) const {
+std::vector<std::string> ResolutionCheck::warnings(const ImpactFigures& figures) const {
   std::vector<std::string> out;
   std::string peak = front(figures);
   if (peak.empty()) peak = overshoot(figures);
@@ -98,7 +94,7 @@ std::vector<std::string> ResolutionCheck::warnings(const Summary& figures) const
 
 /// The peak of a wave front converges to that of Gibbs' overshoot, or to that of the first step, and not to
 /// that of the front. One run cannot distinguish such a front from a pulse that a higher band would resolve.
-std::string ResolutionCheck::front(const Summary& figures) const {
+std::string ResolutionCheck::front(const ImpactFigures& figures) const {
   for (std::size_t k = 0; k < figures.episodes.size(); ++k) {
     const double start = figures.episodes[k].start_s;
     double end = figures.episodes[k].end_s.value_or(std::max(start, peak_.time()));
@@ -122,7 +118,7 @@ std::string ResolutionCheck::front(const Summary& figures) const {
 double ResolutionCheck::resolved() const { return std::max(steps_of_front * step_, shortest_period_); }
 
 /// A front that is released, or whose ripple exceeds its rise later, has a peak that rises slowly.
-std::string ResolutionCheck::overshoot(const Summary& figures) const {
+std::string ResolutionCheck::overshoot(const ImpactFigures& figures) const {
   if (!mean_ || !(peak_.peak() > (1 + share_of_overshoot) * mean_->peak())) return "";
   // The touch around the peak. Ripple may open it for a period of the highest mode.
   double start = 0, end = 0;
@@ -163,7 +159,7 @@ std::string ResolutionCheck::few_candidates() const {
   return "";
 }
 
-std::string ResolutionCheck::low_band(const Summary& figures) const {
+std::string ResolutionCheck::low_band(const ImpactFigures& figures) const {
   double shortest = std::numeric_limits<double>::infinity();
   for (const Episode& episode : figures.episodes)
     if (episode.end_s && episode.impulse_ns >= share_of_impulse * figures.impulse_ns)

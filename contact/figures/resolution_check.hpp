@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "contact/figures/impact_figures.hpp"
 #include "contact/figures/peak_mean.hpp"
 #include "contact/figures/peak_rise.hpp"
-#include "contact/figures/summary.hpp"
+#include "contact/figures/rigid_motion.hpp"
 #include "contact/model/model.hpp"
 #include "contact/stepping/stepper.hpp"
 
@@ -23,21 +24,21 @@ class ResolutionCheck {
   void observe(const Stepper& stepper, const Vector& before);
 
   /// @param figures  of the same run
-  std::vector<std::string> warnings(const Summary& figures) const;
+  std::vector<std::string> warnings(const ImpactFigures& figures) const;
 
  private:
   double approach(const Vector& force, const Vector& rates) const;
   double resolved() const;
-  std::string front(const Summary& figures) const;
-  std::string overshoot(const Summary& figures) const;
+  std::string front(const ImpactFigures& figures) const;
+  std::string overshoot(const ImpactFigures& figures) const;
   std::string few_candidates() const;
-  std::string low_band(const Summary& figures) const;
+  std::string low_band(const ImpactFigures& figures) const;
   std::string faster_approach() const;
 
   const Model& model_;
-  std::vector<Eigen::Matrix3d> inverse_inertia_;  ///< by body
-  double step_ = 0;                               ///< Δ [s]
-  double shortest_period_ = 0;                    ///< of the modes that steps sample [s]; 0: no elastic mode
+  RigidMotions rigid_;
+  double step_ = 0;             ///< Δ [s]
+  double shortest_period_ = 0;  ///< of the modes that steps sample [s]; 0: no elastic mode
   PeakRise peak_;
   std::optional<PeakMean> mean_;  ///< over the shortest time that the run resolves; set by the first step
   std::vector<int> most_active_;  ///< by pair

@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The main results of one run.
-//
-// λ_k acts over (t_{k−1}, t_k]: contact starts at the beginning of the first step with a force and ends at
-// the end of the last one. An episode is an uninterrupted sequence of steps with a force.
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -13,21 +9,10 @@
 #include <vector>
 
 #include "contact/figures/error_estimate.hpp"
+#include "contact/figures/impact_figures.hpp"
 #include "ricochet/step_options.hpp"
 
 namespace ricochet::contact {
-
-struct Episode {
-  double start_s = 0;
-  std::optional<double> end_s;  ///< no value if bodies touch in the last step of the run
-  double impulse_ns = 0;        ///< Σ λ_i Δ
-  double peak_force_n = 0;      ///< largest Σ_i λ_i of a step
-  /// Closing speed along the impulse of the episode when it began, of mass-mean velocities, with supported
-  /// bodies and obstacles at 0 [m/s]. No value if more than one pair touched.
-  std::optional<double> approach_m_per_s{};
-  /// Minus the ratio of exit to approach; no value without an end or an approach.
-  std::optional<double> restitution{};
-};
 
 /// A WAV file of velocities of receivers.
 struct Sound {
@@ -36,25 +21,13 @@ struct Sound {
   double rate_hz = 0;             ///< of the file
 };
 
-struct Summary {
-  std::optional<double> contact_start_s;
-  std::optional<double> contact_end_s;  ///< no value without contact, or if bodies touch in the last step
-  std::int64_t contact_steps = 0;       ///< steps with a force
-  std::vector<Episode> episodes;
-  double peak_force_n = 0;  ///< largest Σ_i λ_i of a step
-  double impulse_ns = 0;    ///< Σ λ_i Δ over the run
-  /// Mass-mean velocity of each body when contact last ended [m/s]; empty if contact_end_s has no value.
-  std::map<std::string, Eigen::Vector3d> exit_velocity;
-  /// Minus the ratio of exit to approach relative velocity along the impulse, with supported bodies and
-  /// obstacles at 0. No value if contact has no end, if there is no approach, or if more than one pair
-  /// touched.
-  std::optional<double> restitution;
+struct Summary : ImpactFigures {
   /// Largest deviation of the ledger, relative to the largest of kinetic + strain + residual energy, work of
   /// loads, and energy lost in contact. No value with table kernels.
   std::optional<double> energy_drift;
   /// Energy lost in contact, relative to kinetic + strain energy when contact started, above the strain under
-  /// dead loads at t = 0. No value with table
-  /// kernels, or if bodies at rest lost energy that loads supplied later.
+  /// dead loads at t = 0. No value with table kernels, or if bodies at rest lost energy that loads supplied
+  /// later.
   std::optional<double> energy_lost_contact;
   /// Energy that modes above the band would take (band_share.hpp), relative as energy_lost_contact, and the
   /// amount by which the restitution would fall. No values if unknown, as with table kernels or impulses.
@@ -64,7 +37,6 @@ struct Summary {
   std::optional<double> friction_impulse_ns;  ///< |Σ τ_i Δ| of each pair as a vector, summed over the pairs
   std::optional<double> max_slip_m;           ///< longest path that a pressed point slipped
   std::optional<std::int64_t> ambiguous_steps;  ///< steps whose forces are known not to be the only solution
-  double max_penetration_m = 0;                 ///< largest u − g at the end of a step
   std::int64_t limited_steps = 0;               ///< steps that max_pivots cut short
   double limited_residual = 0;  ///< largest ratio of SolveResidual::violation to scale in these steps
   std::map<std::string, int> modes;
@@ -73,7 +45,6 @@ struct Summary {
   Precision precision = Precision::float64;  ///< precision of the products of steps
   int candidates = 0;                        ///< number of contact points, m
   int unpaired = 0;
-  int max_active = 0;
   std::optional<ErrorEstimate> error_estimate;  ///< set by the caller; no value if not estimated
   std::map<std::string, Sound> sounds;          ///< by receiver; set by the caller
   std::optional<Sound> sound;                   ///< for players; set by the caller

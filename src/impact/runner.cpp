@@ -140,11 +140,8 @@ contact::Summary steps(const Impact& impact, console::Console& console, ImpactOb
         return contact::make_stepper(impact.model, impact.options);
       });
   observer.started(impact, *stepper);
-  contact::SummaryObserver figures =
-      impact.table
-          ? contact::SummaryObserver(*impact.table, impact.model ? &*impact.model : nullptr, impact.options)
-          : contact::SummaryObserver(*impact.model, step, slowest_wave(impact.scene),
-                                     limits_of(impact.scene));
+  contact::SummaryObserver figures(impact.source(), step, slowest_wave(impact.scene),
+                                   limits_of(impact.scene));
   const contact::StepsMade made = contact::run_steps(*stepper, impact.steps, [&](std::int64_t k) {
     figures.observe(*stepper);
     observer.stepped(*stepper);

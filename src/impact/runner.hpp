@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "contact/figures/equilibrium_summary.hpp"
+#include "contact/figures/motion_source.hpp"
 #include "contact/figures/summary.hpp"
 #include "contact/model/model.hpp"
 #include "contact/static/equilibrium.hpp"
@@ -36,6 +37,9 @@ struct Impact {
   StepOptions options{};
   std::int64_t steps = 0;  ///< contact steps; 0 at rest
   std::int64_t samples() const { return steps / options.steps_per_sample; }
+  contact::MotionSource source() const {
+    return table ? contact::MotionSource(*table, model.get()) : contact::MotionSource(*model);
+  }
 };
 
 /// Observes an impact. The run ends if a function throws.

@@ -59,11 +59,11 @@ double largest(const std::optional<Errors>& errors) {
 /// Error of impulse and rebound compared with the wave solution. The second three components of the rebound
 /// are the velocity of the rod that was struck.
 double true_error(const Quantities& found) {
-  const Vector& rebound = found.figures.at(Quantity::rebound).value;
-  Vector exact = Vector::Zero(6);
-  exact[3] = speed;
-  return std::max(std::abs(found.figures.at(Quantity::impulse).value[0] / (length * speed) - 1),
-                  (rebound - exact).norm() / speed);
+  Figure impulse{Vector::Constant(1, length * speed), length * speed}, rebound{Vector::Zero(6), speed};
+  rebound.value[3] = speed;
+  Quantities exact;
+  exact.figures = {{Quantity::impulse, impulse}, {Quantity::rebound, rebound}};
+  return distance(exact, found);
 }
 
 TEST(Quantities, of_colliding_rods_are_those_of_the_waves) {

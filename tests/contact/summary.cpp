@@ -10,9 +10,12 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "contact/figures/quantities.hpp"
 #include "contact/files/summary_file.hpp"
+#include "contact/table/table_stepper.hpp"
 #include "tests/contact/bodies.hpp"
 #include "tests/contact/rigid_plate.hpp"
+#include "tests/contact/rod_tables.hpp"
 #include "tests/contact/sliding.hpp"
 #include "tests/support.hpp"
 
@@ -28,6 +31,7 @@ using ricochet::kernels::Kernel;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::SizeIs;
 
 constexpr double length = 10, step = 0.01;
 
@@ -106,6 +110,51 @@ TEST(Summary, of_bodies_that_miss_has_no_contact) {
   EXPECT_THAT(s.episodes, IsEmpty());
   EXPECT_EQ(s.impulse_ns, 0);
   EXPECT_EQ(s.energy_lost_contact, 0);
+}
+
+TEST(Summary, has_the_quantities_that_estimates_compare) {
+  const Kernel kernel = rod(20, length);
+  const Model model = rods(kernel, 0.005);
+  const Summary s = run(model, 30);
+  const auto compared = impact_quantities(model, {.step = step}, 3000);
+  ASSERT_TRUE(compared);
+  EXPECT_THAT(s.quantities, SizeIs(5));  // no spin of rods, and no receivers
+  for (const auto& [quantity, figure] : s.quantities) {
+    EXPECT_EQ(figure.value, compared->figures.at(quantity).value) << name_of(quantity);
+    EXPECT_EQ(figure.scale, compared->figures.at(quantity).scale) << name_of(quantity);
+  }
+  const Vector& rebound = s.quantities.at(Quantity::rebound).value;
+  EXPECT_NEAR(rebound[3], s.exit_velocity.at("right").x(), 1e-12);  // elastic modes carry no momentum
+  EXPECT_EQ(s.quantities.at(Quantity::impulse).value[0], s.impulse_ns);
+}
+
+TEST(Summary, of_a_supported_body_that_can_still_slide_has_its_rebound) {
+  Kernel kernel = rod(100, length);
+  const Summary free = run(rods(kernel, 0.005), 30);
+  kernel.supported = true;
+  const Summary guided = run(rods(kernel, 0.005), 30);
+  EXPECT_EQ(guided.restitution, free.restitution);
+  EXPECT_EQ(guided.episodes.front().approach_m_per_s, free.episodes.front().approach_m_per_s);
+}
+
+TEST(Summary, of_sampled_responses_has_the_restitution_of_the_only_pair_that_touches) {
+  const StepOptions options{.step = test::step};
+  Table table = test::rods(0.005, 3000);
+  const auto figures = [&] {
+    TableStepper stepper(table, options);
+    SummaryObserver observer({table, nullptr}, options.step, 0);
+    for (int k = 0; k < 2500; ++k) {
+      EXPECT_EQ(stepper.step(), StepStatus::ok);
+      observer.observe(stepper);
+    }
+    return observer.summary();
+  };
+  const Summary two = figures();
+  EXPECT_NEAR(two.restitution.value(), 1, 1e-3);  // one of the 2000 steps of contact
+  EXPECT_THAT(two.quantities, SizeIs(4));         // no energy
+  EXPECT_FALSE(two.energy_drift);
+  table.bodies.push_back({"aside", 1, {0, 0, 0}, {0, 0, 0}, Matrix::Zero(1, 3)});
+  EXPECT_EQ(figures().restitution, two.restitution);
 }
 
 /// A mass of 1 kg, pressed by 2 N, on a surface with friction 0.5: 1 N stops or holds it.

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "contact/figures/figure_observer.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "contact/stepping/step_system.hpp"
+
+namespace ricochet::contact {
+
+using Eigen::Matrix3Xd;
+using Eigen::Vector3d;
+
+FigureObserver::FigureObserver(MotionSource source, double step)
+    : source_(std::move(source)),
+      step_(step),
+      impulse_(Matrix3Xd::Zero(3, std::ssize(source_.pairs()))),
+      episode_impulse_(impulse_) {
+  now_.state = source_.initial_state();
+  if (const Model* const model = source_.modes()) now_.energy = initial_energy(*model);
+  initial_strain_ = now_.energy.strain;
+  if (source_.gap().size() > 0) closest_ = source_.gap().minCoeff(&closest_point_);
+}
+
+void FigureObserver::observe(const Stepper& stepper) {
+  std::swap(before_, now_);
+  now_.time = stepper.time();
+  now_.state = source_.state(stepper);
+  if (source_.modes()) now_.energy = stepper.modal()->energy();
+  if (const Vector& gap = source_.gap(); gap.size() > 0) {
+    Eigen::Index point = 0;
+    const double deepest = (stepper.displacement().head(gap.size()) - gap).maxCoeff(&point);
+    out_.max_penetration_m = std::max(out_.max_penetration_m, deepest);
+    if (-deepest < closest_) {
+      closest_ = -deepest;
+      closest_point_ = point;
+    }
+  }
+  touched_ = std::exchange(touching_, (stepper.force().head(stepper.points()).array() > 0).any());
+  if (touching_) {
+    count(stepper);
+  } else if (touched_) {
+    out_.contact_end_s = out_.episodes.back().end_s = last_touch_;
+    at_end_ = before_;
+    judge(out_.episodes.back());
+  }
+}
+
+/// Adds a step with a force. After the last point has opened, the mean force still acts for up to two steps.
+void FigureObserver::count(const Stepper& stepper) {
+  const double start = now_.time - step_;
+  if (!touched_) {
+    out_.episodes.push_back({.start_s = start, .end_s = {}});
+    episode_start_ = before_.state;
+    episode_impulse_.setZero();
+  }
+  if (!out_.contact_start_s) {
+    out_.contact_start_s = start;
+    at_start_ = before_;
+  }
+  if (stepper.active() > 0) last_touch_ = now_.time;
+  out_.contact_end_s.reset();
+  const double force = stepper.force().head(stepper.points()).sum();
+  Episode& episode = out_.episodes.back();
+  episode.impulse_ns += force * step_;
+  episode.peak_force_n = std::max(episode.peak_force_n, force);
+  out_.impulse_ns += force * step_;
+  out_.peak_force_n = std::max(out_.peak_force_n, force);
+  out_.max_active = std::max(out_.max_active, stepper.active());
+  ++out_.contact_steps;
+  for (std::size_t p = 0; p < source_.pairs().size(); ++p) {
+    const MotionSource::Pair& pair = source_.pairs()[p];
+    const Vector3d impulse =
+        step_ * pair.normal.transpose() * stepper.force().segment(pair.first, pair.points);
+    impulse_.col(static_cast<Eigen::Index>(p)) += impulse;
+    episode_impulse_.col(static_cast<Eigen::Index>(p)) += impulse;
+  }
+}
+
+/// Sets the approach of the last episode and, if it has ended, its restitution.
+void FigureObserver::judge(Episode& episode) const {
+  episode.approach_m_per_s = closing_speed(episode_start_, episode_impulse_);
+  if (episode.end_s && episode.approach_m_per_s && *episode.approach_m_per_s > 0)
+    episode.restitution = -*closing_speed(at_end_.state, episode_impulse_) / *episode.approach_m_per_s;
+}
+
+/// Speed at which the bodies of a pair as a whole approach each other along its impulse [m/s].
+double FigureObserver::closing_speed(std::size_t p, const Vector& state, const Matrix3Xd& impulse) const {
+  const MotionSource::Pair& pair = source_.pairs()[p];
+  Vector3d relative = source_.velocity(pair.a, state);
+  if (pair.b >= 0) relative -= source_.velocity(pair.b, state);
+  return relative.dot(impulse.col(static_cast<Eigen::Index>(p)).normalized());
+}
+
+/// That of the only pair with an impulse; no value if there are several or none.
+std::optional<double> FigureObserver::closing_speed(const Vector& state, const Matrix3Xd& impulse) const {
+  const Eigen::RowVectorXd size = impulse.colwise().norm();
+  if ((size.array() > 0).count() != 1) return {};
+  Eigen::Index p = 0;
+  size.maxCoeff(&p);
+  return closing_speed(static_cast<std::size_t>(p), state, impulse);
+}
+
+ImpactFigures FigureObserver::figures() const {
+  ImpactFigures out = out_;
+  if (touching_) judge(out.episodes.back());
+  out.quantities = quantities();
+  if (!out.contact_end_s) return out;
+  for (std::size_t k = 0; k < source_.bodies().size(); ++k) {
+    const MotionSource::Body& body = source_.bodies()[k];
+    out.exit_velocity[body.name] =
+        source_.momentum(static_cast<int>(k), at_end_.state, at_end_.time) / body.mass;
+  }
+  if (const auto speed = approach(); speed && *speed > 0)
+    out.restitution = -*closing_speed(at_end_.state, impulse_) / *speed;
+  return out;
+}
+
+Figures FigureObserver::quantities() const {
+  const auto relative_to_itself = [](double value) { return Figure{Vector::Constant(1, value), value}; };
+  Figures out;
+  out[Quantity::impulse] = relative_to_itself(out_.impulse_ns);
+  out[Quantity::peak_force] = relative_to_itself(out_.peak_force_n);
+  out[Quantity::duration] = relative_to_itself(static_cast<double>(out_.contact_steps) * step_);
+  const Instant &start = out_.contact_start_s ? at_start_ : now_, &end = out_.contact_end_s ? at_end_ : now_;
+  add_motion(out, start.state, end.state);
+  if (!source_.modes()) return out;
+  Figure energy{Vector(2), elastic(start.energy)};
+  energy.value << elastic(end.energy) + end.energy.residual - source_.rigid_energy(end.state),
+      end.energy.damping + end.energy.contact;
+  // Bodies that are pressed together from rest have no energy at the start.
+  if (!(energy.scale > 0)) energy.scale = energy.value.cwiseAbs().maxCoeff();
+  out[Quantity::energy] = energy;
+  return out;
+}
+
+/// The velocities of the bodies that can move rigidly, and V.
+void FigureObserver::add_motion(Figures& out, const Vector& start, const Vector& end) const {
+  double speed = 0;
+  for (std::size_t p = 0; p < source_.pairs().size(); ++p)
+    speed = std::max(speed, closing_speed(p, start, impulse_));
+  std::vector<double> rebound, spin;
+  bool turns = false;
+  for (std::size_t k = 0; k < source_.bodies().size(); ++k) {
+    if (!source_.bodies()[k].moves) continue;
+    const int body = static_cast<int>(k);
+    const Vector3d velocity = source_.velocity(body, end);
+    speed = std::max(speed, (velocity - source_.velocity(body, start)).norm() / 2);
+    rebound.insert(rebound.end(), velocity.begin(), velocity.end());
+    const auto turn = source_.spin(body, end);
+    turns = turns || turn;
+    spin.insert(spin.end(), 3, 0.0);
+    if (turn) std::ranges::copy(*turn, spin.end() - 3);
+  }
+  const auto relative_to_speed = [&](const std::vector<double>& values) {
+    return Figure{Eigen::Map<const Vector>(values.data(), std::ssize(values)), speed};
+  };
+  out[Quantity::rebound] = relative_to_speed(rebound);
+  if (turns) out[Quantity::spin] = relative_to_speed(spin);
+}
+
+}  // namespace ricochet::contact

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Gathers the figures of an impact, step by step.
+#pragma once
+
+#include <optional>
+
+#include "contact/figures/impact_figures.hpp"
+#include "contact/figures/motion_source.hpp"
+
+namespace ricochet::contact {
+
+class FigureObserver {
+ public:
+  /// @param step  Δ [s]
+  FigureObserver(MotionSource source, double step);
+
+  /// Call it after each step or flight.
+  void observe(const Stepper& stepper);
+
+  const MotionSource& source() const { return source_; }
+  /// Whether the last step had a force, and whether an episode began with it.
+  bool touching() const { return touching_; }
+  bool begins() const { return touching_ && !touched_; }
+  /// State of the source at the start of the last step or flight.
+  const Vector& before() const { return before_.state; }
+  /// The pair of points that came closest at the end of a step.
+  Eigen::Index closest_point() const { return closest_point_; }
+  double closest() const { return closest_; }  ///< its distance [m]
+
+  /// Kinetic + strain energy when contact began, above the strain under dead loads at t = 0 [J]; 0 if
+  /// unknown, or without contact.
+  double energy_at_start() const { return out_.contact_start_s ? elastic(at_start_.energy) : 0; }
+  /// Speed of approach along the impulse when contact began [m/s]; no value if more than one pair touched.
+  std::optional<double> approach() const { return closing_speed(at_start_.state, impulse_); }
+  /// Of the steps so far.
+  ImpactFigures figures() const;
+
+ private:
+  struct Instant {
+    double time = 0;
+    Vector state;
+    Energy energy{};
+  };
+  void count(const Stepper& stepper);
+  void judge(Episode& episode) const;
+  double closing_speed(std::size_t pair, const Vector& state, const Eigen::Matrix3Xd& impulse) const;
+  std::optional<double> closing_speed(const Vector& state, const Eigen::Matrix3Xd& impulse) const;
+  double elastic(const Energy& energy) const { return energy.kinetic + energy.strain - initial_strain_; }
+  Figures quantities() const;
+  void add_motion(Figures& out, const Vector& start, const Vector& end) const;
+
+  MotionSource source_;
+  double step_;
+  ImpactFigures out_;
+  bool touching_ = false, touched_ = false;     ///< whether the last step and the one before had a force
+  double last_touch_ = 0;                       ///< last instant at which a point was in contact [s]
+  Instant before_, now_;                        ///< around the last step
+  Instant at_start_, at_end_;                   ///< when contact began and last ended
+  Vector episode_start_;                        ///< state when the last episode began
+  Eigen::Matrix3Xd impulse_, episode_impulse_;  ///< Σ λ n Δ by pair, of the run and of the episode [N s]
+  double initial_strain_ = 0;                   ///< [J]
+  double closest_ = 0;
+  Eigen::Index closest_point_ = 0;
+};
+
+}  // namespace ricochet::contact

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "contact/figures/motion_source.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ricochet::contact {
+
+using Eigen::Index;
+using Eigen::Vector3d;
+
+MotionSource::MotionSource(const Model& model)
+    : places_(&model), gap_(&model.gap), area_(&model.area), rigid_(model) {
+  for (std::size_t k = 0; k < model.bodies.size(); ++k)
+    bodies_.push_back({model.bodies[k].name, model.bodies[k].mass, rigid_->modes(static_cast<int>(k)) > 0});
+  for (const Model::PairBlock& pair : model.pairs)
+    pairs_.push_back({pair.a, pair.b, pair.first_point, pair.points,
+                      model.normal.middleRows(pair.first_point, pair.points)});
+}
+
+MotionSource::MotionSource(const Table& table, const Model* places)
+    : places_(places), table_(&table), gap_(&table.gap), area_(&table.area) {
+  for (const FreeBody& body : table.bodies) bodies_.push_back({body.name, body.mass, true});
+  for (Index i = 0; i < gap_->size(); ++i) {
+    std::vector<int> pushed;
+    for (std::size_t k = 0; k < table.bodies.size(); ++k)
+      if (!table.bodies[k].push.row(i).isZero(0)) pushed.push_back(static_cast<int>(k));
+    if (pushed.empty()) continue;
+    const int a = pushed.front(), b = pushed.size() > 1 ? pushed[1] : -1;
+    auto pair = std::ranges::find_if(pairs_, [&](const Pair& known) { return known.a == a && known.b == b; });
+    if (pair == pairs_.end())
+      pair = pairs_.insert(pair, {a, b, 0, gap_->size(), Matrix::Zero(gap_->size(), 3)});
+    pair->normal.row(i) = -table.bodies[static_cast<std::size_t>(a)].push.row(i);
+  }
+}
+
+Vector MotionSource::initial_state() const {
+  if (const Model* const model = modes()) return model->initial_rates();
+  Vector out(3 * std::ssize(bodies_));
+  for (std::size_t k = 0; k < bodies_.size(); ++k)
+    out.segment<3>(3 * static_cast<Index>(k)) = table_->bodies[k].velocity;
+  return out;
+}
+
+Eigen::Map<const Vector> MotionSource::state(const Stepper& stepper) const {
+  if (modes()) return {stepper.modal()->v.data(), stepper.modal()->v.size()};
+  return {stepper.body_velocities()->data(), stepper.body_velocities()->size()};
+}
+
+Vector3d MotionSource::momentum(int body, const Vector& state, double time) const {
+  if (const Model* const model = modes()) return model->momentum(body, state, time);
+  return bodies_[static_cast<std::size_t>(body)].mass * velocity(body, state);
+}
+
+Vector3d MotionSource::velocity(int body, const Vector& state) const {
+  return rigid_ ? rigid_->of(body, state).linear : Vector3d(state.segment<3>(3 * body));
+}
+
+std::optional<Vector3d> MotionSource::spin(int body, const Vector& state) const {
+  constexpr Index of_solid = 6;
+  if (!rigid_ || rigid_->modes(body) != of_solid) return std::nullopt;
+  const Model::BodyBlock& block = places_->bodies[static_cast<std::size_t>(body)];
+  return std::sqrt(block.inertia.trace() / (2 * block.mass)) * rigid_->of(body, state).rotation;
+}
+
+double MotionSource::rigid_energy(const Vector& state) const {
+  double sum = 0;
+  for (std::size_t k = 0; k < bodies_.size(); ++k)
+    sum += state.segment(places_->bodies[k].first_mode, rigid_->modes(static_cast<int>(k))).squaredNorm() / 2;
+  return sum;
+}
+
+}  // namespace ricochet::contact

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "contact/figures/rigid_motion.hpp"
+
+#include <Eigen/Eigenvalues>
+
+namespace ricochet::contact {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+namespace {
+
+Matrix3d pseudo_inverse(const Matrix3d& inertia) {
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(inertia);
+  Vector3d inverse = Vector3d::Zero();
+  for (int k = 0; k < 3; ++k)
+    if (eigen.eigenvalues()(k) > 1e-9 * eigen.eigenvalues()(2)) inverse(k) = 1 / eigen.eigenvalues()(k);
+  return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+}  // namespace
+
+RigidMotions::RigidMotions(const Model& model) : model_(model) {
+  for (const Model::BodyBlock& body : model.bodies)
+    bodies_.push_back({(model.omega.segment(body.first_mode, body.modes).array() == 0).count(),
+                       pseudo_inverse(body.inertia)});
+}
+
+std::vector<RigidMotion> RigidMotions::of(const Vector& state) const {
+  std::vector<RigidMotion> out;
+  for (std::size_t k = 0; k < bodies_.size(); ++k) out.push_back(of(static_cast<int>(k), state));
+  return out;
+}
+
+/// v = p/m and ω = I⁻¹ (L − c × p), with the momentum p and the angular momentum L about the world's origin.
+RigidMotion RigidMotions::of(int number, const Vector& state) const {
+  const auto& [rigid, inverse_inertia] = bodies_[static_cast<std::size_t>(number)];
+  const Model::BodyBlock& body = model_.bodies[static_cast<std::size_t>(number)];
+  RigidMotion out;
+  out.centre = body.centre;
+  if (rigid == 0) return out;
+  const auto modal = state.segment(body.first_mode, rigid);
+  const Vector3d linear = body.momentum.leftCols(rigid) * modal,
+                 angular = body.angular_momentum.leftCols(rigid) * modal;
+  out.linear = linear / body.mass;
+  out.rotation = inverse_inertia * (angular - body.centre.cross(linear));
+  return out;
+}
+
+}  // namespace ricochet::contact
