@@ -5,20 +5,10 @@
 #include "contact/stepping/step_system.hpp"
 
 namespace ricochet::contact {
-namespace {
 
-template <class Named>
-std::vector<std::string> names_of(const std::vector<Named>& bodies) {
-  std::vector<std::string> out;
-  for (const Named& body : bodies) out.push_back(body.name);
-  return out;
-}
-
-}  // namespace
-
-Histories::Histories(const Model* model, const StepOptions& step, const HistoryOptions& options,
-                     const std::vector<std::string>& bodies)
-    : model_(model), step_(step.step), every_(options.every), file_(base::hdf5::Unnamed{}) {
+Histories::Histories(const MotionSource& source, const StepOptions& step, const HistoryOptions& options)
+    : source_(source), step_(step.step), every_(options.every), file_(base::hdf5::Unnamed{}) {
+  const Model* const model = source_.modes();
   file_.attribute("/", "format", "ricochet-histories");
   file_.attribute("/", "version", 1);
   if (options.force) {
@@ -26,44 +16,32 @@ Histories::Histories(const Model* model, const StepOptions& step, const HistoryO
     force_ = &file_.rows("/contact/total_force", {}, "N");
   }
   const bool keeps_energy = options.energy && model;
-  if (!bodies.empty() || keeps_energy) time_ = &file_.rows("/time", {}, "s");
-  for (const std::string& name : bodies)
-    velocity_.push_back(&file_.rows("/bodies/" + name + "/velocity", {3}, "m/s"));
+  if ((options.bodies && !source_.bodies().empty()) || keeps_energy) time_ = &file_.rows("/time", {}, "s");
+  if (options.bodies)
+    for (const MotionSource::Body& body : source_.bodies())
+      velocity_.push_back(&file_.rows("/bodies/" + body.name + "/velocity", {3}, "m/s"));
   if (keeps_energy) energy_.emplace(file_);
-}
-
-Histories::Histories(const Model& model, const StepOptions& step, const HistoryOptions& options)
-    : Histories(&model, step, options, options.bodies ? names_of(model.bodies) : std::vector<std::string>{}) {
+  if (step.scheme == Scheme::at_rest) return;
   if (time_) time_->append(0);
-  if (!velocity_.empty()) bodies_row(model.initial_rates(), 0);
-  if (energy_) energy_->append(initial_energy(model));
-  if (!options.receivers || model.receivers.empty()) return;
-  receivers_.emplace(model, step);
-  receiver_rows_.emplace(file_, model, step, options.receivers_every, true);
+  bodies_row(source_.initial_state(), 0);
+  if (energy_) energy_->append(initial_energy(*model));
+  if (!options.receivers || !model || model->receivers.empty()) return;
+  receivers_.emplace(*model, step);
+  receiver_rows_.emplace(file_, *model, step, options.receivers_every, true);
   receiver_rows_->record(*receivers_);
 }
 
 Histories::Histories(const Model& model, const HistoryOptions& options)
-    : Histories(&model, {.scheme = Scheme::at_rest}, options, {}) {}
-
-Histories::Histories(const Table& table, const StepOptions& step, const HistoryOptions& options)
-    : Histories(nullptr, step, options,
-                options.bodies ? names_of(table.bodies) : std::vector<std::string>{}) {
-  if (velocity_.empty()) return;
-  time_->append(0);
-  for (std::size_t b = 0; b < velocity_.size(); ++b) append(velocity_[b], table.bodies[b].velocity);
-}
+    : Histories(model, {.scheme = Scheme::at_rest}, {.force = options.force, .energy = options.energy}) {}
 
 void Histories::record(const Stepper& stepper) {
   if (force_) force_row(stepper);
   if (!stepper.at_sample()) return;
-  const ModalState* const modal = stepper.modal();
   const double t = stepper.time();
   if (time_ && stepper.steps() / stepper.options().steps_per_sample % every_ == 0) {
     time_->append(t);
-    if (!velocity_.empty() && modal) bodies_row(modal->v, t);
-    if (!velocity_.empty() && !modal) bodies_row(*stepper.body_velocities());
-    if (energy_) energy_->append(modal->energy());
+    bodies_row(source_.state(stepper), t);
+    if (energy_) energy_->append(stepper.modal()->energy());
   }
   if (!receivers_) return;
   receivers_->observe(stepper);
@@ -94,19 +72,14 @@ void Histories::add_force(double time, double force) {
 }
 
 void Histories::record(const Equilibrium& equilibrium) {
-  if (force_) add_force(equilibrium.time, equilibrium.force.head(model_->gap.size()).sum());
+  if (force_) add_force(equilibrium.time, equilibrium.force.head(source_.gap().size()).sum());
   if (time_) time_->append(equilibrium.time);
   if (energy_) energy_->append(equilibrium.energy);
 }
 
-void Histories::bodies_row(const Vector& v, double time) {
+void Histories::bodies_row(const Vector& state, double time) {
   for (std::size_t k = 0; k < velocity_.size(); ++k)
-    append(velocity_[k], model_->momentum(static_cast<int>(k), v, time) / model_->bodies[k].mass);
-}
-
-void Histories::bodies_row(const Eigen::Matrix3Xd& velocity) {
-  for (std::size_t b = 0; b < velocity_.size(); ++b)
-    append(velocity_[b], velocity.col(static_cast<Eigen::Index>(b)));
+    append(velocity_[k], source_.momentum(static_cast<int>(k), state, time) / source_.bodies()[k].mass);
 }
 
 std::string Histories::file() {

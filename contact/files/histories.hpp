@@ -9,13 +9,12 @@
 #include <vector>
 
 #include "base/hdf5_writer.hpp"
+#include "contact/figures/motion_source.hpp"
 #include "contact/figures/receivers.hpp"
 #include "contact/files/energy_rows.hpp"
 #include "contact/files/receiver_rows.hpp"
-#include "contact/model/model.hpp"
 #include "contact/static/equilibrium.hpp"
 #include "contact/stepping/stepper.hpp"
-#include "contact/table/table.hpp"
 
 namespace ricochet::contact {
 
@@ -23,20 +22,18 @@ struct HistoryOptions {
   bool force = false;      ///< /contact/time, total_force
   bool receivers = false;  ///< /receivers/time, NAME/velocity
   bool bodies = false;     ///< /time, /bodies/NAME/velocity
-  bool energy = false;     ///< /time, /energy; not known with a table
+  bool energy = false;     ///< /time, /energy; absent with a table
   std::int64_t every = 1;  ///< as in RecorderOptions
   int receivers_every = 1;
 };
 
 class Histories {
  public:
-  /// Writes the rows of t = 0. `model` must outlive the histories. Throws InputError, like all members, if
-  /// the folder of temporary files cannot be written.
-  Histories(const Model& model, const StepOptions& step, const HistoryOptions& options);
+  /// Writes the rows of t = 0. Energies and receivers are absent with a table. Throws InputError, like all
+  /// members, if the folder of temporary files cannot be written.
+  Histories(const MotionSource& source, const StepOptions& step, const HistoryOptions& options);
   /// Records of bodies at rest, without rows and velocities.
   Histories(const Model& model, const HistoryOptions& options);
-  /// Records of a run by sampled responses. Energies and receivers are not known; their datasets are absent.
-  Histories(const Table& table, const StepOptions& step, const HistoryOptions& options);
 
   /// Call it after each step of `stepper`.
   void record(const Stepper& stepper);
@@ -47,18 +44,15 @@ class Histories {
 
  private:
   using Rows = base::hdf5::Rows;
-  Histories(const Model* model, const StepOptions& step, const HistoryOptions& options,
-            const std::vector<std::string>& bodies);
   void force_row(const Stepper& stepper);
   void add_force(double time, double force);
-  void bodies_row(const Vector& v, double time);
-  void bodies_row(const Eigen::Matrix3Xd& velocity);
+  void bodies_row(const Vector& state, double time);
 
-  const Model* model_;  ///< null with a table
+  MotionSource source_;
   double step_;
   std::int64_t every_;
   base::hdf5::Writer file_;
-  Rows* time_ = nullptr;
+  Rows* time_ = nullptr;  ///< of bodies and energies
   Rows *force_time_ = nullptr, *force_ = nullptr;
   std::int64_t force_end_ = -1;  ///< step of the last row of the force
   bool pressed_ = false;         ///< whether this row has a force

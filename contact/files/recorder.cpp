@@ -15,67 +15,69 @@ std::vector<double> flat(const Matrix& x) { return {x.data(), x.data() + x.size(
 
 }  // namespace
 
-double least_bytes(const Model& model, const RecorderOptions& options, std::int64_t samples) {
-  const double rows = samples / options.every, bodies = model.bodies.size(),
-               receivers = model.receivers.size();
-  double numbers = rows * (1 + 9 + 12 * bodies);
-  if (receivers > 0) numbers += static_cast<double>(samples / options.receivers_every) * (1 + 9 * receivers);
+double least_bytes(const MotionSource& source, const RecorderOptions& options, std::int64_t samples) {
+  const Model* const model = source.modes();
+  const double rows = samples / options.every, bodies = std::ssize(source.bodies());
+  double numbers = rows * (1 + (model ? 9 + 12 * bodies : 6 * bodies));
+  if (!model) return sizeof(double) * numbers;
+  if (const double receivers = std::ssize(model->receivers); receivers > 0)
+    numbers += static_cast<double>(samples / options.receivers_every) * (1 + 9 * receivers);
   if (options.snapshot_every > 0)
-    numbers += static_cast<double>(samples / options.snapshot_every) * (1.0 + model.omega.size());
+    numbers += static_cast<double>(samples / options.snapshot_every) * (1.0 + model->omega.size());
   return sizeof(double) * numbers;
 }
 
-Recorder::Recorder(const Model* model, const Vector& gap, const Vector& area, double step,
-                   const RecorderOptions& options)
-    : model_(model),
-      gap_(gap),
-      step_(step),
+Recorder::Recorder(const MotionSource& source, const StepOptions& step, const RecorderOptions& options)
+    : source_(source),
+      step_(step.step),
       every_(options.every),
-      snapshot_every_(model ? options.snapshot_every : 0),
+      snapshot_every_(options.snapshot_every),
       file_(options.path) {
   file_.attribute("/", "format", "ricochet-result");
   file_.attribute("/", "version", 1);
   file_.attribute("/", "title", options.title);
   file_.attribute("/", "scene", options.scene);
   file_.attribute("/", "created_by", options.created_by);
-  const std::size_t m = gap.size();
-  file_.write<double>("/contact/initial_gap", flat(gap), {m}, "m");
-  file_.attribute("/contact", "step", step * static_cast<double>(options.every));
-  if (model || area.size() > 0) file_.write<double>("/contact/area", flat(area), {m}, "m^2");
+  const std::size_t m = source_.gap().size();
+  file_.write<double>("/contact/initial_gap", flat(source_.gap()), {m}, "m");
+  file_.attribute("/contact", "step", step_ * static_cast<double>(every_));
+  if (source_.area().size() > 0) file_.write<double>("/contact/area", flat(source_.area()), {m}, "m^2");
   time_ = &file_.rows("/time", {}, "s");
   contact_ = {&file_.rows("/contact/time", {}, "s"), &file_.rows("/contact/force", {m}, "N"),
               &file_.rows("/contact/gap", {m}, "m")};
-}
-
-Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOptions& options)
-    : Recorder(&model, model.gap, model.area, step.step, options) {
-  sides_.emplace(model, step);
-  receivers_.emplace(model, step);
-  write_points(model);
-  for (std::size_t k = 0; k < model.bodies.size(); ++k) {
-    add_body(model.bodies[k].name, model.bodies[k].mass);
-    write_body(model.bodies[k], k, options);
+  for (const MotionSource::Body& body : source_.bodies()) {
+    const std::string group = "/bodies/" + body.name;
+    file_.group(group);
+    file_.attribute(group, "mass", body.mass);
+    bodies_.push_back({.velocity = &file_.rows(group + "/velocity", {3}, "m/s"),
+                       .momentum = &file_.rows(group + "/momentum", {3}, "kg m/s")});
   }
-  make_model_rows(step, options.receivers_every);
+  if (const Model* const places = source_.places()) {
+    write_points(*places);
+    for (std::size_t k = 0; k < places->bodies.size(); ++k)
+      if (std::ranges::count(source_.bodies(), places->bodies[k].name, &MotionSource::Body::name) > 0)
+        write_place(places->bodies[k], k, options);
+  }
+  if (step.scheme != Scheme::impulse || source_.modes())
+    persistency_ = &file_.rows("/contact/persistency", {}, "W");
+  if (const Model* const model = source_.modes()) add_model_rows(*model, step, options);
   if (step.scheme == Scheme::at_rest) return;
   time_->append(0);
-  bodies_row(model.initial_rates(), 0, 0);
-  energy_->append(initial_energy(model));
-  persistency_->append(0);
-  if (snapshots_) snapshots_->append(0, model.q0, Vector::Zero(model.rows()));
-  if (receiver_rows_) receiver_rows_->record(*receivers_);
+  bodies_row(source_.initial_state(), 0, 0);
+  if (persistency_) persistency_->append(0);
 }
 
 Recorder::Recorder(const Model& model, const RecorderOptions& options)
     : Recorder(model, {.scheme = Scheme::at_rest}, options) {}
 
 void Recorder::record(const Equilibrium& equilibrium) {
+  const Model& model = *source_.modes();
   time_->append(equilibrium.time);
-  push(equilibrium.force, 1);  // for one second, so that impulses are forces
+  push(model, equilibrium.force, 1);  // for one second, so that impulses are forces
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    const Model::BodyBlock& body = model_->bodies[k];
+    const Model::BodyBlock& body = model.bodies[k];
     Vector3d load = bodies_[k].contact_impulse + body.weight;
-    for (const Model::Forcing& one : model_->forcing)
+    for (const Model::Forcing& one : model.forcing)
       if (one.body == static_cast<int>(k)) load += one.history.at(equilibrium.time) * one.total;
     for (Rows* const rows : {bodies_[k].velocity, bodies_[k].momentum, bodies_[k].angular_momentum})
       append(rows, Vector3d::Zero());
@@ -87,28 +89,9 @@ void Recorder::record(const Equilibrium& equilibrium) {
   if (equilibrium.active > 0) {
     contact_row(equilibrium.time, equilibrium.displacement, equilibrium.force);
     sides_row(sides_->at_rest(equilibrium));
-    friction_row(equilibrium.displacement, equilibrium.force, equilibrium.states);
+    friction_row(model, equilibrium.displacement, equilibrium.force, equilibrium.states);
   }
   if (snapshots_) snapshots_->append(equilibrium.time, equilibrium.q, equilibrium.force);
-}
-
-Recorder::Recorder(const Table& table, const Model* source, const StepOptions& step,
-                   const RecorderOptions& options)
-    : Recorder(nullptr, table.gap, table.area, step.step, options) {
-  time_->append(0);
-  Eigen::Matrix3Xd velocity(3, std::ssize(table.bodies));
-  for (std::size_t b = 0; b < table.bodies.size(); ++b) {
-    add_body(table.bodies[b].name, table.bodies[b].mass);
-    velocity.col(b) = table.bodies[b].velocity;
-  }
-  if (source) write_points(*source);
-  for (std::size_t k = 0; source && k < source->bodies.size(); ++k)
-    if (!source->bodies[k].supported) write_body(source->bodies[k], k, options);
-  if (step.scheme == Scheme::compliant) {
-    persistency_ = &file_.rows("/contact/persistency", {}, "W");
-    persistency_->append(0);
-  }
-  bodies_row(velocity);
 }
 
 void Recorder::write_points(const Model& model) {
@@ -122,132 +105,120 @@ void Recorder::write_points(const Model& model) {
   file_.write<double>("/contact/pair", number, {m}, "1");
 }
 
-void Recorder::write_body(const Model::BodyBlock& body, std::size_t number, const RecorderOptions& options) {
+void Recorder::write_place(const Model::BodyBlock& body, std::size_t number, const RecorderOptions& options) {
   const std::string group = "/bodies/" + body.name;
   file_.attribute(group, "kernel", number < options.kernel_files.size() ? options.kernel_files[number] : "");
   file_.attribute(group, "rotation", flat(Matrix(body.rotation)));
   file_.attribute(group, "translation", flat(Vector(body.translation)));
 }
 
-Recorder::BodyRows& Recorder::add_body(const std::string& name, double mass) {
-  const std::string group = "/bodies/" + name;
-  file_.group(group);
-  file_.attribute(group, "mass", mass);
-  return bodies_.emplace_back(BodyRows{.velocity = &file_.rows(group + "/velocity", {3}, "m/s"),
-                                       .momentum = &file_.rows(group + "/momentum", {3}, "kg m/s"),
-                                       .mass = mass});
-}
-
-void Recorder::make_model_rows(const StepOptions& step, int receivers_every) {
-  const std::size_t m = gap_.size();
+/// Adds the rows of what only modes tell, for those of t = 0 too.
+void Recorder::add_model_rows(const Model& model, const StepOptions& step, const RecorderOptions& options) {
+  const auto m = static_cast<std::size_t>(model.points());
+  sides_.emplace(model, step);
+  receivers_.emplace(model, step);
   contact_.displacement_a = &file_.rows("/contact/displacement_a", {m}, "m");
   contact_.displacement_b = &file_.rows("/contact/displacement_b", {m}, "m");
   contact_.velocity_a = &file_.rows("/contact/velocity_a", {m}, "m/s");
   contact_.velocity_b = &file_.rows("/contact/velocity_b", {m}, "m/s");
-  if (!model_->friction.empty()) {
+  if (!model.friction.empty()) {
     contact_.tangential_force = &file_.rows("/contact/tangential_force", {m, 3}, "N");
     contact_.tangential_displacement = &file_.rows("/contact/tangential_displacement", {m, 3}, "m");
     contact_.state = &file_.rows("/contact/state", {m}, "1");
   }
   energy_.emplace(file_);
-  persistency_ = &file_.rows("/contact/persistency", {}, "W");
-  if (snapshot_every_ > 0) snapshots_.emplace(file_, *model_);
+  if (snapshot_every_ > 0) snapshots_.emplace(file_, model);
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    const Model::BodyBlock& body = model_->bodies[k];
-    const std::string group = "/bodies/" + body.name;
+    const std::string group = "/bodies/" + model.bodies[k].name;
     bodies_[k].angular_momentum = &file_.rows(group + "/angular_momentum", {3}, "kg m^2/s");
     bodies_[k].reaction = &file_.rows(group + "/reaction", {3}, "N");
   }
-  if (!model_->receivers.empty()) receiver_rows_.emplace(file_, *model_, step, receivers_every);
+  if (!model.receivers.empty()) receiver_rows_.emplace(file_, model, step, options.receivers_every);
+  if (step.scheme == Scheme::at_rest) return;
+  energy_->append(initial_energy(model));
+  if (snapshots_) snapshots_->append(0, model.q0, Vector::Zero(model.rows()));
+  if (receiver_rows_) receiver_rows_->record(*receivers_);
 }
 
 void Recorder::record(const Stepper& stepper) {
   const std::int64_t k = stepper.steps();
   const double t = stepper.time();
-  const ModalState* modal = stepper.modal();
+  const Model* const model = source_.modes();
   const bool touching = (stepper.force().array() > 0).any();
-  if (modal && touching) push(stepper.force(), step_);
+  if (model && touching) push(*model, stepper.force(), step_);
   if (touching && k % every_ == 0) {
     contact_row(t, stepper.displacement(), stepper.force());
-    if (modal) {
+    if (model) {
       sides_row(sides_->after(stepper));
-      friction_row(stepper.displacement(), stepper.force(), stepper.slip().states());
+      friction_row(*model, stepper.displacement(), stepper.force(), stepper.slip().states());
     }
   }
-  if (modal) sides_->pass(stepper);
+  if (model) sides_->pass(stepper);
   if (!stepper.at_sample()) return;
   const std::int64_t sample = k / stepper.options().steps_per_sample;
   if (sample % every_ == 0) {
     time_->append(t);
     if (persistency_) persistency_->append(stepper.persistency());
-    if (modal) {
-      bodies_row(modal->v, static_cast<double>(last_row_) * step_, t);
-      energy_->append(modal->energy());
-    } else {
-      bodies_row(*stepper.body_velocities());
-    }
+    bodies_row(source_.state(stepper), static_cast<double>(last_row_) * step_, t);
+    if (energy_) energy_->append(stepper.modal()->energy());
     last_row_ = k;
   }
-  if (!modal) return;
-  if (snapshots_ && sample % snapshot_every_ == 0) snapshots_->append(t, modal->q, stepper.end_force());
+  if (!model) return;
+  if (snapshots_ && sample % snapshot_every_ == 0)
+    snapshots_->append(t, stepper.modal()->q, stepper.end_force());
   receivers_->observe(stepper);
   if (receiver_rows_) receiver_rows_->record(*receivers_);
 }
 
 /// Adds the impulses that `force` (n) exerts on the bodies in `duration` [s].
-void Recorder::push(const Vector& force, double duration) {
-  for (const Model::PairBlock& pair : model_->pairs) {
-    const Vector3d impulse = duration * model_->resultant(pair, force);
+void Recorder::push(const Model& model, const Vector& force, double duration) {
+  for (const Model::PairBlock& pair : model.pairs) {
+    const Vector3d impulse = duration * model.resultant(pair, force);
     bodies_[pair.a].contact_impulse -= impulse;
     if (pair.b >= 0) bodies_[pair.b].contact_impulse += impulse;
   }
 }
 
 /// @param from  time of the previous row, or `to` in the first row
-void Recorder::bodies_row(const Vector& v, double from, double to) {
+void Recorder::bodies_row(const Vector& state, double from, double to) {
+  const Model* const model = source_.modes();
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    const Model::BodyBlock& body = model_->bodies[k];
     BodyRows& rows = bodies_[k];
-    const Vector3d momentum = model_->momentum(static_cast<int>(k), v, to);
+    const Vector3d momentum = source_.momentum(static_cast<int>(k), state, to);
+    append(rows.velocity, momentum / source_.bodies()[k].mass);
+    append(rows.momentum, momentum);
+    if (!model) continue;
+    const Model::BodyBlock& body = model->bodies[k];
     Vector3d reaction = Vector3d::Zero();
     if (body.supported && to > from) {
       Vector3d impulse = rows.contact_impulse + (to - from) * body.weight;
-      for (const Model::Forcing& one : model_->forcing)
+      for (const Model::Forcing& one : model->forcing)
         if (one.body == static_cast<int>(k)) impulse += one.history.integral(from, to) * one.total;
       reaction = (momentum - rows.last_momentum - impulse) / (to - from);
     }
-    append(rows.velocity, momentum / body.mass);
-    append(rows.momentum, momentum);
-    append(rows.angular_momentum, model_->angular_momentum(static_cast<int>(k), v, to));
+    append(rows.angular_momentum, model->angular_momentum(static_cast<int>(k), state, to));
     append(rows.reaction, reaction);
     rows.last_momentum = momentum;
     rows.contact_impulse.setZero();
   }
 }
 
-void Recorder::bodies_row(const Eigen::Matrix3Xd& velocity) {
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    const Vector3d v = velocity.col(b);
-    append(bodies_[b].velocity, v);
-    append(bodies_[b].momentum, bodies_[b].mass * v);
-  }
-}
-
 void Recorder::contact_row(double time, const Vector& u, const Vector& force) {
   contact_.time->append(time);
-  append(contact_.force, force.head(gap_.size()));
-  append(contact_.gap, gap_ - u.head(gap_.size()));
+  append(contact_.force, force.head(source_.gap().size()));
+  append(contact_.gap, source_.gap() - u.head(source_.gap().size()));
 }
 
 /// Forces τ on b, displacements of a relative to b, and states of all points; 0 for points without friction.
-void Recorder::friction_row(const Vector& w, const Vector& force, std::span<const ContactState> states) {
+void Recorder::friction_row(const Model& model, const Vector& w, const Vector& force,
+                            std::span<const ContactState> states) {
   if (contact_.state == nullptr) return;
-  const Eigen::Index m = gap_.size();
+  const Eigen::Index m = model.points();
   Matrix pushed = Matrix::Zero(m, 3), moved = pushed;
   Vector state = Vector::Zero(m);
   for (std::size_t f = 0; f < states.size(); ++f) {
-    const auto& [point, row, law] = model_->friction[f];
-    const auto tangents = model_->tangent.middleRows(row - m, 2);
+    const auto& [point, row, law] = model.friction[f];
+    const auto tangents = model.tangent.middleRows(row - m, 2);
     pushed.row(point) = force.segment<2>(row).transpose() * tangents;
     moved.row(point) = w.segment<2>(row).transpose() * tangents;
     state(point) = static_cast<double>(states[f]);

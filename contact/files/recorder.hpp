@@ -16,6 +16,7 @@
 
 #include "base/hdf5_writer.hpp"
 #include "contact/figures/contact_sides.hpp"
+#include "contact/figures/motion_source.hpp"
 #include "contact/figures/receivers.hpp"
 #include "contact/files/energy_rows.hpp"
 #include "contact/files/receiver_rows.hpp"
@@ -23,7 +24,6 @@
 #include "contact/model/model.hpp"
 #include "contact/static/equilibrium.hpp"
 #include "contact/stepping/stepper.hpp"
-#include "contact/table/table.hpp"
 
 namespace ricochet::contact {
 
@@ -38,21 +38,16 @@ struct RecorderOptions {
 };
 
 /// Lower bound on the size of a result [bytes]; rows that are written during contact are not counted.
-double least_bytes(const Model& model, const RecorderOptions& options, std::int64_t samples);
+double least_bytes(const MotionSource& source, const RecorderOptions& options, std::int64_t samples);
 
 class Recorder {
  public:
-  /// Creates the file and writes the row of t = 0. `model` must outlive the recorder.
-  /// Throws InputError if the file cannot be created.
-  Recorder(const Model& model, const StepOptions& step, const RecorderOptions& options);
+  /// Creates the file and writes the row of t = 0. With a table, the datasets of energies, of the motion of
+  /// the two sides and of modal coordinates are absent. Throws InputError if the file cannot be created.
+  Recorder(const MotionSource& source, const StepOptions& step, const RecorderOptions& options);
 
   /// Creates the file for bodies at rest, without rows. Throws as above.
   Recorder(const Model& model, const RecorderOptions& options);
-
-  /// Records a run by sampled responses. Energies, the motion of the two sides and modal coordinates are not
-  /// known; their datasets are absent. `snapshot_every` is not used.
-  /// @param source  the model from which the table was sampled, for points and normals, or null
-  Recorder(const Table& table, const Model* source, const StepOptions& step, const RecorderOptions& options);
 
   /// Call it after each step of `stepper`; it applies `every`. Throws InputError if the disk is full.
   void record(const Stepper& stepper);
@@ -70,7 +65,6 @@ class Recorder {
   using Rows = base::hdf5::Rows;
   struct BodyRows {
     Rows *velocity, *momentum, *angular_momentum = nullptr, *reaction = nullptr;
-    double mass = 0;
     Eigen::Vector3d last_momentum = Eigen::Vector3d::Zero();    ///< at the last row
     Eigen::Vector3d contact_impulse = Eigen::Vector3d::Zero();  ///< on this body, since the last row [N s]
   };
@@ -81,21 +75,17 @@ class Recorder {
     Rows *tangential_force = nullptr, *tangential_displacement = nullptr, *state = nullptr;
   };
 
-  Recorder(const Model* model, const Vector& gap, const Vector& area, double step,
-           const RecorderOptions& options);
   void write_points(const Model& model);
-  void write_body(const Model::BodyBlock& body, std::size_t number, const RecorderOptions& options);
-  BodyRows& add_body(const std::string& name, double mass);
-  void make_model_rows(const StepOptions& step, int receivers_every);
-  void push(const Vector& force, double duration);
-  void bodies_row(const Vector& v, double from, double to);
-  void bodies_row(const Eigen::Matrix3Xd& velocity);
+  void write_place(const Model::BodyBlock& body, std::size_t number, const RecorderOptions& options);
+  void add_model_rows(const Model& model, const StepOptions& step, const RecorderOptions& options);
+  void push(const Model& model, const Vector& force, double duration);
+  void bodies_row(const Vector& state, double from, double to);
   void contact_row(double time, const Vector& u, const Vector& force);
   void sides_row(const SidesMotion& sides);
-  void friction_row(const Vector& w, const Vector& force, std::span<const ContactState> states);
+  void friction_row(const Model& model, const Vector& w, const Vector& force,
+                    std::span<const ContactState> states);
 
-  const Model* model_;  ///< null with a table
-  Vector gap_;          ///< (m)
+  MotionSource source_;
   double step_;
   std::int64_t every_, snapshot_every_, last_row_ = 0;
   base::hdf5::Writer file_;

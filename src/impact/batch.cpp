@@ -73,11 +73,7 @@ class Keeper : public ImpactObserver {
   explicit Keeper(const std::optional<contact::HistoryOptions>& options) : options_(options) {}
 
   void started(const Impact& impact, const contact::Stepper&) override {
-    if (!options_) return;
-    if (impact.table)
-      histories_.emplace(*impact.table, impact.options, settled(impact));
-    else
-      histories_.emplace(*impact.model, impact.options, settled(impact));
+    if (options_) histories_.emplace(impact.source(), impact.options, settled(impact));
   }
   void stepped(const contact::Stepper& stepper) override {
     if (histories_) histories_->record(stepper);

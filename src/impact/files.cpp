@@ -32,7 +32,7 @@ contact::RecorderOptions ImpactFiles::recorder_options(const Impact& impact) con
           .created_by = std::string("ricochet-contact ") + RICOCHET_VERSION,
           .kernel_files = impact.kernels.file,
           .every = scene.output.every,
-          .snapshot_every = impact.table ? 0 : scene.output.snapshot_every,
+          .snapshot_every = scene.output.snapshot_every,
           .receivers_every = scene.output.receivers_every(scene.time.rate)};
 }
 
@@ -43,13 +43,11 @@ void ImpactFiles::prepared(const Impact& impact) {
 
 void ImpactFiles::started(const Impact& impact, const contact::Stepper& stepper) {
   const contact::RecorderOptions options = recorder_options(impact);
-  if (impact.table) {
-    recorder_.emplace(*impact.table, impact.model ? &*impact.model : nullptr, impact.options, options);
-    return;
-  }
-  const contact::Model& model = *impact.model;
-  base::check_place(result(), contact::least_bytes(model, options, impact.samples()));
-  recorder_.emplace(model, impact.options, options);
+  const contact::MotionSource source = impact.source();
+  base::check_place(result(), contact::least_bytes(source, options, impact.samples()));
+  recorder_.emplace(source, impact.options, options);
+  if (!source.modes()) return;
+  const contact::Model& model = *source.modes();
   if (options_.motion) motion_.emplace(stepper, model, motion_options(impact.scene, impact.samples(), stem_));
   store::in_scene(impact.scene, [&] {
     sounds_.emplace(model.receivers, impact.samples(), impact.scene.time.rate.value,
