@@ -7,7 +7,7 @@ from pathlib import Path
 
 import h5py
 
-from ricochet import programs
+from ricochet import programs, quantities
 from ricochet.errors import InputError
 
 
@@ -47,8 +47,8 @@ class Impacts:
 
     def compute(self, modes):
         """Computes kernels and impacts. Returns the number of vectors of each body, the largest estimate of
-        their flexibility errors and, by speed, the rebound velocity [m/s] (None if the bodies still touch)
-        and the impulse [N s]."""
+        their flexibility errors and, by speed, the rebound velocity [m/s] (None if the bodies still touch),
+        the impulse [N s] and all quantities of interest."""
         programs.kernel(self.scene, ["--quiet", *self.words(modes)], self.ranks)
         impacts = {}
         for speed in self.speeds:
@@ -58,7 +58,11 @@ class Impacts:
             summary = json.loads((self.folder / "impact.summary.json").read_text())
             exit_velocity = summary["exit_velocity"].get(self.body)
             rebound = exit_velocity and sum(v * d for v, d in zip(exit_velocity, self.direction))
-            impacts[speed] = {"rebound": rebound, "impulse": summary["impulse_ns"]}
+            impacts[speed] = {
+                "rebound": rebound,
+                "impulse": summary["impulse_ns"],
+                "quantities": summary["quantities"],
+            }
         vectors, error = {}, 0.0
         with h5py.File(self.folder / "impact.result.h5") as result:
             kernels = {body: group.attrs["kernel"].decode() for body, group in result["bodies"].items()}
@@ -69,16 +73,16 @@ class Impacts:
         return {"vectors": vectors, "estimate": error, "impacts": impacts}
 
 
-def relative(value, reference):
-    return None if value is None or not reference else abs(value / reference - 1)
-
-
 def compare(found, reference):
-    """Relative errors of rebound and impulse, by speed."""
-    return {
-        speed: {key: relative(impact[key], reference["impacts"][speed][key]) for key in impact}
+    """Relative errors of all quantities, by speed. That of the rebound is None if the bodies still touch."""
+    errors = {
+        speed: quantities.errors(impact, reference["impacts"][speed])
         for speed, impact in found["impacts"].items()
     }
+    for speed, impact in found["impacts"].items():
+        if impact["rebound"] is None:
+            errors[speed]["rebound"] = None
+    return errors
 
 
 def error_columns(speeds):

@@ -27,6 +27,14 @@ Json shares(const std::optional<ErrorEstimate>& estimate) {
   return out;
 }
 
+Json json_of(const Figures& figures) {
+  Json out = Json::object();
+  for (const auto& [quantity, figure] : figures)
+    out[std::string(name_of(quantity))] = {
+        {"value", std::vector<double>(figure.value.begin(), figure.value.end())}, {"scale", figure.scale}};
+  return out;
+}
+
 void write(const Json& json, const std::filesystem::path& path) {
   base::AtomicFile temporary(path);
   std::ofstream file(temporary.path());
@@ -67,6 +75,7 @@ Json json_of(const Summary& summary) {
            {"friction_impulse_ns", number(summary.friction_impulse_ns)},
            {"max_slip_m", number(summary.max_slip_m)},
            {"ambiguous_steps", summary.ambiguous_steps ? Json(*summary.ambiguous_steps) : Json()},
+           {"quantities", json_of(summary.quantities)},
            {"max_penetration_m", summary.max_penetration_m},
            {"limited_steps", summary.limited_steps},
            {"limited_residual", summary.limited_residual},
@@ -98,6 +107,7 @@ Json json_of(const EquilibriumSummary& summary) {
                      {"sticking_points", pair.sticking_points ? Json(*pair.sticking_points) : Json()},
                      {"slipping_points", pair.slipping_points ? Json(*pair.slipping_points) : Json()}});
   return {{"pairs", pairs},
+          {"quantities", json_of(summary.quantities())},
           {"imbalance", summary.imbalance},
           {"max_penetration_m", summary.max_penetration_m},
           {"modes", summary.modes},

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "python/bindings/impact.hpp"
 
+#include <fmt/format.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
 #include <chrono>
 #include <sstream>
 
+#include "contact/figures/figure.hpp"
 #include "src/impact/run.hpp"
 
 namespace ricochet::python {
@@ -50,8 +52,24 @@ void run(const std::filesystem::path& file, const std::vector<std::string>& sett
   impact::run_contact(options, nowhere);
 }
 
+/// Throws ValueError if the lengths differ.
+double relative_error(const std::vector<double>& value, const std::vector<double>& reference, double scale) {
+  if (value.size() != reference.size())
+    throw py::value_error(
+        fmt::format("a quantity has {} components, and its reference {}: they belong to "
+                    "different scenes",
+                    value.size(), reference.size()));
+  const auto vector = [](const std::vector<double>& x) -> contact::Vector {
+    return Eigen::Map<const contact::Vector>(x.data(), std::ssize(x));
+  };
+  return contact::relative_error(vector(value), vector(reference), scale);
+}
+
 }  // namespace
 
-void bind_impact(py::module_& module) { module.def("run_impact", &run); }
+void bind_impact(py::module_& module) {
+  module.def("run_impact", &run);
+  module.def("relative_error", &relative_error);
+}
 
 }  // namespace ricochet::python

@@ -64,6 +64,7 @@ class Kernel:
     rotation: _Array
 
 def read_kernel(path: _Path) -> Kernel: ...
+def relative_error(value: Sequence[float], reference: Sequence[float], scale: float) -> float: ...
 def run_impact(
     file: _Path,
     settings: Sequence[str],

@@ -365,6 +365,7 @@ TEST(Json, holds_what_the_summary_holds_and_null_for_what_is_not_known) {
   s.basis["upper"] = "imported";
   s.sounds["mic"] = {"x.mic.wav", 0.25, 48000};
   s.warnings = {"too fast"};
+  s.quantities[Quantity::rebound] = {Eigen::Vector3d(1, 2, 3), 4};
   write_json(s, folder / "x.summary.json");
   std::ifstream file(folder / "x.summary.json");
   const auto json = nlohmann::json::parse(file);
@@ -390,6 +391,7 @@ TEST(Json, holds_what_the_summary_holds_and_null_for_what_is_not_known) {
   EXPECT_EQ(json["episodes"][0]["end_s"], 0.5);
   EXPECT_TRUE(json["episodes"][1]["end_s"].is_null());
   EXPECT_EQ(json["exit_velocity"]["upper"], (std::vector<double>{1, 2, 3}));
+  EXPECT_EQ(json["quantities"]["rebound"], (nlohmann::json{{"value", {1.0, 2.0, 3.0}}, {"scale", 4.0}}));
   EXPECT_EQ(json["modes"]["upper"], 50);
   EXPECT_EQ(json["basis"]["upper"], "imported");
   EXPECT_EQ(json["sounds"]["mic"]["file"], "x.mic.wav");

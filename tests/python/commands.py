@@ -106,12 +106,12 @@ class Verbs(unittest.TestCase):
 
 class Tradeoffs(unittest.TestCase):
     def row(self, speed, seconds, impulse=2.0, **more):
-        velocity = {"a": [speed, 0, 0], "b": [0, -1, 0]}
-        return {"exit_velocity": velocity, "impulse_ns": impulse, "peak_force_n": 5.0, "ended": True} | {
-            "impact_s": seconds,
-            "impact_mib": 9,
-            **more,
+        quantities = {
+            "rebound": {"value": [speed, 0, 0, 0, -1, 0], "scale": 2.0},
+            "impulse": {"value": [impulse], "scale": impulse},
+            "peak_force": {"value": [5.0], "scale": 5.0},
         }
+        return {"quantities": quantities, "ended": True, "impact_s": seconds, "impact_mib": 9} | more
 
     def point(self, row, kernel_s=3.0, measures=("rebound", "impulse")):
         kernel = Kernel("modes", 50, True, 2, 1e-8, None, None)
@@ -138,7 +138,7 @@ class Tradeoffs(unittest.TestCase):
             runs.refusal(Done(139, "", 1, 1, 1))
         self.assertEqual(failed.exception.status, 139)
 
-    def test_measure_errors_relative_to_the_fastest_exit_of_the_reference(self):
+    def test_measure_errors_with_the_scales_of_the_reference(self):
         found = points.errors(self.row(2.2, 1, impulse=1.9), self.row(2, 1))
         self.assertAlmostEqual(found["rebound_error"], 0.1)
         self.assertAlmostEqual(found["impulse_error"], 0.05)
@@ -148,6 +148,12 @@ class Tradeoffs(unittest.TestCase):
         )
         self.assertAlmostEqual(self.point(self.row(2.2, 1, impulse=1.9)).error, 0.1)
         self.assertAlmostEqual(self.point(self.row(2.2, 1, impulse=1.9), measures=["impulse"]).error, 0.05)
+
+    def test_refuse_to_compare_runs_of_other_bodies(self):
+        other = self.row(2, 1)
+        other["quantities"]["rebound"]["value"] = [2, 0, 0]
+        with self.assertRaisesRegex(ValueError, "3 components, and its reference 6"):
+            points.errors(other, self.row(2, 1))
 
     def test_know_the_front_and_the_cheapest_setting(self):
         made = [

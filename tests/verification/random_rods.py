@@ -20,6 +20,7 @@ import numpy as np
 from ricochet import programs
 from ricochet.errors import RicochetError
 from ricochet.programs import ROOT
+from true_errors import true_error
 
 GEO = """Point(1) = {{0, 0, 0}};
 Point(2) = {{{length}, 0, 0}};
@@ -194,12 +195,10 @@ def run_one(folder, name, kind, drawn, accuracy):
         for kernel in out.glob("*.h5"):
             kernel.unlink()
     found = json.loads(result.read_text())
-    error = max(
-        abs(found["impulse_ns"] / impulse - 1),
-        abs(found["exit_velocity"]["moving"][0] - speed + impulse / a.mass) / speed,
-        0 if clamped else abs(found["exit_velocity"]["struck"][0] - impulse / b.mass) / speed,
-    )
-    return error, found
+    velocity = {"moving": {0: speed - impulse / a.mass}}
+    if not clamped:
+        velocity["struck"] = {0: impulse / b.mass}
+    return true_error(found, {"impulse": impulse, "speed": speed, "velocity": velocity}), found
 
 
 def add_arguments(parser):

@@ -35,6 +35,7 @@ from random_solids import SHAPES, geometry
 from ricochet import programs
 from ricochet.errors import RicochetError
 from ricochet.programs import ROOT
+from true_errors import true_error
 
 BODY = """
 [bodies.{name}]
@@ -88,7 +89,7 @@ def is_concentrated(bodies):
 
 
 def write_scene(folder, number, random):
-    """Writes a scene with its geometries. Returns its path, the speed of approach and the accuracy to request."""
+    """Writes a scene with its geometries. Returns its path and the accuracy to request."""
     bodies = [draw_body(random)]
     pair = random.random() < 0.4
     if pair:
@@ -124,7 +125,7 @@ def write_scene(folder, number, random):
     accuracy = float(f"{10 ** random.uniform(-1.5, -0.5):.1g}")
     path = folder / f"random-{number}.toml"
     path.write_text(text)
-    return path, speed, accuracy
+    return path, accuracy
 
 
 def held_candidates(folder):
@@ -176,15 +177,6 @@ def run_programs(scene, sets, out, ranks):
     return processor_time() - start
 
 
-def true_error(found, truth, speed):
-    """Largest error of impulse and rebound, as docs/theory/accuracy.md defines them."""
-    errors = [abs(found["impulse_ns"] / truth["impulse_ns"] - 1)]
-    moved = [
-        np.subtract(found["exit_velocity"][b], truth["exit_velocity"][b]) for b in truth["exit_velocity"]
-    ]
-    return max(*errors, float(np.linalg.norm(np.concatenate(moved))) / speed)
-
-
 def processor_time():
     """Of all programs that have ended [s]."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -208,7 +200,7 @@ def judged(number, given):
     if nothing touches or contact does not end."""
     folder = given.out / str(number)
     folder.mkdir(parents=True, exist_ok=True)
-    scene, speed, accuracy = write_scene(folder, number, np.random.default_rng([given.seed, number]))
+    scene, accuracy = write_scene(folder, number, np.random.default_rng([given.seed, number]))
     result = folder / "judged.json"
     if not result.exists():
         out = folder / "out"
@@ -232,7 +224,7 @@ def judged(number, given):
         estimate = found["error_estimate"]
         row = {
             "seconds": [seconds, of_reference],
-            "error": true_error(found, truth, speed),
+            "error": true_error(found, truth),
             "estimate": estimate["total"],
             "accuracy": accuracy,
             "known": None not in estimate.values(),

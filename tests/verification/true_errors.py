@@ -11,9 +11,7 @@ Prints Markdown.
 import json
 from pathlib import Path
 
-import numpy as np
-
-from ricochet import programs
+from ricochet import programs, quantities
 from ricochet.programs import ROOT
 from cases import bouncing_bar
 
@@ -49,7 +47,6 @@ DISKS = ROOT / "meshes/two-disks/two-disks.toml"
 BALLS = ROOT / "meshes/hertz/two-balls.toml"
 BALL = ROOT / "meshes/hertz/resting-ball.toml"
 # Bodies and axes of the exit velocities, by scene.
-MOVING = {"two-disks": [("upper", 0), ("upper", 1)], "two-balls": [("upper", 2), ("lower", 2)]}
 
 
 def rod_scene(folder, name, other, length=10, order=1, elements=100):
@@ -232,27 +229,19 @@ def summary_of(scene, sets, out, title, ranks, accuracy=None):
     return json.loads(path.read_text())
 
 
-def numbers(summary):
-    """The quantities of interest in docs/theory/accuracy.md."""
-    if "pairs" in summary:
-        return np.array([p[key] for p in summary["pairs"] for key in ("force_n", "approach_m")])
-    return summary["impulse_ns"], summary["exit_velocity"]
+def true_error(found, truth):
+    """The larger error of impulse and rebound, or at rest of force and approach.
 
-
-def true_error(found, truth, moving, speed):
-    if isinstance(truth, dict) and "speed" in truth:
-        errors = [abs(found["impulse_ns"] / truth["impulse"] - 1)]
-        for body, components in truth["velocity"].items():
-            errors += [
-                abs(found["exit_velocity"][body][k] - v) / truth["speed"] for k, v in components.items()
-            ]
-        return max(errors)
-    if "pairs" in truth:
-        return float(np.abs(numbers(found) / numbers(truth) - 1).max())
-    errors = [abs(found["impulse_ns"] / truth["impulse_ns"] - 1)]
-    for body, axis in moving:
-        errors.append(abs(found["exit_velocity"][body][axis] - truth["exit_velocity"][body][axis]) / speed)
-    return max(errors)
+    truth: a summary, or a closed form as in `cases`."""
+    if "quantities" in truth:
+        errors = quantities.errors(found, truth)
+        return max(errors[name] for name in ("impulse", "rebound", "force", "approach") if name in errors)
+    known = [(body, k, v) for body, components in truth["velocity"].items() for k, v in components.items()]
+    velocity = [found["exit_velocity"][body][k] for body, k, _ in known]
+    return max(
+        quantities.relative_error([found["impulse_ns"]], [truth["impulse"]], truth["impulse"]),
+        quantities.relative_error(velocity, [v for _, _, v in known], truth["speed"]),
+    )
 
 
 def add_arguments(parser):
@@ -278,13 +267,11 @@ def run(given):
         title = "".join(c if c.isalnum() else "-" for c in name.lower())
         title = "-".join(filter(None, title.split("-")))
         found = summary_of(scene, sets, given.out, title, given.ranks, accuracy)
-        moving, speed = [], 1
         if isinstance(truth, list):
-            moving, speed = MOVING.get(scene.stem, []), int(name.split()[1]) if scene == DISKS else 0.3
             # Cases with the same reference settings share one reference.
-            named = f"reference-{scene.stem}" + (f"-{speed}" if scene == DISKS else "")
+            named = f"reference-{scene.stem}" + (f"-{name.split()[1]}" if scene == DISKS else "")
             truth = summary_of(scene, truth, given.out, named, given.ranks)
-        error, estimate = true_error(found, truth, moving, speed), found["error_estimate"]
+        error, estimate = true_error(found, truth), found["error_estimate"]
         ratios.append(error / estimate["total"])
         shares = ["–" if estimate[cause] is None else f"{estimate[cause]:.1e}" for cause in causes]
         print(

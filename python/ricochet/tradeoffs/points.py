@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict
 
+from ricochet import quantities
 from ricochet.studies.records import Row
 from ricochet.tradeoffs.settings import Impact, Kernel
 
@@ -33,21 +34,12 @@ COLUMNS = [
 
 
 def errors(row: Row, reference: Row) -> dict[str, float]:
-    """Relative errors of exit velocities, impulse and peak force. Those of the velocities are relative to the
-    largest exit velocity of the reference, and infinite if the contact has not ended.
-    """
-    speed = max(math.hypot(*v) for v in reference["exit_velocity"].values())
-    worst = math.inf
-    if row["ended"] and set(row["exit_velocity"]) == set(reference["exit_velocity"]):
-        worst = (
-            max(math.dist(v, reference["exit_velocity"][body]) for body, v in row["exit_velocity"].items())
-            / speed
-        )
-    return {
-        "rebound_error": worst,
-        "impulse_error": abs(row["impulse_ns"] / reference["impulse_ns"] - 1),
-        "peak_force_error": abs(row["peak_force_n"] / reference["peak_force_n"] - 1),
-    }
+    """Relative errors of rebound, impulse and peak force. That of the rebound is infinite if the contact has
+    not ended."""
+    found = quantities.errors(row, reference)
+    if not row["ended"]:
+        found["rebound"] = math.inf
+    return {f"{name}_error": found[name] for name in ("rebound", "impulse", "peak_force")}
 
 
 class Point:

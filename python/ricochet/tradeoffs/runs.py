@@ -99,7 +99,7 @@ class Runner:
         writing: the shortest of `repeats` runs. If steps are chosen for an accuracy, it is the time of the
         whole run, with its estimates."""
         changes = kernel.changes(self.scene) | impact.changes()
-        key = self.key(changes)
+        key = self.key(changes, "quantities")  # rows of earlier versions have none
         if key in self.store.rows:
             return self.store.rows[key]
         folder = self.folder / self.kernel_key(kernel)
@@ -125,9 +125,7 @@ class Runner:
                 "vectors": sum(best["modes"].values()),
                 "candidates": best["candidates"],
                 "impact_mib": done.peak_mib,
-                "exit_velocity": best["exit_velocity"],
-                "impulse_ns": best["impulse_ns"],
-                "peak_force_n": best["peak_force_n"],
+                "quantities": best["quantities"],
                 "ended": best["contact_end_s"] is not None,
             }
         )
