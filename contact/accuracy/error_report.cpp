@@ -17,7 +17,8 @@ std::string way_to_measure(Cause cause) {
     case Cause::mesh:
       return " (run ricochet-kernel with this accuracy; mesh files have one order only)";
     case Cause::spacing:
-      return " (a pair has one point: refine the mesh where bodies touch, or lower contact.spacing)";
+      return " (fewer points would not hold the bodies in the same way: refine the mesh where they touch, or "
+             "lower contact.spacing)";
     case Cause::basis:
       return " (Ritz vectors of rods ring: use modes.basis = \"modes\")";
     default:

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <random>
 
 #include "contact/model/coarsening.hpp"
@@ -51,6 +53,51 @@ Errors remaining(Errors change, const std::optional<Errors>& before, double floo
     d = std::max(d, floor * *earlier) * pace / (1 - pace);
   }
   return change;
+}
+
+/// A lever arm that is this part of the radius of gyration changes the effective mass of a body by 1 %.
+constexpr double short_arm = 0.1;
+
+/// How the pressed points of a pair hold its bodies.
+struct Support {
+  int points = 0;
+  int kind = 0;  ///< 1: at one place, 2: along a line, 3: on a surface; 0 without points
+};
+
+std::vector<Support> supports(const Model& model, const Quantities& run) {
+  std::vector<Support> out;
+  for (const Model::PairBlock& pair : model.pairs) {
+    std::vector<Eigen::Index> pressed;
+    for (int i = pair.first_point; i < pair.first_point + pair.points; ++i)
+      if (run.pressed.empty() || run.pressed[static_cast<std::size_t>(i)]) pressed.push_back(i);
+    Support& here = out.emplace_back();
+    if (pressed.empty()) continue;
+    here = {static_cast<int>(pressed.size()), 1};
+    double arm = std::numeric_limits<double>::infinity();
+    for (const int k : {pair.a, pair.b})
+      if (k >= 0) {
+        const Model::BodyBlock& body = model.bodies[static_cast<std::size_t>(k)];
+        if (body.supported || !(body.inertia.trace() > 0)) continue;  // it does not turn
+        arm = std::min(arm, short_arm * std::sqrt(body.inertia.trace() / (2 * body.mass)));
+      }
+    Matrix at = model.point_a(pressed, Eigen::all);
+    at.rowwise() -= at.colwise().mean().eval();
+    const Eigen::JacobiSVD<Matrix> spread(at);
+    for (const double width : spread.singularValues())
+      if (here.kind < 3 && width > arm * std::sqrt(here.points)) ++here.kind;
+  }
+  return out;
+}
+
+/// Whether fewer points hold the bodies as those of the finer model do: not one point of two on an edge.
+bool holds_alike(const std::vector<Support>& fine, const std::vector<Support>& wide) {
+  return std::ranges::equal(fine, wide, [](const Support& a, const Support& b) { return b.kind >= a.kind; });
+}
+
+/// Whether equilibrium alone gives the forces of a pair: of one point, two along a line or three on a
+/// surface.
+bool is_determinate(const std::vector<Support>& supports) {
+  return std::ranges::any_of(supports, [](const Support& s) { return s.points > 0 && s.points <= s.kind; });
 }
 
 bool is_rod(const kernels::Kernel& kernel) { return kernel.surface.corners() == 1; }
@@ -245,9 +292,13 @@ std::optional<Errors> Estimator::spacing(const StepOptions& options) {
   if (single || !wide) return std::nullopt;
   const auto once = wide->quantities(options);
   const auto last = change(base, once);
-  if (!last) return std::nullopt;
+  const std::vector<Support> support = supports(model_, *base);
+  if (!last || !holds_alike(support, supports(wide->model_, *once))) return std::nullopt;
   Estimator* const wider = wide->coarser().get();
-  return remaining(*last, wider ? change(once, wider->quantities(options)) : std::nullopt, of_series);
+  const auto twice = wider ? wider->quantities(options) : std::nullopt;
+  const std::vector<Support> left = twice ? supports(wider->model_, *twice) : std::vector<Support>{};
+  const bool comparable = twice && holds_alike(support, left) && !is_determinate(left);
+  return remaining(*last, comparable ? change(once, twice) : std::nullopt, of_series);
 }
 
 std::optional<Errors> Estimator::mesh(const StepOptions& options, const Quantities& base) {

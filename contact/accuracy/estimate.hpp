@@ -12,7 +12,8 @@
 //                up to half of the band (kernels/band.hpp). Unknown on rods: their vectors ring at
 //                frequencies of their own, which no run with fewer vectors reveals
 //   spacing      e₁(d₂, d₄) with points twice and four times as far apart. Unknown if a pair of surfaces has
-//                one point, which cannot be coarsened
+//                one point, which cannot be coarsened, or if the coarser points do not hold the bodies as
+//                before: not one point of two on an edge. d₄ is unknown if only the wider ones do not
 //   mesh         e₂(d₁, d₂) with the next coarser mesh, and the one before it. If both have the same elements
 //                near contact, e₂(d) of these besides. If the coarser one has a narrower band, the whole
 //                change by the modes between the two besides

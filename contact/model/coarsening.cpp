@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -34,9 +35,15 @@ Shares shares(const Model& model) {
     const auto adjacent = [&](Index i, Index j) {
       return (at.row(i) - at.row(j)).norm() <= 0.5 * (near[i - first] + near[j - first]);
     };
-    std::vector<Index> centre;
-    for (Index i = first; i < first + count; ++i)
+    std::vector<Index> order, centre;
+    for (Index i = first; i < first + count; ++i) order.push_back(i);
+    const auto faces = [&](Index i) {
+      return model.faces.empty() ? 1 : model.faces[static_cast<std::size_t>(i)];
+    };
+    std::ranges::stable_sort(order, std::greater{}, faces);
+    for (const Index i : order)
       if (std::ranges::none_of(centre, [&](Index j) { return adjacent(i, j); })) centre.push_back(i);
+    std::ranges::sort(centre);
     for (Index i = first; i < first + count; ++i) {
       double sum = 0;
       for (std::size_t k = 0; k < centre.size(); ++k) {
@@ -57,13 +64,11 @@ Shares shares(const Model& model) {
   return out;
 }
 
-/// Sets the friction points and the tangents of `out`, whose pairs and normals are known, and returns the
-/// means of all rows: the mean of tangential displacements as vectors, along the new tangents.
-Matrix rows_of(const Model& model, const Matrix& T, Model& out) {
-  if (model.friction.empty()) return T;
-  const Index m = model.points(), fewer = T.rows();
+/// Sets the friction points and the tangents of `out`, whose pairs and normals are known.
+void set_friction(const Model& model, Model& out) {
+  if (model.friction.empty()) return;
   out.friction.clear();
-  Index rows = fewer;
+  Index rows = out.normal.rows();
   for (std::size_t k = 0; k < out.pairs.size(); ++k) {
     Model::PairBlock& pair = out.pairs[k];
     if (pair.first_tangential < 0) continue;
@@ -73,17 +78,24 @@ Matrix rows_of(const Model& model, const Matrix& T, Model& out) {
     for (int i = 0; i < pair.points; ++i, rows += 2)
       out.friction.push_back({pair.first_point + i, static_cast<int>(rows), law});
   }
-  Matrix all = Matrix::Zero(rows, model.rows());
-  all.topLeftCorner(fewer, m) = T;
-  out.tangent.resize(rows - fewer, 3);
-  for (const Model::FrictionPoint& to : out.friction) {
-    out.tangent.middleRows(to.tangential - fewer, 2) =
+  out.tangent.resize(rows - out.normal.rows(), 3);
+  for (const Model::FrictionPoint& to : out.friction)
+    out.tangent.middleRows(to.tangential - out.normal.rows(), 2) =
         tangents_of(out.normal.row(to.point).transpose().normalized());
+}
+
+/// Returns the means of all rows for the means T (fewer, m) of the normal ones: those of tangential
+/// displacements are means of vectors, along the tangents of `out`.
+Matrix rows_of(const Model& model, const Matrix& T, const Model& out) {
+  if (model.friction.empty()) return T;
+  const Index m = model.points(), fewer = T.rows();
+  Matrix all = Matrix::Zero(fewer + out.tangent.rows(), model.rows());
+  all.topLeftCorner(fewer, m) = T;
+  for (const Model::FrictionPoint& to : out.friction)
     for (const Model::FrictionPoint& from : model.friction)
       all.block(to.tangential, from.tangential, 2, 2) =
           T(to.point, from.point) * out.tangent.middleRows(to.tangential - fewer, 2) *
           model.tangent.middleRows(from.tangential - m, 2).transpose();
-  }
   return all;
 }
 
@@ -107,14 +119,35 @@ double curve_of(const Model& model, const Eigen::Ref<const Vector>& share, Index
   return std::max(0.0, curvature) * share(parts).dot(square);
 }
 
-/// Sets the gaps and bulges of wide patches.
-void set_gaps(const Model& model, const Shares& shares, Model& out) {
-  out.gap = shares.T * model.gap;
-  out.bulge = shares.T.leftCols(model.bulge.size()) * model.bulge;
-  if (model.bulge.size() == 0 || model.bulge.isZero(0)) return;
-  for (Index I = 0; I < out.gap.size(); ++I) {
-    out.gap(I) = model.gap(shares.centre[I]);
-    out.bulge(I) += curve_of(model, shares.T.row(I).transpose(), shares.centre[I]);
+/// Steepest rise of gaps between parts of a patch that touch together.
+constexpr double level_slope = 1e-6;
+
+/// Returns the means (fewer, m) of those parts of each wide patch that touch together with the point that was
+/// kept: all of a face that lies flat, and points along the edge of a tilted one.
+Matrix level_means(const Model& model, const Shares& shares) {
+  Matrix out = shares.T;
+  for (Index I = 0; I < out.rows(); ++I) {
+    const Index centre = shares.centre[I];
+    for (Index i = 0; i < out.cols(); ++i)
+      if (std::abs(model.gap(i) - model.gap(centre)) >
+          level_slope * (model.point_a.row(i) - model.point_a.row(centre)).norm())
+        out(I, i) = 0;
+    out.row(I) /= out.row(I).sum();
+  }
+  return out;
+}
+
+/// Sets the gaps and bulges of wide patches. @param level  level_means()
+void set_gaps(const Model& model, const Shares& shares, const Matrix& level, Model& out) {
+  Vector curve(level.rows());
+  for (Index I = 0; I < curve.size(); ++I)
+    curve(I) = curve_of(model, shares.T.row(I).transpose(), shares.centre[I]);
+  out.gap = level * model.gap;
+  if (model.bulge.size() == 0 || model.bulge.isZero(0)) {
+    out.gap += curve;
+    out.bulge.setZero(model.bulge.size() == 0 ? 0 : curve.size());
+  } else {
+    out.bulge = shares.T * model.bulge + curve;
   }
 }
 
@@ -146,13 +179,18 @@ Model coarsened(const Model& model) {
     pair.first_point = static_cast<int>(std::exchange(first, first + count));
     pair.points = count;
   }
-  set_gaps(model, wide, out);
-  out.point_a = means * model.point_a;
-  out.point_b = means * model.point_b;
-  out.normal = means * model.normal;
+  const Matrix level = level_means(model, wide);
+  for (Matrix* x : {&out.point_a, &out.point_b, &out.normal}) *x = (level * *x).eval();
+  out.faces.clear();
+  for (const Index i : wide.centre)
+    if (!model.faces.empty()) out.faces.push_back(model.faces[static_cast<std::size_t>(i)]);
+  set_gaps(model, wide, level, out);
   out.area = wide.area;
-  const Matrix T = rows_of(model, means, out);
+  set_friction(model, out);
+  const Matrix T = rows_of(model, means, out), rigid = rows_of(model, level, out);
   out.B = T * model.B;
+  for (Index n = 0; n < model.omega.size(); ++n)
+    if (model.omega(n) == 0) out.B.col(n) = rigid * model.B.col(n);
   out.R = T * model.R * T.transpose();
   if (model.R_a.size() > 0) out.R_a = T * model.R_a * T.transpose();
   out.static_displacement = T * model.static_displacement;

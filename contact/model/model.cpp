@@ -19,6 +19,9 @@ using Eigen::Vector3d;
 /// eigensolver.
 constexpr double rigid_slack = 1e-6;
 
+/// Cosine of the angle up to which faces that meet are one smooth face, as those of the kernels are.
+const double smooth = std::cos(29 * std::numbers::pi / 180);
+
 /// Loads of a kernel as (3,N).
 auto three_rows(const std::vector<double>& values, int modes) {
   return Eigen::Map<const Matrix>(values.data(), 3, modes);
@@ -125,6 +128,48 @@ std::vector<int> held_candidates(const kernels::Surface& surface) {
                    request.a, request.b, body.name,
                    body.kernel->surface.direction ? "the motion along one direction alone"
                                                   : "the residual flexibility along its normals alone"));
+}
+
+/// How many smooth faces meet at each candidate of the whole surface.
+std::vector<int> faces_at(const kernels::Surface& surface) {
+  const auto count = [](std::size_t candidates, const std::vector<std::int64_t>& element,
+                        const std::vector<double>& element_normal) {
+    std::vector<std::vector<Vector3d>> seen(candidates);
+    for (std::size_t k = 0; 3 * k < element_normal.size(); ++k) {
+      const Vector3d n = Eigen::Map<const Vector3d>(&element_normal[3 * k]);
+      auto& here = seen[static_cast<std::size_t>(element[k])];
+      if (std::ranges::none_of(here, [&](const Vector3d& other) { return other.dot(n) > smooth; }))
+        here.push_back(n);
+    }
+    std::vector<int> out;
+    for (const auto& here : seen) out.push_back(std::max(1, static_cast<int>(here.size())));
+    return out;
+  };
+  return surface.whole
+             ? count(surface.whole->area.size(), surface.whole->element, surface.whole->element_normal)
+             : count(surface.size(), surface.element, surface.element_normal);
+}
+
+/// The number of faces at each point, of the body that has a candidate there.
+std::vector<int> faces_of_points(const std::vector<PlacedBody>& bodies,
+                                 const std::vector<ContactPair>& pairs) {
+  constexpr double itself = 1 - 1e-9;  // weight of a candidate at the point
+  std::vector<std::vector<int>> faces;
+  for (const PlacedBody& body : bodies) faces.push_back(faces_at(body.kernel->surface));
+  std::vector<int> out;
+  for (const ContactPair& pair : pairs)
+    for (const Pairing::Point& point : pair.pairing.points) {
+      out.push_back(1);
+      const auto see = [&](int body, const Pairing::Weights& weights) {
+        for (const auto& [candidate, weight] : weights)
+          if (body >= 0 && weight > itself)
+            out.back() = std::max(out.back(),
+                                  faces[static_cast<std::size_t>(body)][static_cast<std::size_t>(candidate)]);
+      };
+      see(pair.a, point.of_a);
+      see(pair.b, point.of_b);
+    }
+  return out;
 }
 
 /// Returns P (n, cM) with u = Σ_bodies P · (displacement of the candidates of the body in its own frame).
@@ -320,6 +365,7 @@ Model build_model(const Placement& placement, const Vector3d& gravity,
       model.point_b.row(i) = point.b;
       model.normal.row(i++) = point.normal;
     }
+  model.faces = faces_of_points(bodies, pairs);
   model.tangent.resize(rows - points, 3);
   for (const Model::FrictionPoint& point : model.friction)
     model.tangent.middleRows(point.tangential - points, 2) =

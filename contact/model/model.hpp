@@ -59,6 +59,8 @@ struct Model {
   Vector static_a;  ///< (n) share of body a in static_displacement [m]
   Vector area;      ///< (m) [m²]
   Matrix point_a, point_b, normal;  ///< (m,3) world
+  /// (m) how many smooth faces of a body meet at the point: 1 within a face, 2 on a crease, more at a corner.
+  std::vector<int> faces{};
 
   /// A point with friction.
   struct FrictionPoint {

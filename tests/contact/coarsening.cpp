@@ -5,12 +5,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "tests/contact/bodies.hpp"
 
 namespace coarsening_test {
 
 using namespace ricochet::contact;
 using namespace ricochet::contact::test;
+using ricochet::kernels::Kernel;
 
 /// A flat sheet above a floor. Its only mode is rigid along z, and R is a Gaussian of the distance.
 Model sheet_on_floor(const ricochet::kernels::Kernel& bare, ricochet::kernels::Kernel& kernel) {
@@ -119,6 +122,87 @@ TEST(Coarsened, tilted_face_has_no_bulge_at_its_edges) {
   const Model wide = coarsened(fine);
   EXPECT_LT(wide.bulge.maxCoeff(), 1e-6);
   EXPECT_NEAR(wide.gap.minCoeff(), 1 + 0.3 * fine.point_a.col(0).minCoeff(), 1e-12) << "the edge itself";
+}
+
+/// A rigid wedge of two squares, {y ≥ 0, z = 0} below and {y = 0, z ≥ 0} at its side, which meet in a crease
+/// along x. The candidates of the crease, 1/n apart, come last.
+Kernel wedge(int n) {
+  Kernel kernel;
+  kernel.mass = 1;
+  kernel.inertia = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  std::map<std::array<int, 3>, std::int64_t> number;  // of x, of the face (0 for the crease) and along it
+  const auto at = [&](int i, int face, int j) -> Vector3d {
+    return Vector3d(i, face == 1 ? j : 0, face == 2 ? j : 0) / n;
+  };
+  const std::array<Vector3d, 3> normal{Vector3d(0, -1, -1), Vector3d(0, 0, -1), Vector3d(0, -1, 0)};
+  for (const int face : {1, 2, 0})
+    for (int j = n; j >= 1; --j)
+      for (int i = 0; i <= n; ++i)
+        if (face != 0 || j == 1) {
+          number[{i, face, face == 0 ? 0 : j}] = static_cast<std::int64_t>(number.size());
+          add_candidate(kernel, at(i, face, j), normal[face], 1.0 / (n * n));
+        }
+  for (const int face : {1, 2})
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i)
+        for (const auto& [di, dj] : {std::pair{0, 0}, {1, 0}, {0, 1}, {1, 0}, {1, 1}, {0, 1}}) {
+          kernel.surface.element.push_back(number.at({i + di, j + dj == 0 ? 0 : face, j + dj}));
+          for (int d = 0; d < 3; ++d) kernel.surface.element_normal.push_back(normal[face][d]);
+        }
+  for (int k = 0; k < 6; ++k) kernel.modes.angular_frequency.push_back(0);
+  kernel.modes.decay_rate.assign(6, 0);
+  const auto field = [](int k, const Vector3d& x) -> Vector3d {
+    return k < 3 ? Vector3d::Unit(k) : Vector3d(Vector3d::Unit(k - 3).cross(x));
+  };
+  for (std::size_t i = 0; i < kernel.surface.size(); ++i)
+    for (int d = 0; d < 3; ++d)
+      for (int k = 0; k < 6; ++k)
+        kernel.surface.shape.push_back(field(k, Eigen::Map<const Vector3d>(&kernel.surface.node[3 * i]))(d));
+  for (std::size_t d = 0; d < 3; ++d)
+    for (std::size_t k = 0; k < 6; ++k) {
+      kernel.loads.body_force.push_back(k == d ? 1 : 0);
+      kernel.loads.rotation.push_back(k == d + 3 ? 1 : 0);
+    }
+  return kernel;
+}
+
+// The mean of points of both faces would lie inside the wedge, above the floor that its edge touches.
+TEST(Coarsened, edge_of_a_tilted_body_stays_an_edge_with_its_lever_arms) {
+  const Kernel kernel = wedge(8);
+  const Matrix3d Q = turn(0.2, {1, 0, 0});
+  const Model fine = build_model({{.name = "wedge", .kernel = &kernel, .rotation = Q}},
+                                 {{.name = "floor", .point = {0, 0, -0.01}, .normal = {0, 0, 1}}},
+                                 {PairRequest{"wedge", "floor", {}, {}, {}}}, {0, 0, 0});
+  EXPECT_EQ(std::ranges::count(fine.faces, 2), 9);
+  EXPECT_EQ(std::ranges::count(fine.faces, 1), fine.gap.size() - 9);
+  for (const auto& [times, left] : {std::pair{1, 5}, {2, 3}}) {  // of the nine points of the edge
+    const Model wide = coarsened(fine, times);
+    int on_edge = 0;
+    for (Eigen::Index i = 0; i < wide.gap.size(); ++i) {
+      const Vector3d x = wide.point_a.row(i), own = Q.transpose() * x, down(0, 0, -1);
+      EXPECT_LT(std::min(std::abs(own.y()), std::abs(own.z())), 1e-12) << "on a face: " << own.transpose();
+      EXPECT_NEAR(wide.gap(i), x.z() + 0.01, 1e-6);  // the weight of curvature in the fit
+      for (int k = 0; k < 3; ++k) {
+        EXPECT_NEAR(wide.B(i, k), down.dot(Q * Vector3d::Unit(k)), 1e-12);
+        EXPECT_NEAR(wide.B(i, 3 + k), down.dot(Q * Vector3d::Unit(k).cross(own)), 1e-12);
+      }
+      on_edge += std::max(own.y(), own.z()) < 1e-12 ? 1 : 0;
+    }
+    EXPECT_EQ(on_edge, left);
+  }
+}
+
+// Of two neighbours, the first one is kept unless more faces meet at the other.
+TEST(Coarsened, points_where_more_faces_meet_are_kept) {
+  Kernel kernel;
+  Model fine = sheet_on_floor(square(9, 7), kernel);
+  EXPECT_THAT(fine.faces, ::testing::Each(1));
+  for (const std::size_t corner : {std::size_t{0}, std::size_t{1}, std::size_t{35}}) {
+    Model marked = fine;
+    marked.faces[corner] = 3;
+    const Model wide = coarsened(marked);
+    EXPECT_EQ(std::ranges::count(wide.faces, 3), 1) << corner;
+  }
 }
 
 TEST(Coarsened, point_that_stands_alone_stays) {

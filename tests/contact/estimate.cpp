@@ -9,7 +9,7 @@
 
 #include "contact/accuracy/error_report.hpp"
 #include "contact/stepping/stepper.hpp"
-#include "tests/contact/bodies.hpp"
+#include "tests/contact/rigid_plate.hpp"
 
 namespace estimate_test {
 
@@ -355,6 +355,31 @@ TEST(SpacingShare, is_unknown_with_a_single_point) {
   };
   EXPECT_FALSE(share(1e-9));
   EXPECT_TRUE(share(1));
+}
+
+// Three candidates on the edge of a tilted plate are coarsened to one, around which the plate would turn
+// freely. Flat, it stands on several before and after.
+TEST(SpacingShare, is_unknown_where_fewer_points_would_let_the_body_turn) {
+  Kernel kernel = rigid_plate();
+  kernel.surface.residual_flexibility.assign(27 * 27, 0);
+  for (std::size_t i = 0; i < 27; ++i) kernel.surface.residual_flexibility[i * 28] = 1e-5;
+  kernel.loads.body_force_residual.assign(81, 0);
+  const auto share = [&](double tilt, double zone) {
+    const auto place = [&](const std::vector<Kernel>& kernels) {
+      return build_model({{.name = "plate",
+                           .kernel = kernels.data(),
+                           .rotation = turn(tilt, {1, 0, 0}),
+                           .translation = {0, 0, 1},
+                           .velocity = {0, 0, -1}}},
+                         {{.name = "floor", .normal = {0, 0, 1}}},
+                         {PairRequest{"plate", "floor", {}, 0.001, {}, zone}}, {0, 0, 0});
+    };
+    return Estimated({.rebuild = place, .kernels = {kernel}, .duration = 0.1})
+        .estimator.estimate({.step = 1e-4})
+        .share(Cause::spacing);
+  };
+  EXPECT_FALSE(share(0.2, 0.01));
+  EXPECT_TRUE(share(0, 1));
 }
 
 TEST(BasisShare, of_rods_is_unknown) {
