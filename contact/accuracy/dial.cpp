@@ -90,6 +90,16 @@ bool alike(const Quantities& all, const Quantities& fewer, const Subject& subjec
          std::abs(fewer.longest_touch - all.longest_touch) <= accuracy * all.longest_touch;
 }
 
+/// Part of the accuracy. Changes by modes that are this small would have to grow tenfold to matter.
+constexpr double negligible = 0.1;
+
+/// Makes the share of the modes unknown if it decides that the accuracy is met, although its changes still
+/// grow from band to band, which bounds no further change.
+void refuse_growing_changes(ErrorEstimate& estimate, double change, double accuracy) {
+  if (change > negligible * accuracy && estimate.scatter * estimate.total() <= accuracy)
+    estimate.by_cause.at(Cause::modes).reset();
+}
+
 Precision chosen_precision(Estimator& estimator, const DialRequest& request,
                            const std::vector<Quantity>& requested) {
   StepOptions options = request.options;
@@ -137,6 +147,7 @@ Dialled dial(const Subject& subject, Model model, DialRequest request) {
   out.quantities = estimator->quantities(options);
   if (auto& spacing = out.estimate->by_cause.at(Cause::spacing); spacing && by_coarsening)
     for (auto& [quantity, error] : *spacing) error = std::max(error, by_coarsening->at(quantity));
+  refuse_growing_changes(*out.estimate, estimator->growing_change(), request.accuracy);
   return with_model();
 }
 

@@ -16,6 +16,8 @@ std::string way_to_measure(Cause cause) {
   switch (cause) {
     case Cause::mesh:
       return " (run ricochet-kernel with this accuracy; mesh files have one order only)";
+    case Cause::modes:
+      return " (results change more with each wider band, or it has too few modes: raise modes.up_to_hz)";
     case Cause::spacing:
       return " (fewer points would not hold the bodies in the same way: refine the mesh where they touch, or "
              "lower contact.spacing)";

@@ -55,6 +55,21 @@ Errors remaining(Errors change, const std::optional<Errors>& before, double floo
   return change;
 }
 
+/// A series whose last change is more than this many times each change before has not begun to converge.
+constexpr double growing = 2;
+
+/// The largest last change of those requested quantities whose changes still grow; 0 if none does.
+double largest_growing(const Errors& last, const std::optional<Errors>& before,
+                       const std::optional<Errors>& first, const std::vector<Quantity>& requested) {
+  double out = 0;
+  for (const Quantity quantity : requested) {
+    const double earlier =
+        std::max(previous(before, quantity).value_or(0), previous(first, quantity).value_or(0));
+    if (const auto d = previous(last, quantity); d && *d > growing * earlier) out = std::max(out, *d);
+  }
+  return out;
+}
+
 /// A lever arm that is this part of the radius of gyration changes the effective mass of a body by 1 %.
 constexpr double short_arm = 0.1;
 
@@ -261,7 +276,11 @@ std::optional<Errors> Estimator::modes(const StepOptions& options, const Quantit
   if (!last) return std::nullopt;
   if (const auto nearly = change(base, up_to(0.75, options)))
     for (auto& [quantity, d] : *last) d = std::max(d, nearly->at(quantity));
-  return remaining(*last, change(half, up_to(0.25, options)), of_series);
+  const auto quarter = up_to(0.25, options);
+  const auto before = change(half, quarter);
+  growing_change_ =
+      largest_growing(*last, before, change(quarter, up_to(0.125, options)), subject_.requested);
+  return remaining(*last, before, of_series);
 }
 
 std::optional<Errors> Estimator::basis(const StepOptions& options, const Quantities& base) {

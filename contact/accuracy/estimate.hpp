@@ -7,7 +7,7 @@
 //   step         d + e(d, |r(Δ) − r(2Δ)|) with d = |r(Δ) − r(Δ/2)|; 2 d for the impulse scheme, which is of
 //                first order and may be unstable at 2Δ
 //   modes        e₁(d₂, d₄) with d₂ = |r − r of the modes up to half of the band|, and d₄ the change if the
-//                band is halved once more
+//                band is halved once more; growing_change() tells whether these changes show no convergence
 //   basis        d₂ ε/ε₂ for Ritz vectors that were made with a flexibility error ε; ε₂ is the error of those
 //                up to half of the band (kernels/band.hpp). Unknown on rods: their vectors ring at
 //                frequencies of their own, which no run with fewer vectors reveals
@@ -90,6 +90,9 @@ class Estimator {
   std::optional<Errors> spacing(const StepOptions& options);
   /// Change from the next coarser mesh to that of the subject; no value if unknown.
   const std::optional<Errors>& mesh_change() const { return mesh_change_; }
+  /// The largest change of a requested quantity by the upper half of the band, of those that exceed twice the
+  /// changes by the bands below; 0 if there is none. Set by estimate().
+  double growing_change() const { return growing_change_; }
   /// The errors of all causes. The subject must touch (`Quantities::touched`).
   ErrorEstimate estimate(const StepOptions& options);
 
@@ -112,6 +115,7 @@ class Estimator {
   std::map<std::pair<double, Precision>, std::optional<Quantities>> quantities_;  ///< by step and precision
   std::map<std::pair<double, double>, std::optional<Quantities>> up_to_;  ///< by share of the band and step
   std::optional<Errors> mesh_change_;
+  double growing_change_ = 0;
 };
 
 }  // namespace ricochet::contact

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "contact/accuracy/dial.hpp"
 #include "contact/accuracy/error_report.hpp"
 #include "contact/stepping/stepper.hpp"
 #include "tests/contact/rigid_plate.hpp"
@@ -184,6 +185,31 @@ TEST(ModesShare, is_larger_without_residual_flexibility) {
       sum[residual ? 0 : 1] += *estimated.estimator.estimate({.step = 5e-3}).share(Cause::modes);
     }
   EXPECT_GT(sum[1], sum[0]);
+}
+
+// A body whose lower modes do not move the contact point: their number says nothing about modes above them.
+TEST(ModesShare, is_unknown_if_accuracy_would_rest_on_changes_that_still_grow) {
+  const auto place = [](const std::vector<Kernel>& kernels) {
+    return build_model({{.name = "rod", .kernel = kernels.data(), .velocity = {1, 0, 0}}},
+                       {{.name = "wall", .point = {1, 0, 0}, .normal = {-1, 0, 0}}},
+                       {PairRequest{"rod", "wall", {}, {}, {}}}, {0, 0, 0});
+  };
+  for (const bool still : {false, true}) {
+    constexpr std::size_t modes = 17;
+    Kernel kernel = rod(modes, 1);
+    for (std::size_t end : {0, 1})
+      for (std::size_t n = 1; still && n <= 10; ++n) kernel.surface.shape[end * modes + n] = 0;
+    Estimated estimated({.rebuild = place, .kernels = {kernel}, .duration = 3});
+    const StepOptions options{.step = 1e-3};
+    const double total = estimated.estimator.estimate(options).total();
+    EXPECT_EQ(estimated.estimator.growing_change() > 0, still);
+    const auto share = [&](double accuracy) {
+      return dial(estimated.of, place(estimated.of.kernels), {.accuracy = accuracy, .options = options})
+          .estimate->share(Cause::modes);
+    };
+    EXPECT_NE(share(3 * total).has_value(), still);
+    EXPECT_TRUE(share(total / 2)) << "above the accuracy in any case";
+  }
 }
 
 TEST(ModesShare, is_unknown_where_there_is_no_mode_to_leave_out) {
