@@ -275,14 +275,16 @@ class Motion {
     gl.enable(gl.DEPTH_TEST);
   }
 
-  /** Draws a moment as a picture of the given size. */
-  picture(time, width, height) {
+  /** Draws moments as pictures of the given size. Each change of the size of a canvas takes as long as a drawing. */
+  pictures(times, width, height) {
     const {canvas} = this, before = [canvas.width, canvas.height];
     [canvas.width, canvas.height] = [width, height];
-    this.draw(time);
-    const url = canvas.toDataURL("image/png");
+    const urls = times.map(time => {
+      this.draw(time);
+      return canvas.toDataURL("image/png");
+    });
     [canvas.width, canvas.height] = before;
-    return url;
+    return urls;
   }
 
   /** The share of the canvas that is not empty. */

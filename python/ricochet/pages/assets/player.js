@@ -233,9 +233,9 @@ const remarkOnMode = motion => `The largest displacement is drawn as ${100 * mot
 function rowOfMoments(motion) {
   const [across, up] = motion.spans, width = 560;
   const height = Math.round(width * Math.min(0.9, Math.max(0.2, 1.05 * up / across)));
-  const cells = motion.data.pictures.map(k => {
-    const time = motion.time[k], text = quantity(time, "s");
-    const picture = make("img", {src: motion.picture(time, width, height), alt: `The bodies at ${text}`});
+  const times = motion.data.pictures.map(k => motion.time[k]), sources = motion.pictures(times, width, height);
+  const cells = times.map((time, k) => {
+    const text = quantity(time, "s"), picture = make("img", {src: sources[k], alt: `The bodies at ${text}`});
     return make("figure", {}, picture, make("figcaption", {}, text));
   });
   const scale = motion.natural > 1 ? `deformation × ${digits(motion.natural, 2)}` : "true to scale";
