@@ -1,3 +1,3 @@
 # SPDX-License-Identifier: BSD-2-Clause
 add_mpi_tests(elasticity elasticity
-  FILES assemble expected_size matrix_file patch rigid)
+  FILES assemble expected_size matrix_file patch rigid ALONE ExpectedSize)
