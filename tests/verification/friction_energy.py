@@ -20,7 +20,7 @@ def add_arguments(parser):
 
 
 def run(options):
-    build = programs.ROOT / "build-strict"
+    build = programs.ROOT / "build"
     subprocess.run(["cmake", "--build", build, "--target", PROGRAM], check=True, stdout=subprocess.DEVNULL)
     return subprocess.run(
         [build / "bin" / PROGRAM, f"--gtest_filter={TEST}"],
