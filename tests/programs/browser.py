@@ -106,7 +106,9 @@ class Browser:
             mobile=wide < 600,
         )
         self.call("Page.navigate", url=path.resolve().as_uri())
-        self.wait_for("document.documentElement?.dataset.ready === 'yes'")
+        self.wait_for(
+            "document.documentElement?.dataset.ready === 'yes' || document.documentElement?.dataset.error"
+        )
 
     def click(self, x, y):
         for kind in ("mousePressed", "mouseReleased"):

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Opens pages of ricochet report in a browser without network and reads their numbers, for the tests in report.py."""
 
+import atexit
 import base64
+import functools
 import html.parser
 import json
 import pathlib
@@ -9,6 +11,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 
 import numpy as np
 
@@ -86,6 +89,18 @@ def browse(page, *more):
     ]  # the driver warns about reads of its own pixels
 
 
+@functools.cache
+def shared_browser():
+    """A browser for all pages of this process: it takes longer to start than to show a page."""
+    from browser import Browser
+
+    scope = tempfile.TemporaryDirectory(prefix="ricochet-browser-", ignore_cleanup_errors=True)
+    atexit.register(scope.cleanup)
+    browser = Browser(scope.name)
+    atexit.register(browser.close)
+    return browser
+
+
 def number(text):
     """The value of a text such as "−1.5 × 10⁻³ mN s" or "2 %", without the unit."""
     match = re.match(r"(−?[\d.]+)(?: × 10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+))?(?: ([numkMG]?)|µ)?", text)
@@ -127,10 +142,14 @@ class ReportTest(ProgramTest):
     def opened(self, path, name):
         """The page in the browser, which must not report any error."""
         self.assertTrue(shutil.which("chromium"), "no chromium: scripts/setup --tests installs it")
-        dom, console = browse(path, "--window-size=500,600", "--dump-dom")
-        found = Elements(dom)
+        browser = shared_browser()
+        browser.messages.clear()
+        browser.open(path, 500, 600)
+        found = Elements(browser.evaluate("document.documentElement.outerHTML"))
         root = next(attributes for tag, attributes, _ in found.found if tag == "html")
-        self.assertEqual((console, root.get("data-error"), root.get("data-ready")), ([], None, "yes"))
+        self.assertEqual(
+            (browser.messages, root.get("data-error"), root.get("data-ready")), ([], None, "yes")
+        )
         if KEEP:
             KEEP.mkdir(parents=True, exist_ok=True)
             shutil.copy(path, KEEP / f"{name}.html")

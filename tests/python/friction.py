@@ -4,7 +4,6 @@
 import json
 import math
 import re
-import shutil
 import types
 import unittest
 
@@ -275,16 +274,18 @@ class Pictures(FrictionTest):
             )
 
     def test_are_drawn_with_friction_only_if_there_is_any(self):
+        path, _ = friction_file.write(self.folder / "rubbed")
+        found = list(pictures.draw(path, self.folder / "pictures"))
+        names = ["contact", "friction", "snapshots", "energy"]
+        self.assertEqual([p.name for p in found], [f"rubbed-{name}.png" for name in names])
         for more, names in [
-            ({}, ["contact", "friction", "snapshots", "energy"]),
             ({"form": "point"}, ["contact", "friction", "snapshots", "energy"]),
             ({"form": "line", "friction": STRIBECK}, ["contact", "friction", "snapshots", "energy"]),
             ({"friction": None}, ["contact", "snapshots", "energy"]),
         ]:
             path, _ = friction_file.write(self.folder / "rubbed", **more)
-            found = list(pictures.draw(path, self.folder / "pictures"))
-            self.assertEqual([p.name for p in found], [f"rubbed-{name}.png" for name in names])
-            shutil.rmtree(self.folder / "pictures")
+            found = pictures.figures(History(path), path.parent, lambda _: None)
+            self.assertEqual([name for name, _ in found], names)
 
     def test_of_friction_need_a_touch(self):
         path, drag = friction_file.write(self.folder / "rubbed")
