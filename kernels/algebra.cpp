@@ -163,7 +163,7 @@ Kernel rescaled(Kernel kernel, const Similarity& factors, const Damping& damping
     multiply(participation, root);
     multiply(momentum, m);
   }
-  const auto loads_per_unit = [&, by = k](auto& by_loads) {
+  const auto loads_per_unit = [&, &applied = applied, by = k](auto& by_loads) {
     for (std::size_t j = 0; j < by_loads.size(); ++j)
       by_loads[j] = static_cast<std::decay_t<decltype(by_loads[j])>>(
           by_loads[j] * (per_unit(applied[j / 3 % applied.size()]) / by));

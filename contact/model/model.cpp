@@ -386,7 +386,9 @@ Model build_model(const Placement& placement, const Vector3d& gravity,
     model.load.segment(first, n) = block.momentum.transpose() * gravity;
     model.v0.segment(first, n) = rigid_velocity(bodies[k], block);
 
-    const auto select = [&](int c) { return selection(bodies[k], static_cast<int>(k), pairs, model, c); };
+    const auto select = [&, &bodies = bodies, &pairs = pairs](int c) {
+      return selection(bodies[k], static_cast<int>(k), pairs, model, c);
+    };
     const Selection& whole = model.bodies[k].selection = select(kernel.surface.components);
     model.B.middleCols(first, n) =
         whole * Eigen::Map<const Matrix>(kernel.surface.shape.data(), whole.cols(), n);

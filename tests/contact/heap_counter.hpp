@@ -13,8 +13,14 @@ inline std::atomic<long> returns{
     0};  ///< calls that release allocated memory; destructors of Eigen also free null
 }  // namespace heap_counter
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // the sanitizers have their own malloc
-#define RICOCHET_HEAP_COUNTED 1
-#else
+// The sanitizers have their own malloc. GCC and clang tell so in their own ways.
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
 #define RICOCHET_HEAP_COUNTED 0
+#endif
+#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define RICOCHET_HEAP_COUNTED 0
+#endif
+#ifndef RICOCHET_HEAP_COUNTED
+#define RICOCHET_HEAP_COUNTED 1
 #endif

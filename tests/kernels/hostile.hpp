@@ -151,10 +151,11 @@ inline void for_each_hostile_change(const std::filesystem::path& path,
   for (const auto* list : {&objects.datasets, &objects.groups})
     for (const std::string& object : *list)
       for (const auto& [what, make] : hostile_objects())
-        changed(object + ": " + what, [&] { replace(path, object, make); });
+        changed(object + ": " + what, [&, &make = make] { replace(path, object, make); });
   for (const auto& [object, name] : objects.attributes)
     for (const hid_t type : {hid_t{0}, H5T_NATIVE_DOUBLE, H5T_NATIVE_INT64, H5T_STD_REF_OBJ})
-      changed(object + ": " + name, [&] { replace_attribute(path, object, name, type); });
+      changed(object + ": " + name,
+              [&, &object = object, &name = name] { replace_attribute(path, object, name, type); });
 }
 
 }  // namespace ricochet::test
