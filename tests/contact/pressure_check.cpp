@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "contact/figures/equilibrium_summary.hpp"
 #include "contact/figures/summary_observer.hpp"
 #include "contact/static/equilibrium.hpp"
 #include "tests/contact/plate.hpp"
