@@ -38,7 +38,8 @@ class Error(NamedTuple):
 
 MODEL, BLOCK = "contact/model/model.cpp", "contact/stepping/look_ahead_block.cpp"
 LAW, SLIP = "contact/law/contact_law.cpp", "contact/law/slip.cpp"
-SYSTEM, BLOCK_SYSTEM = "contact/stepping/step_system.cpp", "contact/stepping/block_system.cpp"
+BLOCK_SYSTEM, GATHERED = "contact/stepping/block_system.cpp", "contact/stepping/gathered_system.cpp"
+IMPULSES = "contact/stepping/impulse_problem.cpp"
 TABLE, SAMPLED = "contact/table/table_stepper.cpp", "contact/table/modal_table.cpp"
 STATIC, RESPONSE = "contact/static/equilibrium.cpp", "contact/stepping/forced_response.cpp"
 SHAPE = "whole * Eigen::Map<const Matrix>(kernel.surface.shape.data(), whole.cols(), n);"
@@ -69,8 +70,8 @@ ERRORS = (
         "R",
         "R halved",
         MODEL,
-        "    model.R += R;",
-        "    model.R += 0.5 * R;",
+        "const double value = part(i - first, j);",
+        "const double value = 0.5 * part(i - first, j);",
         ("two_balls",),
     ),
     Error(
@@ -127,9 +128,9 @@ ERRORS = (
         "conserving",
         "R",
         "R halved in the system of the step",
-        SYSTEM,
-        "out.S_mean = conserving_mean.end * out.M + out.R;",
-        "out.S_mean = conserving_mean.end * out.M + 0.5 * out.R;",
+        GATHERED,
+        "S_mean.begin(n) = conserving_mean.end * modes + residual;",
+        "S_mean.begin(n) = conserving_mean.end * modes + 0.5 * residual;",
         ("two_balls",),
     ),
     Error(
@@ -145,9 +146,9 @@ ERRORS = (
         "backward Euler",
         "R",
         "R halved in the system of the step",
-        SYSTEM,
-        "out.S = out.M + out.R;",
-        "out.S = out.M + 0.5 * out.R;",
+        GATHERED,
+        "  all += residual;",
+        "  all += 0.5 * residual;",
         ("rods",),
     ),
     Error(
@@ -190,7 +191,7 @@ ERRORS = (
         "blocks",
         "Δ",
         "lags of the convolution 1 % too long",
-        BLOCK_SYSTEM,
+        "contact/stepping/block_matrices.cpp",
         "static_cast<double>(d + 1) * step).c;",
         "static_cast<double>(d + 1) * 1.01 * step).c;",
         ("rods",),
@@ -218,16 +219,16 @@ ERRORS = (
         "jump",
         "force",
         "impulse 2 % too small",
-        SYSTEM,
-        "    out.S = model.B * model.B.transpose();",
-        "    out.S = 1.02 * model.B * model.B.transpose();",
+        IMPULSES,
+        "    *out = B * B.transpose();",
+        "    *out = 1.02 * B * B.transpose();",
         ("rods",),
     ),
     Error(
         "jump",
         "sign",
         "restitution reversed",
-        "contact/stepping/impulse_problem.cpp",
+        IMPULSES,
         "rhs_(j) = (1 + options_.restitution)",
         "rhs_(j) = (1 - options_.restitution)",
         ("falling_mass",),
@@ -245,16 +246,16 @@ ERRORS = (
         "difference",
         "force",
         "impulse 2 % too small",
-        SYSTEM,
-        "    out.S = model.B * (out.b / options.step).asDiagonal() * model.B.transpose();",
-        "    out.S = 1.02 * model.B * (out.b / options.step).asDiagonal() * model.B.transpose();",
+        IMPULSES,
+        "    *out = B * (system.b / options.step).asDiagonal() * B.transpose();",
+        "    *out = 1.02 * B * (system.b / options.step).asDiagonal() * B.transpose();",
         ("rods",),
     ),
     Error(
         "difference",
         "sign",
         "approach reversed",
-        "contact/stepping/impulse_problem.cpp",
+        IMPULSES,
         "    x = &moved;",
         "    moved = -moved;\n    x = &moved;",
         ("rods",),
@@ -263,7 +264,7 @@ ERRORS = (
         "difference",
         "Δ",
         "quotient over a step 1 % too long",
-        "contact/stepping/impulse_problem.cpp",
+        IMPULSES,
         "    moved /= options_.step;",
         "    moved /= 1.01 * options_.step;",
         ("rods",),
