@@ -45,7 +45,6 @@ class Reserved {
     assert(size <= capacity_);
     size_ = size;
   }
-  std::size_t size() const { return size_; }
   T* data() { return entries_.get(); }
   const T* data() const { return entries_.get(); }
   T& operator[](std::size_t k) { return entries_[k]; }

@@ -18,10 +18,9 @@ BlockMatrices<T>::BlockMatrices(const StepSystem& system, int steps, double step
       width_(simd::padded(static_cast<std::size_t>(model_.rows()), simd::point_pad)),
       modes_(simd::padded(static_cast<std::size_t>(model_.omega.size()))),
       all_(static_cast<std::size_t>(model_.rows())),
-      place_(all_.size()) {
+      place_(all_.size(), -1) {
   const std::size_t n = all_.size();
   std::iota(all_.begin(), all_.end(), 0);
-  for (std::atomic<int>& place : place_) place.store(-1, std::memory_order_relaxed);
   rows_.reserve(n);
   B_.assign(n * modes_, 0.0);
   factors_.assign((length_ + 1) * modes_, 0.0);
@@ -49,13 +48,7 @@ BlockMatrices<T>::BlockMatrices(const StepSystem& system, int steps, double step
 
 template <class T>
 void BlockMatrices<T>::need(int row) noexcept {
-  if (place_[row].load(std::memory_order_acquire) >= 0) return;
-  const std::lock_guard lock(guard_);
-  if (place(row) < 0) compute(row);
-}
-
-template <class T>
-void BlockMatrices<T>::compute(int row) noexcept {
+  if (place_[row] >= 0) return;
   const auto B = B_.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(row) * modes_);
   for (std::size_t d = 0; d <= length_; ++d)
     std::transform(B, B + static_cast<std::ptrdiff_t>(modes_), factors_.begin() + d * modes_,
@@ -87,7 +80,7 @@ void BlockMatrices<T>::compute(int row) noexcept {
     flexibility_[p * width_ + i] = static_cast<T>(sum_[length_ * width_ + i] + R);
     residual_[p * width_ + i] = static_cast<T>(R);
   }
-  place_[row].store(static_cast<int>(p), std::memory_order_release);
+  place_[row] = static_cast<int>(p);
 }
 
 template class BlockMatrices<double>;

@@ -3,10 +3,8 @@
 // first needed, so that rows that always stay open need neither time nor memory.
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <limits>
-#include <mutex>
 #include <vector>
 
 #include "base/reserved.hpp"
@@ -21,7 +19,6 @@ T rounded_up(double bound) {
   return static_cast<T>(bound * (1 + 2.0 * std::numeric_limits<T>::epsilon()));
 }
 
-/// Several threads may use one object at the same time.
 template <class T>
 class BlockMatrices {
  public:
@@ -33,7 +30,7 @@ class BlockMatrices {
   void need(int row) noexcept;
 
   /// Place of a needed row in the matrices.
-  int place(int row) const noexcept { return place_[row].load(std::memory_order_relaxed); }
+  int place(int row) const noexcept { return place_[row]; }
   /// (L, width) M_d of a needed row, by place.
   const T* lags(int row) const { return &lag_[static_cast<std::size_t>(place(row)) * length_ * width_]; }
   /// M_0 of two needed rows.
@@ -48,8 +45,6 @@ class BlockMatrices {
   const T* residual() const { return residual_.data(); }
 
  private:
-  void compute(int row) noexcept;
-
   const Model& model_;
   const simd::Loops<double>& loops_;
   std::size_t length_, width_, modes_;
@@ -57,8 +52,7 @@ class BlockMatrices {
   std::vector<double> factors_;  ///< (L + 1, modes) of B Bᵀ in M_d, and in the flexibility
   std::vector<int> all_;         ///< rows, ascending
   std::vector<int> rows_;        ///< by place
-  std::vector<std::atomic<int>> place_;
-  std::mutex guard_;
+  std::vector<int> place_;       ///< of each row, or −1
   std::vector<double> x_, sum_;  ///< (L + 1, modes), (L + 1, width) scratch
   base::Reserved<T> lag_, influence_, flexibility_, residual_;
   base::Reserved<double> M_;

@@ -46,7 +46,6 @@ normal = [-1, 0, 0]
 DISKS = ROOT / "meshes/two-disks/two-disks.toml"
 BALLS = ROOT / "meshes/hertz/two-balls.toml"
 BALL = ROOT / "meshes/hertz/resting-ball.toml"
-# Bodies and axes of the exit velocities, by scene.
 
 
 def rod_scene(folder, name, other, length=10, order=1, elements=100):
