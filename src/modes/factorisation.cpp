@@ -19,17 +19,11 @@ constexpr int low_rank_factors_and_solves = 2;
 constexpr const char* factor_task = "factor K − σM";
 constexpr const char* solve_task = "solve with K − σM";
 
-MPI_Comm comm_of(Mat matrix) {
-  MPI_Comm comm = MPI_COMM_NULL;
-  parallel::check(PetscObjectGetComm(reinterpret_cast<PetscObject>(matrix), &comm));
-  return comm;
-}
-
 }  // namespace
 
 Factorisation::Factorisation(Mat stiffness, Mat mass, double low_rank)
     : entries_(stiffness, mass), shifted_(entries_.stiffness.size()), low_rank_(low_rank) {
-  MPI_Comm_dup(comm_of(stiffness), &comm_);
+  MPI_Comm_dup(parallel::comm_of(stiffness), &comm_);
   const int start = static_cast<int>(entries_.first);
   first_of_rank_.resize(static_cast<std::size_t>(parallel::size_of(comm_)));
   MPI_Allgather(&start, 1, MPI_INT, first_of_rank_.data(), 1, MPI_INT, comm_);

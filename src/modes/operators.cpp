@@ -15,12 +15,6 @@ namespace ricochet::modes {
 
 namespace {
 
-MPI_Comm comm_of(Mat matrix) {
-  MPI_Comm comm = MPI_COMM_NULL;
-  parallel::check(PetscObjectGetComm(reinterpret_cast<PetscObject>(matrix), &comm));
-  return comm;
-}
-
 std::int64_t local_rows_of(Mat matrix) {
   PetscInt rows = 0;
   parallel::check(MatGetLocalSize(matrix, &rows, nullptr));
@@ -45,7 +39,7 @@ Eigen::VectorXd diagonal_of(MPI_Comm comm, Mat matrix, std::int64_t local_rows) 
 }  // namespace
 
 Operators::Operators(Mat given_stiffness, Mat given_mass, const Eigen::MatrixXd& known)
-    : comm(comm_of(given_stiffness)),
+    : comm(parallel::comm_of(given_stiffness)),
       local_rows(local_rows_of(given_stiffness)),
       total_rows(total_rows_of(given_stiffness)),
       stiffness(given_stiffness),

@@ -98,8 +98,7 @@ std::vector<std::size_t> breadth_first(const Graph& graph) {
 }  // namespace
 
 BlockProduct::BlockProduct(Mat matrix) {
-  MPI_Comm comm = MPI_COMM_NULL;
-  check(PetscObjectGetComm(reinterpret_cast<PetscObject>(matrix), &comm));
+  const MPI_Comm comm = parallel::comm_of(matrix);
   check(MatGetBlockSize(matrix, &block_));
   if (block_ != 1 && block_ != 3) throw SolverError("internal: products are for blocks of 1 and 3");
   take_blocks(matrix);

@@ -78,6 +78,12 @@ int rank_of(MPI_Comm comm) {
   return rank;
 }
 
+MPI_Comm comm_of(Mat matrix) {
+  MPI_Comm comm = MPI_COMM_NULL;
+  check(PetscObjectGetComm(reinterpret_cast<PetscObject>(matrix), &comm));
+  return comm;
+}
+
 int size_of(MPI_Comm comm) {
   int size = 1;
   MPI_Comm_size(comm, &size);

@@ -39,6 +39,7 @@ using Progress = std::function<void(std::int64_t done, std::int64_t total)>;
 
 int rank_of(MPI_Comm comm);
 int size_of(MPI_Comm comm);
+MPI_Comm comm_of(Mat matrix);
 
 /// Throws SolverError with the message of PETSc and the caller's line unless `code` is 0.
 void check(PetscErrorCode code, std::source_location at = std::source_location::current());
