@@ -91,7 +91,7 @@ std::vector<Support> supports(const Model& model, const Quantities& run) {
     double arm = std::numeric_limits<double>::infinity();
     for (const int k : {pair.a, pair.b})
       if (k >= 0) {
-        const Model::BodyBlock& body = model.bodies[static_cast<std::size_t>(k)];
+        const Bodies::Block& body = model.bodies[static_cast<std::size_t>(k)];
         if (body.supported || !(body.inertia.trace() > 0)) continue;  // it does not turn
         arm = std::min(arm, short_arm * std::sqrt(body.inertia.trace() / (2 * body.mass)));
       }
@@ -118,7 +118,7 @@ bool is_determinate(const std::vector<Support>& supports) {
 bool is_rod(const kernels::Kernel& kernel) { return kernel.surface.corners() == 1; }
 
 bool are_rods(const Model& model) {
-  return std::ranges::all_of(model.bodies, [](const Model::BodyBlock& body) { return is_rod(*body.kernel); });
+  return std::ranges::all_of(model.bodies, [](const Bodies::Block& body) { return is_rod(*body.kernel); });
 }
 
 Errors scaled(Errors errors, double factor) {
@@ -301,7 +301,7 @@ std::optional<Errors> Estimator::spacing(const StepOptions& options) {
   const auto base = quantities(options);
   if (!base) return std::nullopt;
   const bool rods =
-      std::ranges::all_of(model_.bodies, [](const Model::BodyBlock& body) { return is_rod(*body.kernel); });
+      std::ranges::all_of(model_.bodies, [](const Bodies::Block& body) { return is_rod(*body.kernel); });
   if (rods) return none(*base);  // their ends are points
   const bool single = std::ranges::any_of(model_.pairs, [&](const Model::PairBlock& pair) {
     return pair.points == 1 &&

@@ -31,7 +31,7 @@ Vector3d unit(const Vector3& v, const std::string& where) {
   return out.normalized();
 }
 
-void check_names(const Scene& scene) {
+void check(const Scene& scene) {
   std::set<std::string> names;
   const auto add = [&](const std::string& name, const char* list) {
     if (name.empty()) throw InputError(fmt::format("{}: one has no name. Name each.", list));
@@ -39,14 +39,17 @@ void check_names(const Scene& scene) {
       throw InputError(
           fmt::format("{}.{}: the name is taken. Bodies and obstacles need names of their own.", list, name));
   };
-  for (const Body& body : scene.bodies) add(body.name, "bodies");
+  for (const Body& body : scene.bodies) {
+    add(body.name, "bodies");
+    const std::string where = "bodies." + body.name;
+    if (!body.kernel) throw InputError(where + ": has no kernel. Load one with load_kernel.");
+    kernels::validate(*body.kernel, where + ".kernel");
+  }
   for (const HalfSpace& obstacle : scene.obstacles) add(obstacle.name, "obstacles");
 }
 
 contact::PlacedBody placed(const Body& body) {
   const std::string where = "bodies." + body.name;
-  if (!body.kernel) throw InputError(where + ": has no kernel. Load one with load_kernel.");
-  kernels::validate(*body.kernel, where + ".kernel");
   finite(body.rotate_deg, where + ".rotate_deg");
   const auto rotation = rotation_of(body.rotate_deg);
   return {.name = body.name,
@@ -79,7 +82,7 @@ std::optional<Friction> friction_of(const Scene& scene, const Pair& pair, const 
         "{}: friction.stribeck_velocity = {}: must be above 0, as the coefficients at rest ({}) and in "
         "sliding ({}) differ.",
         where, f.stribeck_velocity, f.static_coefficient, f.dynamic_coefficient));
-  if (scene.scheme != Scheme::compliant)
+  if (scene.scheme == Scheme::impulse)
     throw InputError(
         fmt::format("{}: friction needs the compliant scheme. Leave it out, or change the scheme.", where));
   return f;
@@ -124,7 +127,8 @@ void add_belts(const Scene& scene, contact::Model& model) {
           "{}.velocity = [{:.6g}, {:.6g}, {:.6g}]: has the component {:.6g} m/s along the normal. Leave it "
           "out, because a half-space moves along its surface.",
           where, velocity.x(), velocity.y(), velocity.z(), normal.dot(velocity)));
-    if (!velocity.isZero(0)) contact::add_belt(model, obstacle.name, velocity, {{0, forever}, {0, forever}});
+    if (!velocity.isZero(0) && scene.scheme != Scheme::at_rest)
+      contact::add_belt(model, obstacle.name, velocity, {{0, forever}, {0, forever}});
     for (std::size_t k = 0; k < obstacle.slides.size(); ++k) {
       const std::string slide = fmt::format("{}.slides[{}]", where, k);
       contact::add_belt(model, obstacle.name, finite(obstacle.slides[k].vector, slide + ".vector"),
@@ -155,15 +159,15 @@ Eigen::Map<const contact::Matrix> modes_at(const Pickup& pickup, const kernels::
 
 }  // namespace
 
-contact::Model model_of(const Scene& scene) {
-  check_names(scene);
-  std::vector<contact::PlacedBody> bodies;
-  std::vector<double> arrivals;
+std::vector<contact::PlacedBody> bodies_of(const Scene& scene) {
+  std::vector<contact::PlacedBody> out;
   const Vector3d gravity = finite(scene.gravity, "gravity");
-  for (const Body& body : scene.bodies) {
-    arrivals.push_back(arrival_of(body));
-    bodies.push_back(contact::arriving(placed(body), arrivals.back(), gravity));
-  }
+  for (const Body& body : scene.bodies)
+    out.push_back(contact::arriving(placed(body), arrival_of(body), gravity));
+  return out;
+}
+
+contact::Placement placement_of(const Scene& scene) {
   std::vector<contact::HalfSpace> obstacles;
   for (const HalfSpace& obstacle : scene.obstacles) {
     const std::string where = "obstacles." + obstacle.name;
@@ -178,19 +182,41 @@ contact::Model model_of(const Scene& scene) {
     request.friction = friction_of(scene, pair, where);
     pairs.push_back(request);
   }
-  contact::Model model =
-      contact::build_model(std::move(bodies), obstacles, pairs, gravity, forcing_of(scene));
+  return contact::place(bodies_of(scene), obstacles, pairs);
+}
+
+contact::Model model_of(const Scene& scene, const contact::Placement& placement) {
+  for (const contact::ContactPair& pair : placement.pairs)
+    for (const int body : {pair.a, pair.b})
+      if (body >= 0 && pair.request.friction && placement.bodies[body].kernel->surface.corners() == 1)
+        throw InputError(friction_on_rod(placement.bodies[body].name));
+  contact::Model model = contact::build_model(placement, finite(scene.gravity, "gravity"), forcing_of(scene));
+  std::vector<double> arrivals;
+  for (const Body& body : scene.bodies) arrivals.push_back(body.arrival);
   contact::refuse_early_contact(model, arrivals);
   if (scene.scheme == Scheme::impulse) contact::use_mean_gaps(model);
   add_belts(scene, model);
+  return model;
+}
+
+contact::Model model_of(const Scene& scene) {
+  check(scene);
+  contact::Model model = model_of(scene, placement_of(scene));
   contact::refuse_sag(model);
   return model;
+}
+
+std::string friction_on_rod(const std::string& body) {
+  return fmt::format(
+      "contact.friction: bodies.{} is a rod, which moves along its axis alone, so that nothing rubs: leave "
+      "friction out of its pairs, or give a solid mesh",
+      body);
 }
 
 StepOptions step_options(const Scene& scene) {
   if (!(scene.rate_hz > 0 && std::isfinite(scene.rate_hz)))
     throw InputError(fmt::format("rate_hz = {}: must be positive and finite.", scene.rate_hz));
-  const double ratio = std::max(1.0, std::ceil(scene.contact_rate_hz / scene.rate_hz * (1 - 1e-12)));
+  const double ratio = steps_per_sample(scene.rate_hz, scene.contact_rate_hz);
   if (!(ratio <= 1e6) || (ratio > 1 && scene.scheme != Scheme::compliant))
     throw InputError(
         fmt::format("contact_rate_hz = {}: must be 0 with the impulse scheme, and at most 1e6 times rate_hz "
@@ -212,7 +238,7 @@ contact::Matrix pickups_of(const Scene& scene, const contact::Model& model) {
   for (std::size_t k = 0; k < scene.pickups.size(); ++k) {
     const Pickup& pickup = scene.pickups[k];
     const std::string where = fmt::format("pickups[{}]", k);
-    const auto body = std::ranges::find(model.bodies, pickup.body, &contact::Model::BodyBlock::name);
+    const auto body = std::ranges::find(model.bodies, pickup.body, &contact::Bodies::Block::name);
     if (body == model.bodies.end())
       throw InputError(fmt::format("{}: \"{}\" is not a body. Name one of bodies.", where, pickup.body));
     const kernels::Kernel& kernel = *body->kernel;

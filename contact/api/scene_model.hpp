@@ -3,15 +3,34 @@
 // in one line.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "contact/model/model.hpp"
 #include "ricochet/ricochet.hpp"
+#include "ricochet/step_options.hpp"
 
 namespace ricochet {
 
-/// Refers to the kernels of the scene, which must live as long.
+/// Bodies at their places. They and all that is made of them refer to the kernels of the scene, which must
+/// live as long.
+std::vector<contact::PlacedBody> bodies_of(const Scene& scene);
+
+/// Bodies at their places with their pairs. Also throws InputError as contact::place does.
+contact::Placement placement_of(const Scene& scene);
+
+/// The model of the bodies of the scene, which may be placed with other kernels. Also throws InputError as
+/// contact::build_model, contact::refuse_early_contact and contact::add_belt do, and if a rod has friction.
+contact::Model model_of(const Scene& scene, const contact::Placement& placement);
+
+/// The model of a scene whose names and kernels nobody has checked. Also throws InputError as
+/// contact::refuse_sag does.
 contact::Model model_of(const Scene& scene);
 
 StepOptions step_options(const Scene& scene);
+
+/// The complaint about friction on a rod.
+std::string friction_on_rod(const std::string& body);
 
 /// Matrix (p,N) that maps q̇ to the velocities of the pickups.
 contact::Matrix pickups_of(const Scene& scene, const contact::Model& model);

@@ -28,10 +28,10 @@ SolveStatistics operator+(const SolveStatistics& a, const SolveStatistics& b) {
 ComplementaritySolver::ComplementaritySolver(int capacity, const SolveOptions& options)
     : options_(options), active_set_(capacity) {
   const auto n = static_cast<std::size_t>(std::max(capacity, 1));
-  for (std::vector<double>* x : {&z_, &x_, &best_value_}) x->resize(n);
+  for (std::vector<double>* x : {&z_, &x_, &best_.value}) x->resize(n);
   for (std::vector<int>* x : {&leaving_, &entering_, &rows_}) x->reserve(n);
   for (Eigen::VectorXd* x : {&w_, &weight_, &root_, &seen_.push}) x->setZero(n);
-  best_index_.resize(n);
+  best_.index.resize(n);
   refused_.resize(n);
 }
 
@@ -70,7 +70,7 @@ bool ComplementaritySolver::enter(const Symmetric& S, int j, bool trusted) noexc
   weight_.head(S.rows()) += S.col(j).cwiseAbs();
   changed_ = true;
   ++statistics_.pivots;
-  --left_;
+  --budget_.pivots;
   return true;
 }
 
@@ -80,7 +80,7 @@ void ComplementaritySolver::drop(const Symmetric& S, int position) noexcept {
   active_set_.leave(position);
   changed_ = true;
   ++statistics_.pivots;
-  --left_;
+  --budget_.pivots;
   if (active_set_.size() == 0) weight_.setZero();
 }
 
@@ -158,7 +158,7 @@ void ComplementaritySolver::find_infeasible(int n) noexcept {
 /// Shortens both lists to the remaining pivots. Indices in tension leave first; those with the deepest
 /// penetration enter.
 void ComplementaritySolver::cut_to_budget() noexcept {
-  const auto left = static_cast<std::size_t>(left_);
+  const auto left = static_cast<std::size_t>(budget_.pivots);
   if (leaving_.size() > left) leaving_.resize(left);
   const std::size_t enter = left - leaving_.size();
   if (entering_.size() <= enter) return;
@@ -173,8 +173,8 @@ void ComplementaritySolver::cut_to_budget() noexcept {
 SolveStatus ComplementaritySolver::pivot(const Symmetric& S, const Right& r) noexcept {
   const int n = static_cast<int>(r.size());
   if (!stopped_) {
-    fewest_ = n + 1;
-    patience_ = patience_of_pivots;
+    budget_.fewest = n + 1;
+    budget_.rounds = patience_of_pivots;
   }
   while (true) {
     active_set_.minimise(r, z_);
@@ -187,16 +187,16 @@ SolveStatus ComplementaritySolver::pivot(const Symmetric& S, const Right& r) noe
     }
     if (bounded()) {
       offer(S, r, z_);
-      if (left_ <= 0) return SolveStatus::limited;
+      if (budget_.pivots <= 0) return SolveStatus::limited;
     }
-    if (infeasible < fewest_) {
-      fewest_ = infeasible;
-      patience_ = patience_of_pivots;
-    } else if (patience_-- <= 0) {
-      patience_ = 0;
+    if (infeasible < budget_.fewest) {
+      budget_.fewest = infeasible;
+      budget_.rounds = patience_of_pivots;
+    } else if (budget_.rounds-- <= 0) {
+      budget_.rounds = 0;
       return SolveStatus::no_solution;
     }
-    if (infeasible > left_) cut_to_budget();
+    if (infeasible > budget_.pivots) cut_to_budget();
     for (auto k = leaving_.rbegin(); k != leaving_.rend(); ++k) drop(S, *k);
     for (const int j : entering_)
       if (!enter(S, j, false)) return SolveStatus::no_solution;
@@ -220,7 +220,7 @@ bool ComplementaritySolver::move_on_active_set(const Symmetric& S, const Right& 
     for (int k = 0; k < active_set_.size(); ++k)
       x_[k] = std::max(0.0, blocking < 0 ? z_[k] : x_[k] + reach * (z_[k] - x_[k]));
     if (blocking < 0) return true;
-    if (left_ <= 0) return false;
+    if (budget_.pivots <= 0) return false;
     drop(S, blocking);
   }
 }
@@ -270,7 +270,7 @@ SolveStatus ComplementaritySolver::descend(const Symmetric& S, const Right& r) n
     std::copy(z_.begin(), z_.begin() + active_set_.size(), x_.begin());
     for (int k = active_set_.size() - 1; k >= 0; --k)
       if (!(x_[k] > 0)) {
-        if (left_ <= 0) return SolveStatus::limited;
+        if (budget_.pivots <= 0) return SolveStatus::limited;
         drop(S, k);
       }
   }
@@ -299,7 +299,7 @@ SolveStatus ComplementaritySolver::descend(const Symmetric& S, const Right& r) n
             (entered_ < 0 || w_[i] < w_[entered_]))
           entered_ = i;
       if (entered_ < 0) return SolveStatus::solved;
-      if (left_ <= 0) {
+      if (budget_.pivots <= 0) {
         offer(S, r, x_);
         entered_ = -1;
         descending_ = true;
@@ -328,13 +328,13 @@ void ComplementaritySolver::offer(const Symmetric& S, const Right& r,
     quadratic += 2 * on_set[k] * sum;
     gain += on_set[k] * r(active_set_[k]);
   }
-  if (!(gain > 0) || !(quadratic > 0) || !(-0.5 * gain * (gain / quadratic) < best_objective_)) return;
-  best_objective_ = -0.5 * gain * (gain / quadratic);
-  best_count_ = 0;
+  if (!(gain > 0) || !(quadratic > 0) || !(-0.5 * gain * (gain / quadratic) < best_.objective)) return;
+  best_.objective = -0.5 * gain * (gain / quadratic);
+  best_.count = 0;
   for (int k = 0; k < active_set_.size(); ++k) {
     if (!(on_set[k] > 0)) continue;
-    best_index_[best_count_] = active_set_[k];
-    best_value_[best_count_++] = gain / quadratic * on_set[k];
+    best_.index[best_.count] = active_set_[k];
+    best_.value[best_.count++] = gain / quadratic * on_set[k];
   }
 }
 
@@ -342,12 +342,12 @@ void ComplementaritySolver::answer_with_best(const Symmetric& S, const Right& r,
                                              Eigen::Ref<Eigen::VectorXd> lambda) noexcept {
   auto w = w_.head(r.size());
   w = -r;
-  for (int k = 0; k < best_count_; ++k) {
-    lambda(best_index_[k]) = best_value_[k];
-    w += best_value_[k] * S.col(best_index_[k]);
+  for (int k = 0; k < best_.count; ++k) {
+    lambda(best_.index[k]) = best_.value[k];
+    w += best_.value[k] * S.col(best_.index[k]);
   }
   residual_ = {.violation = std::max(0.0, -w.minCoeff()),
-               .scale = r.cwiseAbs().maxCoeff() + heaviest_ * largest_of(best_value_, best_count_),
+               .scale = r.cwiseAbs().maxCoeff() + heaviest_ * largest_of(best_.value, best_.count),
                .work = std::abs(w.dot(lambda))};
 }
 
@@ -361,9 +361,9 @@ SolveStatus ComplementaritySolver::solve(const Symmetric& S, const Right& r,
     reset();
     return SolveStatus::not_finite;
   }
-  left_ = options_.max_pivots;
-  best_objective_ = 0;
-  best_count_ = 0;
+  budget_.pivots = options_.max_pivots;
+  best_.objective = 0;
+  best_.count = 0;
   const std::int64_t pivots = statistics_.pivots;
 
   SolveStatus status = descending_ ? SolveStatus::no_solution : pivot(S, r);

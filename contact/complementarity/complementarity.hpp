@@ -105,29 +105,38 @@ class ComplementaritySolver {
     double sum = 0, square = 0, tolerance = 0;  ///< |μ|_1, μᵀf, tolerance of f
   };
 
+  /// The best feasible λ so far.
+  struct Best {
+    double objective = 0;  ///< F
+    int count = 0;
+    std::vector<int> index;
+    std::vector<double> value;
+  };
+  /// What a solve may still do.
+  struct Budget {
+    int pivots = 0;
+    int fewest = 0, rounds = 0;  ///< least number of infeasible indices; remaining rounds to reduce it
+  };
+
   SolveOptions options_;
   SolveStatistics statistics_;
   SolveResidual residual_;
-  ActiveSet active_set_;           ///< P
-  Eigen::Index known_ = 0;         ///< size of the matrix whose factor and diagonal are stored
-  bool warm_ = false;              ///< P belongs to a solved problem
-  bool stopped_ = false;           ///< the previous problem was `limited`
-  bool descending_ = false;        ///< it stopped in `descend`, with x_ feasible
-  int entered_ = -1;               ///< index that entered last in `descend`
-  bool changed_ = true;            ///< whether P has changed since heaviest_ was computed
-  int left_ = 0;                   ///< remaining pivots
-  int fewest_ = 0, patience_ = 0;  ///< least number of infeasible indices; remaining rounds to reduce it
-  std::vector<char> refused_;      ///< (n) dependent rows found consistent
-  std::vector<double> z_, x_;      ///< (p) minimiser on the active set, current λ_P
+  ActiveSet active_set_;     ///< P
+  Eigen::Index known_ = 0;   ///< size of the matrix whose factor and diagonal are stored
+  bool warm_ = false;        ///< P belongs to a solved problem
+  bool stopped_ = false;     ///< the previous problem was `limited`
+  bool descending_ = false;  ///< it stopped in `descend`, with x_ feasible
+  int entered_ = -1;         ///< index that entered last in `descend`
+  bool changed_ = true;      ///< whether P has changed since heaviest_ was computed
+  Budget budget_;
+  std::vector<char> refused_;                   ///< (n) dependent rows found consistent
+  std::vector<double> z_, x_;                   ///< (p) minimiser on the active set, current λ_P
   std::vector<int> leaving_, entering_, rows_;  ///< positions in P, ascending; indices; rows of w to compute
   Eigen::VectorXd w_, weight_, root_;  ///< (n) w, or 0 if it cannot be negative; Σ_P |S_ij|; √S_ii
   Seen seen_;
-  double heaviest_ = 0;        ///< max weight_
-  double tolerance_ = 0;       ///< of w, for the last λ evaluated
-  double best_objective_ = 0;  ///< F of the best feasible λ so far
-  int best_count_ = 0;
-  std::vector<int> best_index_;
-  std::vector<double> best_value_;
+  double heaviest_ = 0;   ///< max weight_
+  double tolerance_ = 0;  ///< of w, for the last λ evaluated
+  Best best_;
 };
 
 }  // namespace ricochet::contact

@@ -63,7 +63,7 @@ double FrictionSystem::turning(const Touch& touch) const noexcept {
   const double flexibility = entry(touch.row);
   const double alone = flexibility > 0 ? -w_[touch.row] / flexibility : 0;
   const double normal = std::max(p_[touch.row], alone);
-  return normal > 0 ? touch.slip / (touch.coefficient * normal) : 1e12 * diagonal_;
+  return normal > 0 ? touch.slip / (touch.coefficient * normal) : 1e12 * sizes_.diagonal;
 }
 
 void FrictionSystem::renew_factor() noexcept {
@@ -74,7 +74,7 @@ void FrictionSystem::renew_factor() noexcept {
     unknowns += unknowns_of(touch, touch.state);
   }
   auto J = factor_.begin(unknowns);
-  const double ridge = proximal * diagonal_;
+  const double ridge = proximal * sizes_.diagonal;
   int c = 0;
   const auto set_column = [&](const double* of) {
     compress(of, Columns::E, J.data() + static_cast<std::ptrdiff_t>(c) * unknowns);
@@ -103,7 +103,7 @@ void FrictionSystem::renew_factor() noexcept {
   factor_.factor();
   has_factor_ = true;
   entries_.clear();
-  step_count_ = 0;
+  steps_.count = 0;
 }
 
 bool FrictionSystem::holds_states() const noexcept {
@@ -143,7 +143,7 @@ void FrictionSystem::append_unknown(int k, const Vector3d& move, const Vector3d&
   compress(column_.data(), Columns::E, factor_.column(at));
   for (int i = 0; i <= at; ++i)
     if (entries_[i].is_unknown) factor_.corner(i, at) = part(entries_[i], entries_[i].equation);
-  factor_.corner(at, at) += proximal * diagonal_ + turning;
+  factor_.corner(at, at) += proximal * sizes_.diagonal + turning;
 }
 
 /// Appends a multiplier: the unknowns of point k satisfy `condition` · x = 0 and its equations are taken up
@@ -156,16 +156,16 @@ void FrictionSystem::append_multiplier(int k, const Vector3d& free, const Vector
   entries_.push_back({.point = k, .sign = compliance > 0 ? 1.0 : -1.0});
   const int unknowns = unknowns_of(touch_[k], held_[k].factored);
   for (int d = 0; d < unknowns; ++d) {
-    factor_.column(at)[held_[k].at + d] = diagonal_ * free(d);
-    factor_.row(at)[held_[k].at + d] = diagonal_ * condition(d);
+    factor_.column(at)[held_[k].at + d] = sizes_.diagonal * free(d);
+    factor_.row(at)[held_[k].at + d] = sizes_.diagonal * condition(d);
   }
-  factor_.corner(at, at) = compliance * diagonal_ * diagonal_;
+  factor_.corner(at, at) = compliance * sizes_.diagonal * sizes_.diagonal;
 }
 
 /// Makes the border hold the states. Returns false if that costs more than a new factor.
 bool FrictionSystem::update_factor() noexcept {
   if (!has_factor_) return false;
-  step_count_ = 0;
+  steps_.count = 0;
   kept_.clear();
   std::size_t count = 0;
   for (int i = 0; i < factor_.border(); ++i) {
@@ -247,21 +247,22 @@ bool FrictionSystem::find_step() noexcept {
   // The good update in the form that stores only the steps (Kelley 1995, section 7.3).
   Map<Eigen::VectorXd> step(x, size);
   const auto earlier = [&](int j) {
-    return Map<Eigen::VectorXd>(steps_.data() + static_cast<std::ptrdiff_t>(j) * step_stride_, size);
+    return Map<Eigen::VectorXd>(steps_.step.data() + static_cast<std::ptrdiff_t>(j) * steps_.stride, size);
   };
-  if (step_count_ == most_steps) step_count_ = 0;
-  for (int j = 0; j + 1 < step_count_; ++j) step += earlier(j).dot(step) / squares_[j] * earlier(j + 1);
-  if (step_count_ > 0) {
-    const int last = step_count_ - 1;
-    const double part = 1 - earlier(last).dot(step) / squares_[last];
+  if (steps_.count == Steps::most) steps_.count = 0;
+  for (int j = 0; j + 1 < steps_.count; ++j)
+    step += earlier(j).dot(step) / steps_.squares[j] * earlier(j + 1);
+  if (steps_.count > 0) {
+    const int last = steps_.count - 1;
+    const double part = 1 - earlier(last).dot(step) / steps_.squares[last];
     if (std::abs(part) > least_part)
       step /= part;
     else
-      step_count_ = 0;
+      steps_.count = 0;
   }
-  earlier(step_count_) = step;
-  squares_[step_count_] = step.squaredNorm();
-  if (squares_[step_count_] > 0) ++step_count_;
+  earlier(steps_.count) = step;
+  steps_.squares[steps_.count] = step.squaredNorm();
+  if (steps_.squares[steps_.count] > 0) ++steps_.count;
   return true;
 }
 
@@ -316,7 +317,7 @@ bool FrictionSystem::has_negative_determinant() noexcept {
                                  [](const Touch& touch) { return touch.state == ContactState::slip; });
   if (!slips) return false;
   if (!holds_states() && !update_factor()) renew_factor();
-  double sign = factor_.sign(regular * diagonal_);
+  double sign = factor_.sign(regular * sizes_.diagonal);
   for (const Entry& entry : entries_) sign *= entry.sign;
   return sign < 0;
 }

@@ -27,12 +27,12 @@ double FrictionSystem::admitted(int k, int d) const noexcept {
 /// Moves r in shares from a value for which the answer kept is a solution to the given one. Fewer states
 /// change with each share than at once.
 SolveStatus FrictionSystem::follow_load(int& left, SolveStatistics& statistics) noexcept {
-  std::copy_n(r_.begin(), rows_, plain_r_.begin());
+  std::copy_n(r_.begin(), rows_, plain_.r.begin());
   SolveStatus status = SolveStatus::limited;
   double part = first_share;
   for (int shares = 0; shares < most_shares && left > 0; ++shares) {
     restore_answer();
-    std::copy_n(plain_r_.begin(), rows_, r_.begin());
+    std::copy_n(plain_.r.begin(), rows_, r_.begin());
     evaluate();
     double rest = 0;
     for (int k = 0; k < count_; ++k)
@@ -52,18 +52,18 @@ SolveStatus FrictionSystem::follow_load(int& left, SolveStatistics& statistics) 
     }
     status = SolveStatus::limited;
   }
-  std::copy_n(plain_r_.begin(), rows_, r_.begin());
+  std::copy_n(plain_.r.begin(), rows_, r_.begin());
   return status;
 }
 
 /// Replaces A by A + ρ and r by r + ρ c.
 void FrictionSystem::set_ridge(double ridge) noexcept {
   for (int i = 0; i < rows_; ++i) {
-    A()(i, i) = plain_A_[i] + ridge;
-    r_[i] = plain_r_[i] + ridge * centre_[i];
+    A()(i, i) = plain_.A[i] + ridge;
+    r_[i] = plain_.r[i] + ridge * centre_[i];
   }
-  norm_ += ridge - ridge_;
-  ridge_ = ridge;
+  sizes_.norm += ridge - plain_.ridge;
+  plain_.ridge = ridge;
   discard_factor();
 }
 
@@ -72,13 +72,13 @@ void FrictionSystem::set_ridge(double ridge) noexcept {
 /// point, so that few points change their state if ρ decreases little enough. At a turning point, the last
 /// solution becomes the centre c of a new path.
 SolveStatus FrictionSystem::follow_paths(int& left, SolveStatistics& statistics) noexcept {
-  for (int i = 0; i < rows_; ++i) plain_A_[i] = A()(i, i);
-  std::copy_n(r_.begin(), rows_, plain_r_.begin());
+  for (int i = 0; i < rows_; ++i) plain_.A[i] = A()(i, i);
+  std::copy_n(r_.begin(), rows_, plain_.r.begin());
   std::fill_n(centre_.begin(), rows_, 0.0);
   std::fill_n(p_.begin(), rows_, 0.0);
   for (int k = 0; k < count_; ++k) touch_[k].state = ContactState::open;
   SolveStatus status = SolveStatus::limited;
-  double ridge = norm_, factor = first_factor, solved_at = 0;
+  double ridge = sizes_.norm, factor = first_factor, solved_at = 0;
   while (left > 0 && status != SolveStatus::not_finite) {
     set_ridge(ridge);
     status = try_newton(left, statistics);
@@ -92,16 +92,16 @@ SolveStatus FrictionSystem::follow_paths(int& left, SolveStatistics& statistics)
       restore_answer();
       factor = std::sqrt(factor);
       if (factor > slowest) {
-        std::copy_n(answer_.begin(), rows_, centre_.begin());
-        ridge = std::max(10 * solved_at, diagonal_);
+        std::copy_n(answer_.p.begin(), rows_, centre_.begin());
+        ridge = std::max(10 * solved_at, sizes_.diagonal);
         solved_at = 0;
         factor = first_factor;
         continue;
       }
     }
-    ridge = solved_at * factor > 1e-11 * diagonal_ ? solved_at * factor : 0;
+    ridge = solved_at * factor > 1e-11 * sizes_.diagonal ? solved_at * factor : 0;
   }
-  if (status == SolveStatus::solved && ridge_ > 0) status = SolveStatus::limited;
+  if (status == SolveStatus::solved && plain_.ridge > 0) status = SolveStatus::limited;
   set_ridge(0);
   return status;
 }

@@ -39,18 +39,19 @@ double force_for(double displacement, double flexibility) {
 FrictionSystem::FrictionSystem(int capacity) : factor_(capacity), A_(capacity) {
   const auto n = static_cast<std::size_t>(std::max(capacity, 1));
   touch_.resize(n);
-  best_touch_.resize(n);
-  answer_touch_.resize(n);
+  best_.touch.resize(n);
+  answer_.touch.resize(n);
   held_.resize(n);
   const auto border = static_cast<std::size_t>(BorderedFactor::most(capacity));
   entries_.reserve(border);
   kept_.reserve(border);
   changed_.reserve(n);
-  for (std::vector<double>* x : {&p_, &w_, &r_, &column_, &best_p_, &answer_, &plain_A_, &plain_r_, &centre_})
+  for (std::vector<double>* x :
+       {&p_, &w_, &r_, &column_, &best_.p, &answer_.p, &plain_.A, &plain_.r, &centre_})
     x->resize(n);
   x_.resize(n + border);
-  step_stride_ = static_cast<std::ptrdiff_t>(n + border);
-  steps_.resize((n + border) * most_steps);
+  steps_.stride = static_cast<std::ptrdiff_t>(n + border);
+  steps_.step.resize((n + border) * Steps::most);
 }
 
 void FrictionSystem::clear() noexcept {
@@ -67,11 +68,11 @@ void FrictionSystem::add(double coefficient) noexcept {
 }
 
 void FrictionSystem::set_matrix() noexcept {
-  norm_ = rows_ > 0 ? A().cwiseAbs().colwise().sum().maxCoeff() : 0;
-  diagonal_ = rows_ > 0 ? A().diagonal().maxCoeff() : 0;
+  sizes_.norm = rows_ > 0 ? A().cwiseAbs().colwise().sum().maxCoeff() : 0;
+  sizes_.diagonal = rows_ > 0 ? A().diagonal().maxCoeff() : 0;
 }
 
-double FrictionSystem::scale() const { return largest_r_ + norm_ * largest_of(p_, rows_); }
+double FrictionSystem::scale() const { return sizes_.r + sizes_.norm * largest_of(p_, rows_); }
 
 void FrictionSystem::evaluate() noexcept {
   Map<Eigen::VectorXd> w(w_.data(), rows_);
@@ -81,27 +82,13 @@ void FrictionSystem::evaluate() noexcept {
     w.noalias() += A().selfadjointView<Eigen::Lower>() * p;
   } else {
     const double* const A = A_.view().data();
-    for (int k = 0; k < count_; ++k) {
-      const int row = touch_[k].row;
-      const double* const column = A + static_cast<std::ptrdiff_t>(row) * rows_;
-      const double a = p_[row];
-      if (touch_[k].rows() == 1) {
-        if (a == 0) continue;
-#pragma GCC ivdep
-        for (int i = 0; i < rows_; ++i) w_[i] += a * column[i];
-        continue;
-      }
-      const double b = p_[row + 1], c = p_[row + 2];
-      if (a == 0 && b == 0 && c == 0) continue;
-      const double *const second = column + rows_, *const third = second + rows_;
-      double* const out = w_.data();
-#pragma GCC ivdep
-      for (int i = 0; i < rows_; ++i) out[i] += a * column[i] + b * second[i] + c * third[i];
-    }
+    simd::ColumnSum sum(static_cast<std::size_t>(rows_), w_.data());
+    for (std::ptrdiff_t i = 0; i < rows_; ++i)
+      if (p_[i] != 0) sum.subtract(A + i * rows_, -p_[i]);
   }
-  const double by_forces = norm_ * largest_of(p_, rows_);
-  tolerance_ = precision * (largest_r_ + by_forces);
-  normal_tolerance_ = precision * (largest_normal_r_ + by_forces);
+  const double by_forces = sizes_.norm * largest_of(p_, rows_);
+  sizes_.tolerance = precision * (sizes_.r + by_forces);
+  sizes_.of_normals = precision * (sizes_.normal_r + by_forces);
 }
 
 /// Moves the force of point k to the set of its state. Returns whether the state changes: a force outside the
@@ -135,7 +122,7 @@ double FrictionSystem::contradiction(int k) const noexcept {
   const int row = touch.row;
   const double normal = w_[row];
   if (touch.state == ContactState::open)
-    return normal < -normal_tolerance_ ? force_for(-normal, entry(row)) : 0;
+    return normal < -sizes_.of_normals ? force_for(-normal, entry(row)) : 0;
   double worst = std::max(0.0, -p_[row]);
   if (touch.rows() == 1) return worst;
   if (touch.state == ContactState::stick)
@@ -143,7 +130,7 @@ double FrictionSystem::contradiction(int k) const noexcept {
   const auto w = tangential(w_, row);
   const double along = touch.direction.dot(w);
   const double residual = std::max(std::abs(normal), std::abs(across(touch.direction).dot(w)));
-  if (along < -tolerance_ - (cautious_ ? certain * residual : 0))
+  if (along < -sizes_.tolerance - (cautious_ ? certain * residual : 0))
     worst = std::max(worst, force_for(-along, tangential_entry(row)));
   return worst;
 }
@@ -202,7 +189,7 @@ bool FrictionSystem::classify() noexcept {
 /// tolerance.
 double FrictionSystem::violation() const noexcept {
   // A fast belt makes large slips, but no large gaps.
-  const double weight = normal_tolerance_ > 0 ? tolerance_ / normal_tolerance_ : 1;
+  const double weight = sizes_.of_normals > 0 ? sizes_.tolerance / sizes_.of_normals : 1;
   double worst = 0;
   for (int k = 0; k < count_; ++k) {
     const Touch& touch = touch_[k];
@@ -225,19 +212,19 @@ double FrictionSystem::violation() const noexcept {
 
 /// Returns whether the error has fallen to less than half of the smallest one so far.
 bool FrictionSystem::keep_best(double error) noexcept {
-  if (tolerance_ > 0) error /= tolerance_;
-  const bool halved = error < 0.5 * best_error_;
-  if (error < best_error_) {
-    best_error_ = error;
-    std::copy_n(p_.begin(), rows_, best_p_.begin());
-    std::copy_n(touch_.begin(), count_, best_touch_.begin());
+  if (sizes_.tolerance > 0) error /= sizes_.tolerance;
+  const bool halved = error < 0.5 * best_.error;
+  if (error < best_.error) {
+    best_.error = error;
+    std::copy_n(p_.begin(), rows_, best_.p.begin());
+    std::copy_n(touch_.begin(), count_, best_.touch.begin());
   }
   return halved;
 }
 
 void FrictionSystem::restore_best() noexcept {
-  std::copy_n(best_p_.begin(), rows_, p_.begin());
-  std::copy_n(best_touch_.begin(), count_, touch_.begin());
+  std::copy_n(best_.p.begin(), rows_, p_.begin());
+  std::copy_n(best_.touch.begin(), count_, touch_.begin());
   evaluate();
 }
 
@@ -253,7 +240,7 @@ FrictionPoint FrictionSystem::local(int k) const noexcept {
            r_[row + d];
     point.S.col(d) = Map<const Vector3d>(column + row);
   }
-  point.S.diagonal().array() += proximal * diagonal_;
+  point.S.diagonal().array() += proximal * sizes_.diagonal;
   point.r = point.S * Map<const Vector3d>(&p_[row]) - w;
   return point;
 }
@@ -275,7 +262,7 @@ void FrictionSystem::sweep() noexcept {
       const double w =
           Map<const Eigen::VectorXd>(column, rows_).dot(Map<const Eigen::VectorXd>(p_.data(), rows_)) -
           r_[row];
-      p_[row] = std::max(0.0, p_[row] - w / (column[row] + proximal * diagonal_));
+      p_[row] = std::max(0.0, p_[row] - w / (column[row] + proximal * sizes_.diagonal));
       touch.state = p_[row] > 0 ? ContactState::stick : ContactState::open;
       continue;
     }
@@ -326,12 +313,12 @@ bool FrictionSystem::is_slow(double error, double before, double goal) const noe
 /// updated when states change, unless that or the further steps cost more than a new one, and serves for a
 /// last step to round-off: the heat of a point that hardly slips errs by the residual.
 SolveStatus FrictionSystem::try_newton(int& left, SolveStatistics& statistics, double target) noexcept {
-  best_error_ = std::numeric_limits<double>::infinity();
+  best_.error = std::numeric_limits<double>::infinity();
   double before = std::numeric_limits<double>::infinity();
   int patience = patience_of_newton;
   contradicted_ = false;
   bool polished = false;
-  step_count_ = 0;
+  steps_.count = 0;
   evaluate();
   const bool is_open = std::all_of(touch_.begin(), touch_.begin() + count_,
                                    [](const Touch& touch) { return touch.state == ContactState::open; });
@@ -341,15 +328,16 @@ SolveStatus FrictionSystem::try_newton(int& left, SolveStatistics& statistics, d
       ++statistics.pivots;
     }
     const double error = violation();
-    if (!std::isfinite(error + tolerance_)) return SolveStatus::not_finite;
+    if (!std::isfinite(error + sizes_.tolerance)) return SolveStatus::not_finite;
     if (keep_best(error)) patience = patience_of_newton;
-    if (error <= std::max(target, tolerance_) && !contradicted_) {
-      if (target > 0 || polished || error <= polished_to * tolerance_ || !holds_states())
+    if (error <= std::max(target, sizes_.tolerance) && !contradicted_) {
+      if (target > 0 || polished || error <= polished_to * sizes_.tolerance || !holds_states())
         return SolveStatus::solved;
       polished = true;
     }
     if (patience-- <= 0 || left-- <= 0) return SolveStatus::limited;
-    if (holds_states() ? is_slow(error, before, std::max(target, tolerance_)) : exact_ || !update_factor()) {
+    if (holds_states() ? is_slow(error, before, std::max(target, sizes_.tolerance))
+                       : exact_ || !update_factor()) {
       renew_factor();
       ++statistics.renewals;
     }
@@ -360,19 +348,19 @@ SolveStatus FrictionSystem::try_newton(int& left, SolveStatistics& statistics, d
 }
 
 void FrictionSystem::keep_answer() noexcept {
-  std::copy_n(p_.begin(), rows_, answer_.begin());
-  std::copy_n(touch_.begin(), count_, answer_touch_.begin());
+  std::copy_n(p_.begin(), rows_, answer_.p.begin());
+  std::copy_n(touch_.begin(), count_, answer_.touch.begin());
 }
 
 void FrictionSystem::restore_answer() noexcept {
-  std::copy_n(answer_.begin(), rows_, p_.begin());
-  std::copy_n(answer_touch_.begin(), count_, touch_.begin());
+  std::copy_n(answer_.p.begin(), rows_, p_.begin());
+  std::copy_n(answer_.touch.begin(), count_, touch_.begin());
 }
 
 SolveStatus FrictionSystem::solve(double largest_r, double largest_normal_r, int& left,
                                   SolveStatistics& statistics) noexcept {
-  largest_r_ = largest_r;
-  largest_normal_r_ = largest_normal_r;
+  sizes_.r = largest_r;
+  sizes_.normal_r = largest_normal_r;
   keep_answer();
   SolveStatus status = try_newton(left, statistics);
   if (status == SolveStatus::limited && left > 0) {
@@ -401,8 +389,8 @@ bool FrictionSystem::find_another(SolveStatistics& statistics) noexcept {
   keep_answer();
   const auto differs = [this] {
     double difference = 0;
-    for (int i = 0; i < rows_; ++i) difference = std::max(difference, std::abs(p_[i] - answer_[i]));
-    return difference > distinct * std::max(largest_of(answer_, rows_), largest_of(p_, rows_));
+    for (int i = 0; i < rows_; ++i) difference = std::max(difference, std::abs(p_[i] - answer_.p[i]));
+    return difference > distinct * std::max(largest_of(answer_.p, rows_), largest_of(p_, rows_));
   };
   for (int k = 0; k < count_; ++k) {
     const Touch& touch = touch_[k];

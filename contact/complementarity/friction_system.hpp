@@ -72,8 +72,8 @@ class FrictionSystem {
   /// the other one.
   bool find_another(SolveStatistics& statistics) noexcept;
 
-  double tolerance() const { return tolerance_; }                ///< of w
-  double normal_tolerance() const { return normal_tolerance_; }  ///< of w in normal rows
+  double tolerance() const { return sizes_.tolerance; }          ///< of w
+  double normal_tolerance() const { return sizes_.of_normals; }  ///< of w in normal rows
   double scale() const;  ///< |r|_∞ + ‖A‖_∞ |p|_∞ of the last p
 
  private:
@@ -128,29 +128,50 @@ class FrictionSystem {
     Eigen::Vector3d move = Eigen::Vector3d::Zero(), equation = move;  ///< of an unknown
     double sign = 1;  ///< of the determinant without it over that with it
   };
+  /// Points and forces to which the solver may return.
+  struct Iterate {
+    std::vector<Touch> touch;
+    std::vector<double> p;
+    double error = 0;
+  };
+  /// Steps of Broyden's method since the factor or its border has changed.
+  struct Steps {
+    static constexpr int most = 12;
+    std::vector<double> step;  ///< (most, stride)
+    std::array<double, most> squares{};
+    std::ptrdiff_t stride = 0;
+    int count = 0;
+  };
+  /// Sizes of the problem, to which tolerances are relative.
+  struct Sizes {
+    double norm = 0, diagonal = 0;         ///< ‖A‖_∞, max A_ii
+    double r = 0, normal_r = 0;            ///< largest |r|, over all rows and over normal rows
+    double tolerance = 0, of_normals = 0;  ///< of w
+  };
+  /// The problem without the ridge of a regularised one.
+  struct Plain {
+    double ridge = 0;
+    std::vector<double> A, r;
+  };
   static constexpr double proximal =
       1e-13;  ///< share of max A_ii added to the diagonal against singular matrices
-  static constexpr int most_steps = 12;  ///< of Broyden's method
 
   int count_ = 0, rows_ = 0;
-  std::vector<Touch> touch_, best_touch_, answer_touch_;
+  std::vector<Touch> touch_;
+  Iterate best_, answer_;
   std::vector<Held> held_;
   std::vector<Entry> entries_;       ///< of the border
   std::vector<int> kept_, changed_;  ///< scratch
   bool has_factor_ = false;
   BorderedFactor factor_;
-  std::vector<double> steps_;  ///< since the factor or its border has changed
-  std::array<double, most_steps> squares_{};
-  std::ptrdiff_t step_stride_ = 0;
-  int step_count_ = 0;
+  Steps steps_;
   bool exact_ = false;  ///< whether each change of state renews the factor
   ReservedMatrix A_;
-  std::vector<double> p_, w_, r_, x_, column_, best_p_, answer_, plain_A_, plain_r_, centre_;
-  bool cautious_ = true;                        ///< whether few states change at once
-  bool contradicted_ = false;                   ///< whether states were left that contradict the forces
-  double norm_ = 0, diagonal_ = 0, ridge_ = 0;  ///< ‖A‖_∞, max A_ii
-  double largest_r_ = 0, largest_normal_r_ = 0;
-  double tolerance_ = 0, normal_tolerance_ = 0, best_error_ = 0;
+  std::vector<double> p_, w_, r_, x_, column_, centre_;
+  Plain plain_;
+  bool cautious_ = true;       ///< whether few states change at once
+  bool contradicted_ = false;  ///< whether states were left that contradict the forces
+  Sizes sizes_;
 };
 
 }  // namespace ricochet::contact

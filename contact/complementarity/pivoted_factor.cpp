@@ -8,13 +8,12 @@
 namespace ricochet::contact {
 namespace {
 
-constexpr int width = 16;  // of a panel; narrow enough that Eigen keeps the
-                           // buffers of a product on the stack
+constexpr int width = 16;  // of a panel, which stays in the cache
 
 }  // namespace
 
 PivotedFactor::PivotedFactor(int capacity)
-    : matrix_(capacity), exchange_(static_cast<std::size_t>(std::max(capacity, 1))) {}
+    : loops_(&simd::dense()), matrix_(capacity), exchange_(static_cast<std::size_t>(std::max(capacity, 1))) {}
 
 /// Factors columns first … last − 1, which hold the Schur complement, and exchanges whole rows.
 void PivotedFactor::factor_panel(int first, int last) noexcept {
@@ -62,8 +61,8 @@ void PivotedFactor::factor() noexcept {
         for (int i = c + 1; i < last; ++i) A(i, k) -= factor * A(i, c);
       }
     if (rest > 0)
-      A.bottomRightCorner(rest, rest).noalias() -=
-          A.block(last, first, rest, last - first) * A.block(first, last, last - first, rest);
+      loops_->subtract_product(rest, rest, last - first, &A(last, first), size_, &A(first, last), size_,
+                               &A(last, last), size_);
   }
 }
 
@@ -73,18 +72,17 @@ bool PivotedFactor::solve(double* x) const noexcept {
   for (int c = 0; c < n; ++c) std::swap(x[c], x[exchange_[c]]);
   const double* const a = matrix_.view().data();
   const auto column = [&](int c) { return a + static_cast<std::ptrdiff_t>(c) * n; };
-  // Four columns at once load and store x once.
+  // Four columns at once load and store x once. Each loop begins with the triangle of its four.
+  const auto subtract = [&](int first, int from, int count) {
+    const double* const four[] = {column(first) + from, column(first + 1) + from, column(first + 2) + from,
+                                  column(first + 3) + from};
+    loops_->subtract_columns(static_cast<std::size_t>(count), four, x + first, x + from);
+  };
   int first = 0;
   for (; first + 4 <= n; first += 4) {
-    const double *const a0 = column(first), *const a1 = column(first + 1), *const a2 = column(first + 2),
-                        *const a3 = column(first + 3);
-    double* const y = x + first;
-    y[1] -= a0[first + 1] * y[0];
-    y[2] -= a0[first + 2] * y[0] + a1[first + 2] * y[1];
-    y[3] -= a0[first + 3] * y[0] + a1[first + 3] * y[1] + a2[first + 3] * y[2];
-    const double y0 = y[0], y1 = y[1], y2 = y[2], y3 = y[3];
-#pragma GCC ivdep
-    for (int i = first + 4; i < n; ++i) x[i] -= (y0 * a0[i] + y1 * a1[i]) + (y2 * a2[i] + y3 * a3[i]);
+    for (int c = first; c < first + 3; ++c)
+      for (int i = c + 1; i < first + 4; ++i) x[i] -= x[c] * column(c)[i];
+    subtract(first, first + 4, n - first - 4);
   }
   for (int c = first; c < n; ++c)
     for (int i = c + 1; i < n; ++i) x[i] -= x[c] * column(c)[i];
@@ -93,16 +91,11 @@ bool PivotedFactor::solve(double* x) const noexcept {
     for (int i = 0; i < c; ++i) x[i] -= x[c] * column(c)[i];
   }
   for (first -= 4; first >= 0; first -= 4) {
-    const double *const a0 = column(first), *const a1 = column(first + 1), *const a2 = column(first + 2),
-                        *const a3 = column(first + 3);
-    double* const y = x + first;
-    y[3] /= a3[first + 3];
-    y[2] = (y[2] - a3[first + 2] * y[3]) / a2[first + 2];
-    y[1] = (y[1] - a3[first + 1] * y[3] - a2[first + 1] * y[2]) / a1[first + 1];
-    y[0] = (y[0] - a3[first] * y[3] - a2[first] * y[2] - a1[first] * y[1]) / a0[first];
-    const double y0 = y[0], y1 = y[1], y2 = y[2], y3 = y[3];
-#pragma GCC ivdep
-    for (int i = 0; i < first; ++i) x[i] -= (y0 * a0[i] + y1 * a1[i]) + (y2 * a2[i] + y3 * a3[i]);
+    for (int c = first + 3; c >= first; --c) {
+      x[c] /= column(c)[c];
+      for (int i = first; i < c; ++i) x[i] -= x[c] * column(c)[i];
+    }
+    subtract(first, 0, first);
   }
   return true;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "contact/complementarity/reserved_matrix.hpp"
+#include "contact/simd/dense.hpp"
 
 namespace ricochet::contact {
 
@@ -27,6 +28,7 @@ class PivotedFactor {
  private:
   void factor_panel(int first, int last) noexcept;
 
+  const simd::Dense* loops_;
   ReservedMatrix matrix_;
   std::vector<int> exchange_;
   int size_ = 0, sign_ = 1;

@@ -19,7 +19,7 @@ constexpr std::size_t fewest = 2;
 
 }  // namespace
 
-BandShare::Band BandShare::band_of(const Model& model, const Model::BodyBlock& body) {
+BandShare::Band BandShare::band_of(const Model& model, const Bodies::Block& body) {
   const kernels::Modes& modes = body.kernel->modes;
   const auto omega = model.omega.segment(body.first_mode, body.modes);
   Band band;
@@ -44,7 +44,7 @@ BandShare::Band BandShare::band_of(const Model& model, const Model::BodyBlock& b
 BandShare::BandShare(const Model& model, double step)
     : model_(model), step_(step), impulse_(Vector::Zero(model.points())) {
   double first = std::numeric_limits<double>::infinity();
-  for (const Model::BodyBlock& body : model.bodies) {
+  for (const Bodies::Block& body : model.bodies) {
     bands_.push_back(band_of(model, body));
     if (bands_.back().end > 0) first = std::min(first, bands_.back().end / 2);
   }

@@ -46,7 +46,7 @@ class BandShare {
     double power = 1;        ///< p
     std::vector<int> top{};  ///< modes of the top octave, as columns of B
   };
-  static Band band_of(const Model& model, const Model::BodyBlock& body);
+  static Band band_of(const Model& model, const Bodies::Block& body);
   std::optional<double> energy(const Band& band, std::size_t pair) const;
 
   const Model& model_;

@@ -29,7 +29,7 @@ ContactSides::ContactSides(const Model& model, const StepOptions& options)
 void ContactSides::along(const Vector& q, Vector& a, Vector& b) const noexcept {
   for (const Model::PairBlock& pair : model_.pairs) {
     const auto part = [&](int body, double sign, Vector& out) {
-      const Model::BodyBlock& block = model_.bodies[body];
+      const Bodies::Block& block = model_.bodies[body];
       out.segment(pair.first_point, pair.points).noalias() =
           sign * (model_.B.block(pair.first_point, block.first_mode, pair.points, block.modes) *
                   q.segment(block.first_mode, block.modes));

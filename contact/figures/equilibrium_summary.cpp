@@ -31,7 +31,7 @@ EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium,
         std::max(0.0, (equilibrium.displacement.head(model.points()) - model.gap).maxCoeff());
   const std::vector<RigidMotion> rigid = RigidMotions(model).of(equilibrium.q);
   for (std::size_t k = 0; k < model.bodies.size(); ++k) {
-    const Model::BodyBlock& body = model.bodies[k];
+    const Bodies::Block& body = model.bodies[k];
     out.modes[body.name] = body.modes;
     out.basis[body.name] = body.kernel->modes.basis;
     const double angle = rigid[k].rotation.norm();
@@ -45,7 +45,7 @@ EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium,
   obstacles.observe(equilibrium.q, equilibrium.time);
   for (std::string& warning : obstacles.warnings()) out.warnings.push_back(std::move(warning));
   const auto moved = [&](int k) -> Vector3d {
-    const Model::BodyBlock& body = model.bodies[k];
+    const Bodies::Block& body = model.bodies[k];
     return body.momentum * equilibrium.q.segment(body.first_mode, body.modes) / body.mass;
   };
   for (const Model::PairBlock& pair : model.pairs) {

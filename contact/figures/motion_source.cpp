@@ -59,7 +59,7 @@ Vector3d MotionSource::velocity(int body, const Vector& state) const {
 std::optional<Vector3d> MotionSource::spin(int body, const Vector& state) const {
   constexpr Index of_solid = 6;
   if (!rigid_ || rigid_->modes(body) != of_solid) return std::nullopt;
-  const Model::BodyBlock& block = places_->bodies[static_cast<std::size_t>(body)];
+  const Bodies::Block& block = places_->bodies[static_cast<std::size_t>(body)];
   return std::sqrt(block.inertia.trace() / (2 * block.mass)) * rigid_->of(body, state).rotation;
 }
 

@@ -25,7 +25,7 @@ Points points(const std::vector<double>& values) {
 ObstacleCheck::ObstacleCheck(const Model& model) : model_(model), rigid_(model), passages_(model) {
   for (std::size_t p = 0; p < model.pairs.size(); ++p) {
     const Model::PairBlock& pair = model.pairs[p];
-    const Model::BodyBlock& body = model.bodies[pair.a];
+    const Bodies::Block& body = model.bodies[pair.a];
     if (pair.b >= 0 || pair.points == 0 || body.kernel->outline.empty()) continue;
     Side side;
     side.pair = static_cast<int>(p);

@@ -18,7 +18,7 @@ namespace {
 constexpr double straight = 0.9;
 constexpr double share_of_motion = 0.25;  // of an element, between two looks
 
-PlacedBody placed(const Model::BodyBlock& body) {
+PlacedBody placed(const Bodies::Block& body) {
   return {
       .name = body.name, .kernel = body.kernel, .rotation = body.rotation, .translation = body.translation};
 }

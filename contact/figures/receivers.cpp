@@ -28,7 +28,7 @@ void Receivers::update(double t, const Vector& q, const Vector& v, const Vector&
 
   for (std::size_t k = 0; k < model_.receivers.size(); ++k) {
     const Model::Receiver& receiver = model_.receivers[k];
-    const Model::BodyBlock& body = model_.bodies[receiver.body];
+    const Bodies::Block& body = model_.bodies[receiver.body];
     ReceiverMotion& out = motion_[k];
     out.displacement = receiver.constant;
     out.displacement.noalias() += receiver.shape * q.segment(body.first_mode, body.modes);

@@ -165,7 +165,7 @@ std::string ResolutionCheck::low_band(const ImpactFigures& figures) const {
     if (episode.end_s && episode.impulse_ns >= share_of_impulse * figures.impulse_ns)
       shortest = std::min(shortest, *episode.end_s - episode.start_s);
   for (std::size_t k = 0; k < model_.bodies.size(); ++k) {
-    const Model::BodyBlock& body = model_.bodies[k];
+    const Bodies::Block& body = model_.bodies[k];
     const double band = body.kernel->modes.certificate.upto_hz;  // 0: unknown
     const bool pressed = std::ranges::any_of(model_.pairs, [&](const Model::PairBlock& pair) {
       const auto index = static_cast<int>(k);

@@ -21,7 +21,7 @@ Matrix3d pseudo_inverse(const Matrix3d& inertia) {
 }  // namespace
 
 RigidMotions::RigidMotions(const Model& model) : model_(model) {
-  for (const Model::BodyBlock& body : model.bodies)
+  for (const Bodies::Block& body : model.bodies)
     bodies_.push_back({(model.omega.segment(body.first_mode, body.modes).array() == 0).count(),
                        pseudo_inverse(body.inertia)});
 }
@@ -35,7 +35,7 @@ std::vector<RigidMotion> RigidMotions::of(const Vector& state) const {
 /// v = p/m and ω = I⁻¹ (L − c × p), with the momentum p and the angular momentum L about the world's origin.
 RigidMotion RigidMotions::of(int number, const Vector& state) const {
   const auto& [rigid, inverse_inertia] = bodies_[static_cast<std::size_t>(number)];
-  const Model::BodyBlock& body = model_.bodies[static_cast<std::size_t>(number)];
+  const Bodies::Block& body = model_.bodies[static_cast<std::size_t>(number)];
   RigidMotion out;
   out.centre = body.centre;
   if (rigid == 0) return out;

@@ -85,7 +85,7 @@ std::optional<SpectralLine> line_above(double band, std::span<const double> forc
 
 RippleCheck::RippleCheck(const Model& model, double step) : model_(model), step_(step) {
   for (std::size_t k = 0; k < model.bodies.size(); ++k) {
-    const Model::BodyBlock& body = model.bodies[k];
+    const Bodies::Block& body = model.bodies[k];
     double highest = 0;
     for (const double omega : model.omega.segment(body.first_mode, body.modes))
       if (sampled(omega, step)) highest = std::max(highest, omega);

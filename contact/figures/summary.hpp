@@ -10,7 +10,7 @@
 
 #include "contact/figures/error_estimate.hpp"
 #include "contact/figures/impact_figures.hpp"
-#include "ricochet/step_options.hpp"
+#include "ricochet/scheme.hpp"
 
 namespace ricochet::contact {
 

@@ -16,7 +16,7 @@ SummaryObserver::SummaryObserver(const MotionSource& source, double step, double
     : figures_(source, step), step_(step) {
   out_.candidates = static_cast<int>(source.gap().size());
   if (const Model* const places = source.places()) {
-    for (const Model::BodyBlock& body : places->bodies) {
+    for (const Bodies::Block& body : places->bodies) {
       out_.modes[body.name] = body.modes;
       out_.basis[body.name] = body.kernel->modes.basis;
     }

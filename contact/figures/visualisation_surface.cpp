@@ -30,7 +30,8 @@ VisualisationSurface::VisualisationSurface(const Model& model, int body, const S
   while (rigid_ < omega.size() && omega(rigid_) == 0) ++rigid_;
   if (options.scheme == Scheme::compliant) {
     const auto residual = columns_of(view_.residual_flexibility, rows);
-    if (residual.cols() > 0) flexibility_ = -(residual * body_.static_selection.transpose().cast<float>());
+    if (residual.cols() > 0)
+      flexibility_ = -(residual * model.static_selection[body].transpose().cast<float>());
   }
   const auto to_body = [&](const Eigen::Vector3d& x) -> Eigen::Vector3f {
     return (body_.rotation.transpose() * x).cast<float>();

@@ -45,7 +45,7 @@ class VisualisationSurface {
   using Values = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
   const Model& model_;
-  const Model::BodyBlock& body_;
+  const Bodies::Block& body_;
   const kernels::View& view_;
   Eigen::Map<const Values> shape_;  ///< (3V,N)
   Eigen::Index rigid_ = 0;          ///< number of rigid modes, which come first

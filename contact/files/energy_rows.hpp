@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/hdf5_writer.hpp"
-#include "ricochet/step_options.hpp"
+#include "ricochet/energy.hpp"
 
 namespace ricochet::contact {
 

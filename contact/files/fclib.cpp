@@ -28,11 +28,11 @@ void write_text(Writer& file, const std::string& name, const std::string& text) 
 }
 
 /// Row in the file of each row of the model, and of the two rows of each point without friction.
-struct Rows {
+struct FileRows {
   std::vector<Eigen::Index> place;  ///< (n)
   std::vector<Eigen::Index> loose;  ///< the first of two, for each point without friction
 
-  explicit Rows(const Model& model) : place(static_cast<std::size_t>(model.rows())) {
+  explicit FileRows(const Model& model) : place(static_cast<std::size_t>(model.rows())) {
     std::vector<bool> rubs(static_cast<std::size_t>(model.points()));
     for (const Model::FrictionPoint& point : model.friction) {
       rubs[point.point] = true;
@@ -47,7 +47,7 @@ struct Rows {
 
 /// Writes W in compressed rows.
 /// @param points  m
-void write_matrix(Writer& file, const Eigen::MatrixXd& S, const Rows& rows, Eigen::Index points) {
+void write_matrix(Writer& file, const Eigen::MatrixXd& S, const FileRows& rows, Eigen::Index points) {
   const double tangential = S.diagonal().head(points).mean();
   // Rows and columns of the file in ascending order, with those of S or −1
   std::vector<Eigen::Index> source(static_cast<std::size_t>(rows_each * points), -1);
@@ -78,7 +78,7 @@ void write_matrix(Writer& file, const Eigen::MatrixXd& S, const Rows& rows, Eige
   file.write(group + "x", value, {value.size()}, "m/N");
 }
 
-void write_vector(Writer& file, const std::string& name, const Vector& x, const Rows& rows,
+void write_vector(Writer& file, const std::string& name, const Vector& x, const FileRows& rows,
                   const std::string& unit) {
   std::vector<double> values(rows.place.size() + 2 * rows.loose.size(), 0.0);
   for (std::size_t k = 0; k < rows.place.size(); ++k) values[rows.place[k]] = x(static_cast<Eigen::Index>(k));
@@ -148,7 +148,7 @@ void ProblemFiles::write(const Stepper& stepper) const {
   const Problem problem = problem_of(stepper);
   const Eigen::Index m = model_.points();
   const bool rubs = !model_.friction.empty();
-  const Rows rows(model_);
+  const FileRows rows(model_);
   Writer file(options_.folder / fmt::format("{}-i{:08}-{}.hdf5", options_.name, stepper.steps(), m));
   write_integer(file, "/fclib_local/spacedim", rows_each);
   write_matrix(file, problem.S, rows, m);

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "contact/model/history.hpp"
+#include "contact/rows/history.hpp"
 
 namespace ricochet::contact {
 

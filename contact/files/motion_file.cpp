@@ -78,10 +78,10 @@ MotionFile::Patch MotionFile::patch_of(const Model::PairBlock& pair, const std::
   Patch out;
   out.name = name;
   out.pair = &pair;
-  const Model::BodyBlock& a = model_.bodies[pair.a];
+  const Bodies::Block& a = model_.bodies[pair.a];
   const kernels::Surface& surface = a.kernel->surface;
   std::map<std::int64_t, std::int64_t> point;
-  const std::vector<int> candidates = candidates_of(a.selection, pair, surface.components);
+  const std::vector<int> candidates = candidates_of(model_.selection[pair.a], pair, surface.components);
   for (std::size_t i = 0; i < candidates.size(); ++i) point[candidates[i]] = static_cast<std::int64_t>(i);
   const auto k = static_cast<std::size_t>(surface.element_corners);
   if (std::ranges::count(candidates, -1) == 0)

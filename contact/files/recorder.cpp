@@ -75,7 +75,7 @@ void Recorder::record(const Equilibrium& equilibrium) {
   time_->append(equilibrium.time);
   push(model, equilibrium.force, 1);  // for one second, so that impulses are forces
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    const Model::BodyBlock& body = model.bodies[k];
+    const Bodies::Block& body = model.bodies[k];
     Vector3d load = bodies_[k].contact_impulse + body.weight;
     for (const Model::Forcing& one : model.forcing)
       if (one.body == static_cast<int>(k)) load += one.history.at(equilibrium.time) * one.total;
@@ -105,7 +105,7 @@ void Recorder::write_points(const Model& model) {
   file_.write<double>("/contact/pair", number, {m}, "1");
 }
 
-void Recorder::write_place(const Model::BodyBlock& body, std::size_t number, const RecorderOptions& options) {
+void Recorder::write_place(const Bodies::Block& body, std::size_t number, const RecorderOptions& options) {
   const std::string group = "/bodies/" + body.name;
   file_.attribute(group, "kernel", number < options.kernel_files.size() ? options.kernel_files[number] : "");
   file_.attribute(group, "rotation", flat(Matrix(body.rotation)));
@@ -188,7 +188,7 @@ void Recorder::bodies_row(const Vector& state, double from, double to) {
     append(rows.velocity, momentum / source_.bodies()[k].mass);
     append(rows.momentum, momentum);
     if (!model) continue;
-    const Model::BodyBlock& body = model->bodies[k];
+    const Bodies::Block& body = model->bodies[k];
     Vector3d reaction = Vector3d::Zero();
     if (body.supported && to > from) {
       Vector3d impulse = rows.contact_impulse + (to - from) * body.weight;

@@ -76,7 +76,7 @@ class Recorder {
   };
 
   void write_points(const Model& model);
-  void write_place(const Model::BodyBlock& body, std::size_t number, const RecorderOptions& options);
+  void write_place(const Bodies::Block& body, std::size_t number, const RecorderOptions& options);
   void add_model_rows(const Model& model, const StepOptions& step, const RecorderOptions& options);
   void push(const Model& model, const Vector& force, double duration);
   void bodies_row(const Vector& state, double from, double to);

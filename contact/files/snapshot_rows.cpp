@@ -12,7 +12,7 @@ std::span<const double> span_of(const Vector& x) { return {x.data(), static_cast
 
 SnapshotRows::SnapshotRows(base::hdf5::Writer& file, const Model& model)
     : model_(model), time_(file.rows("/snapshots/time", {}, "s")) {
-  for (const Model::BodyBlock& body : model.bodies) {
+  for (const Bodies::Block& body : model.bodies) {
     const kernels::Kernel& kernel = *body.kernel;
     Body& rows = bodies_.emplace_back();
     rows.modal = &file.rows("/snapshots/" + body.name, {static_cast<std::size_t>(body.modes)}, "kg^1/2 m");
@@ -39,10 +39,10 @@ void SnapshotRows::append(double time, const Vector& q, const Vector& p) {
   for (const Model::Forcing& one : model_.forcing)
     whole.segment(one.first_mode, one.lift.size()) += one.history.at(time) * one.lift;
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    const Model::BodyBlock& body = model_.bodies[k];
+    const Bodies::Block& body = model_.bodies[k];
     const Body& rows = bodies_[k];
     rows.modal->append(span_of(whole.segment(body.first_mode, body.modes)));
-    if (rows.force != nullptr) append_forces(body, rows, p);
+    if (rows.force != nullptr) append_forces(k, rows, p);
     Vector load = Vector::Zero(3 * body.kernel->applied.size()),
            motion = Vector::Zero(3 * body.kernel->motions.size());
     for (const Model::Forcing& one : model_.forcing)
@@ -56,9 +56,9 @@ void SnapshotRows::append(double time, const Vector& q, const Vector& p) {
 }
 
 /// The forces p on the relative displacements u = P u_C + … push the candidates of this body by −Pᵀ p.
-void SnapshotRows::append_forces(const Model::BodyBlock& body, const Body& rows, const Vector& p) {
-  const Vector force = -(body.static_selection.transpose() * p);
-  const Eigen::Index components = body.kernel->surface.residual_components();
+void SnapshotRows::append_forces(std::size_t body, const Body& rows, const Vector& p) {
+  const Vector force = -(model_.static_selection[body].transpose() * p);
+  const Eigen::Index components = model_.bodies[body].kernel->surface.residual_components();
   for (Eigen::Index j = 0; j < force.size(); j += components) {
     const auto own = force.segment(j, components);
     if ((own.array() == 0).all()) continue;

@@ -13,7 +13,6 @@
 
 #include "base/hdf5_writer.hpp"
 #include "contact/model/model.hpp"
-#include "ricochet/step_options.hpp"
 
 namespace ricochet::contact {
 
@@ -33,7 +32,7 @@ class SnapshotRows {
     Rows *snapshot = nullptr, *candidate = nullptr, *force = nullptr;
     Rows *load = nullptr, *motion = nullptr;
   };
-  void append_forces(const Model::BodyBlock& body, const Body& rows, const Vector& p);
+  void append_forces(std::size_t body, const Body& rows, const Vector& p);
 
   const Model& model_;
   Rows& time_;

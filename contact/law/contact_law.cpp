@@ -5,6 +5,9 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
+
+#include "contact/simd/dense.hpp"
 
 namespace ricochet::contact {
 namespace {
@@ -41,8 +44,9 @@ void multiply(const Symmetric& A, const Vector& x, Index n, Vector& y) noexcept 
     return;
   }
   y.head(n).setZero();
+  simd::ColumnSum sum(static_cast<std::size_t>(n), y.data());
   for (Index j = 0; j < n; ++j)
-    if (x(j) != 0) y.head(n) += x(j) * A.col(j).head(n);
+    if (x(j) != 0) sum.subtract(A.col(j).data(), -x(j));
 }
 
 SolveOptions options_of(const StepOptions& options) {
@@ -62,15 +66,11 @@ ContactLaw::ContactLaw(Index rows, const SolveOptions& solver, bool springs)
       gap_(Vector::Zero(rows)),
       springs_(springs ? static_cast<std::size_t>(rows) : 0),
       friction_of_(static_cast<std::size_t>(rows), -1),
-      sides_{{0, -1}},
       euler_(static_cast<int>(rows), solver, false, springs),
       mean_(static_cast<int>(rows), solver, false, springs) {
   for (Vector* x : {&free, &start, &force_, &end_, &u_, &yielded_, &rest_, &end_rest_}) x->setZero(rows);
   position_.assign(static_cast<std::size_t>(rows), -1);
-  parent_.assign(1, 0);
-  is_solved_.assign(1, 0);
   trials_.resize(1);
-  island_.assign(1, 0);
   next_.resize(1);
   credit_.assign(1, 0);
   Island& p = problem_;
@@ -96,14 +96,12 @@ ContactLaw::ContactLaw(const Model& model, const StepOptions& options)
   if (!friction_.empty())
     for (ContactSolver* solver : {&euler_, &mean_})
       *solver = ContactSolver(static_cast<int>(model.rows()), options_of(options), true, !springs_.empty());
-  const std::size_t bodies = std::max<std::size_t>(model.bodies.size(), 1), pairs = model.pairs.size();
+  const std::size_t pairs = model.pairs.size();
   if (pairs < 2) return;
-  sides_.clear();
-  for (const Model::PairBlock& pair : model.pairs) sides_.push_back({pair.a, pair.b});
-  parent_.resize(bodies);
-  is_solved_.resize(bodies);
-  trials_.resize(bodies);
-  island_.resize(pairs);
+  std::vector<Islands::Sides> sides;
+  for (const Model::PairBlock& pair : model.pairs) sides.push_back({pair.a, pair.b});
+  islands_ = Islands(static_cast<int>(std::ssize(model.bodies)), std::move(sides));
+  trials_.resize(model.bodies.size());
   next_.resize(pairs);
   credit_.resize(pairs);
   for (ReservedMatrix* x : {&problem_.M, &problem_.R, &problem_.S, &problem_.S_mean})
@@ -126,19 +124,6 @@ void ContactLaw::change_matrices() noexcept {
   mean_.reset();
 }
 
-int ContactLaw::root(int body) const noexcept {
-  while (parent_[body] != body) body = parent_[body];
-  return body;
-}
-
-/// Assigns pairs to the islands of their bodies.
-void ContactLaw::find_islands() noexcept {
-  for (std::size_t p = 0; p < sides_.size(); ++p) {
-    const auto [a, b] = sides_[p];
-    island_[p] = b < 0 || root(a) == root(b) ? root(a) : -1;
-  }
-}
-
 StepTrial ContactLaw::solve(const StepMatrices& matrices, const MeanForce& before, Slip* slip) noexcept {
   const Index k = std::ssize(rows_);
   if (!knows_rest_) {
@@ -150,25 +135,24 @@ StepTrial ContactLaw::solve(const StepMatrices& matrices, const MeanForce& befor
   knows_rest_ = true;
   if (slip != nullptr) slip->begin_trial();
   for (Vector* x : {&force_, &end_, &end_rest_, &yielded_}) x->head(k).setZero();
-  std::iota(parent_.begin(), parent_.end(), 0);
-  std::fill(is_solved_.begin(), is_solved_.end(), 0);
-  for (std::size_t p = 0; p < sides_.size(); ++p) {
-    next_[p] = {.bank = before.pairs()[p].bank};
-    if (const auto [a, b] = sides_[p]; b >= 0 && before.pairs()[p].carries) parent_[root(b)] = root(a);
+  islands_.separate();
+  for (std::optional<StepTrial>& trial : trials_) trial.reset();
+  for (int pair = 0; pair < islands_.pairs(); ++pair) {
+    next_[pair] = {.bank = before.pairs()[pair].bank};
+    if (before.pairs()[pair].carries) islands_.join(pair);
   }
-  find_islands();
+  islands_.assign();
   StepTrial total;
   do {
-    for (const int island : island_) {
-      if (island < 0 || is_solved_[island] != 0) continue;
-      is_solved_[island] = 1;
+    for (const int island : islands_.of_pairs()) {
+      if (island < 0 || trials_[island]) continue;
       trials_[island] = solve_island(island, matrices, before, slip);
-      if (!has_forces(trials_[island].status)) return trials_[island];
+      if (!has_forces(trials_[island]->status)) return *trials_[island];
     }
   } while (merge_at_closed_points(matrices, before));
-  for (std::size_t island = 0; island < parent_.size(); ++island) {
-    if (is_solved_[island] == 0 || parent_[island] != static_cast<int>(island)) continue;
-    const StepTrial& trial = trials_[island];
+  for (int island = 0; island < islands_.count(); ++island) {
+    if (!trials_[island] || !islands_.exists(island)) continue;
+    const StepTrial& trial = *trials_[island];
     if (trial.status == SolveStatus::limited) total.status = trial.status;
     if (trial.violation.scale > 0) total.violation = trial.violation;
     total.several = total.several || trial.several;
@@ -182,39 +166,43 @@ StepTrial ContactLaw::solve(const StepMatrices& matrices, const MeanForce& befor
 
 /// Computes u⁺ at points between islands. Merges the islands of those that close.
 bool ContactLaw::merge_at_closed_points(const StepMatrices& matrices, const MeanForce& before) noexcept {
-  if (std::count(island_.begin(), island_.end(), -1) == 0) return false;
+  if (std::count(islands_.of_pairs().begin(), islands_.of_pairs().end(), -1) == 0) return false;
   const Index k = std::ssize(rows_);
   bool merged = false;
   for (Index i = 0; i < k; ++i) {
     const int pair = before.pair_of_row()[rows_[i]];
-    if (island_[pair] >= 0) continue;
+    if (islands_.of(pair) >= 0) continue;
     end_rest_(i) = matrices.R.size() > 0 ? matrices.R.row(i).head(k).dot(end_.head(k)) : 0;
     yielded_(i) = end_rest_(i);
     u_(i) = free(i) - matrices.M.row(i).head(k).dot(force_.head(k)) - end_rest_(i);
     if (u_(i) <= gap_(rows_[i])) continue;
-    const auto [a, b] = sides_[pair];
-    if (root(a) == root(b)) continue;
-    is_solved_[root(a)] = 0;
-    parent_[root(b)] = root(a);
+    if (islands_.joins(pair)) continue;  // another point has just closed
+    trials_[islands_.of_a(pair)].reset();
+    islands_.join(pair);
     merged = true;
   }
-  if (merged) find_islands();
+  if (merged) islands_.assign();
   return merged;
+}
+
+/// Takes the rows of an island. Returns false if it has no forces and nothing closes; it then keeps the
+/// factors of another one.
+bool ContactLaw::take_rows(int island, const MeanForce& before) noexcept {
+  Island& p = problem_;
+  p.held.clear();
+  for (std::size_t k = 0; k < rows_.size(); ++k)
+    if (islands_.of(before.pair_of_row()[rows_[k]]) == island) p.held.push_back(static_cast<int>(k));
+  return !std::all_of(p.held.begin(), p.held.end(), [&](int at) {
+    const int row = rows_[at];
+    return before.end()(row) == 0 && before.before()(row) == 0 && (row >= contacts_ || free(at) < gap_(row));
+  });
 }
 
 /// Solves an island with the weights that its bank allows, and stores its forces.
 StepTrial ContactLaw::solve_island(int island, const StepMatrices& matrices, const MeanForce& before,
                                    Slip* slip) noexcept {
   Island& p = problem_;
-  p.held.clear();
-  for (std::size_t k = 0; k < rows_.size(); ++k)
-    if (island_[before.pair_of_row()[rows_[k]]] == island) p.held.push_back(static_cast<int>(k));
-  // An island without forces keeps the factors of another one if nothing closes.
-  const bool rests = std::all_of(p.held.begin(), p.held.end(), [&](int at) {
-    const int row = rows_[at];
-    return before.end()(row) == 0 && before.before()(row) == 0 && (row >= contacts_ || free(at) < gap_(row));
-  });
-  if (rests) {
+  if (!take_rows(island, before)) {
     for (const int at : p.held) u_(at) = free(at);
     return {};
   }
@@ -229,8 +217,8 @@ StepTrial ContactLaw::solve_island(int island, const StepMatrices& matrices, con
 
   bool shock = false, begins = true;
   double bank = 0;
-  for (std::size_t k = 0; k < sides_.size(); ++k) {
-    if (island_[k] != island) continue;
+  for (int k = 0; k < islands_.pairs(); ++k) {
+    if (islands_.of(k) != island) continue;
     const MeanForce::Pair& pair = before.pairs()[k];
     shock = shock || pair.shock;
     begins = begins && !pair.carries;
@@ -250,6 +238,19 @@ StepTrial ContactLaw::solve_island(int island, const StepMatrices& matrices, con
       trial = attempt(part, next.weights = backward_euler, slip);
   }
   if (!has_forces(trial.status)) return trial;
+  store_forces();
+  for (int k = 0; k < islands_.pairs(); ++k) {
+    if (islands_.of(k) != island) continue;
+    next_[k] = next;
+    next_[k].bank = before.pairs()[k].bank + credit_[k];
+  }
+  share_bank(island, bank + trial.removed - trial.heat);
+  return trial;
+}
+
+/// Stores the forces of an island, and what they do, by position among all rows that are held.
+void ContactLaw::store_forces() noexcept {
+  const Island& p = problem_;
   for (Index k = 0; k < p.size; ++k) {
     const int at = p.held[k];
     force_(at) = p.force(k);
@@ -259,13 +260,6 @@ StepTrial ContactLaw::solve_island(int island, const StepMatrices& matrices, con
     if (!springs_.empty() && p.end(k) > 0 && p.springs[k].bulge > 0)
       yielded_(at) += p.springs[k].displacement(p.end(k));
   }
-  for (std::size_t k = 0; k < sides_.size(); ++k) {
-    if (island_[k] != island) continue;
-    next_[k] = next;
-    next_[k].bank = before.pairs()[k].bank + credit_[k];
-  }
-  share_bank(island, bank + trial.removed - trial.heat);
-  return trial;
 }
 
 /// Gathers the matrices of an island.
@@ -308,21 +302,15 @@ void ContactLaw::gather(const MeanForce& before, const Slip* slip) noexcept {
         static_cast<int>(std::lower_bound(p.held.begin(), p.held.end(), contact.tangential) - p.held.begin());
 }
 
-/// Solves an island with a mean.
-StepTrial ContactLaw::attempt(const StepMatrices& matrices, const MeanWeights& weights, Slip* slip) noexcept {
+/// Sets the right-hand side of the problem, in which λ⁺ is 0. Returns whether a point closes.
+bool ContactLaw::set_right() noexcept {
   Island& p = problem_;
-  const Index n = p.size;
-  const bool euler = weights == backward_euler;
-  const Symmetric& S = euler ? matrices.S : matrices.S_mean;
-  p.force.head(n) = weights.start * p.now.head(n) + weights.before * p.before.head(n);
-  multiply(matrices.M, p.force, n, p.in_modes);  // M h
-  p.u.head(n) = p.free.head(n) - p.in_modes.head(n);
   // The energy theorem requires u ≤ g at the start. A step that max_pivots cuts short may end with u > g.
   // From then on, max(g, u) at the start of a step replaces g: a point beyond g cannot go deeper, and it is
   // not pushed out, because that would do work.
   const bool deep = statistics().limited > 0;
   bool closed = false;
-  for (Index k = 0; k < n; ++k) {
+  for (Index k = 0; k < p.size; ++k) {
     if (std::isinf(p.gap(k))) {
       p.right(k) = p.u(k) - p.start(k) - p.belt(k);
       continue;
@@ -331,41 +319,18 @@ StepTrial ContactLaw::attempt(const StepMatrices& matrices, const MeanWeights& w
     if (deep) p.right(k) -= std::max(p.start(k) - p.gap(k), 0.0);
     closed = closed || !(p.right(k) < 0);  // NaN included
   }
-  p.end.head(n).setZero();
-  StepTrial out;
-  const FrictionSolver* friction = nullptr;
-  if (closed) {
-    for (std::size_t f = 0; f < p.contacts.size(); ++f) {
-      FrictionContact& contact = p.contacts[f];
-      contact.coefficient = slip->coefficient(friction_[p.law[f]].law, p.law[f], p.now(contact.normal) > 0,
-                                              p.right.segment<2>(contact.tangential).norm());
-    }
-    p.end.head(n) = p.now.head(n);
-    ContactSolver& solver = euler ? euler_ : mean_;
-    out.status = solver.solve(S.topLeftCorner(n, n), p.right.head(n), p.springs, p.contacts, p.end.head(n));
-    if (!has_forces(out.status)) return out;
-    out.violation = solver.residual();
-    if (!p.contacts.empty()) {
-      friction = &solver.friction();
-      out.several = friction->several();
-    }
-  }
-  p.force.head(n) += weights.end * p.end.head(n);
-  multiply(S, p.end, n, p.right);  // here S p⁺
-  p.u.head(n) -= p.right.head(n);
-  yield(p.springs, p.end, p.u);
-  if (matrices.R.size() > 0)
-    multiply(matrices.R, p.end, n, p.end_rest);
-  else
-    p.end_rest.head(n).setZero();
-  p.in_modes.head(n) += p.right.head(n) - p.end_rest.head(n);  // M p̄
+  return closed;
+}
 
+/// Adds up the energies of the step that was solved, and of each pair.
+void ContactLaw::account(const FrictionSolver* friction, Slip* slip, StepTrial& out) noexcept {
+  const Island& p = problem_;
   std::fill(credit_.begin(), credit_.end(), 0.0);
   const auto remove = [&](int pair, double energy) {
     out.removed += energy;
     credit_[pair] += energy;
   };
-  for (Index k = 0; k < n; ++k) {
+  for (Index k = 0; k < p.size; ++k) {
     const double now = p.now(k), end = p.end(k), mean = p.force(k);
     if (now == 0 && end == 0 && mean == 0) continue;
     out.opens = out.opens && end == 0;
@@ -392,6 +357,46 @@ StepTrial ContactLaw::attempt(const StepMatrices& matrices, const MeanWeights& w
     credit_[p.pair[p.contacts[f].normal]] -= heat;
     out.cools = out.cools || slip->cools(p.law[f]);
   }
+}
+
+/// Solves an island with a mean.
+StepTrial ContactLaw::attempt(const StepMatrices& matrices, const MeanWeights& weights, Slip* slip) noexcept {
+  Island& p = problem_;
+  const Index n = p.size;
+  const bool euler = weights == backward_euler;
+  const Symmetric& S = euler ? matrices.S : matrices.S_mean;
+  p.force.head(n) = weights.start * p.now.head(n) + weights.before * p.before.head(n);
+  multiply(matrices.M, p.force, n, p.in_modes);  // M h
+  p.u.head(n) = p.free.head(n) - p.in_modes.head(n);
+  p.end.head(n).setZero();
+  StepTrial out;
+  const FrictionSolver* friction = nullptr;
+  if (set_right()) {
+    for (std::size_t f = 0; f < p.contacts.size(); ++f) {
+      FrictionContact& contact = p.contacts[f];
+      contact.coefficient = slip->coefficient(friction_[p.law[f]].law, p.law[f], p.now(contact.normal) > 0,
+                                              p.right.segment<2>(contact.tangential).norm());
+    }
+    p.end.head(n) = p.now.head(n);
+    ContactSolver& solver = euler ? euler_ : mean_;
+    out.status = solver.solve(S.topLeftCorner(n, n), p.right.head(n), p.springs, p.contacts, p.end.head(n));
+    if (!has_forces(out.status)) return out;
+    out.violation = solver.residual();
+    if (!p.contacts.empty()) {
+      friction = &solver.friction();
+      out.several = friction->several();
+    }
+  }
+  p.force.head(n) += weights.end * p.end.head(n);
+  multiply(S, p.end, n, p.right);  // here S p⁺
+  p.u.head(n) -= p.right.head(n);
+  yield(p.springs, p.end, p.u);
+  if (matrices.R.size() > 0)
+    multiply(matrices.R, p.end, n, p.end_rest);
+  else
+    p.end_rest.head(n).setZero();
+  p.in_modes.head(n) += p.right.head(n) - p.end_rest.head(n);  // M p̄
+  account(friction, slip, out);
   return out;
 }
 
@@ -399,11 +404,11 @@ StepTrial ContactLaw::attempt(const StepMatrices& matrices, const MeanWeights& w
 /// the others, in proportion to what theirs removed.
 void ContactLaw::share_bank(int island, double bank) noexcept {
   double positive = 0;
-  for (std::size_t k = 0; k < sides_.size(); ++k)
-    if (island_[k] == island) positive += std::max(next_[k].bank, 0.0);
+  for (int k = 0; k < islands_.pairs(); ++k)
+    if (islands_.of(k) == island) positive += std::max(next_[k].bank, 0.0);
   bool first = true;  // round-off may leave a bank just below 0
-  for (std::size_t k = 0; k < sides_.size(); ++k) {
-    if (island_[k] != island) continue;
+  for (int k = 0; k < islands_.pairs(); ++k) {
+    if (islands_.of(k) != island) continue;
     next_[k].bank = positive > 0 && bank > 0 ? std::max(next_[k].bank, 0.0) * (bank / positive)
                     : first                  ? bank
                                              : 0;

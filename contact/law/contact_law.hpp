@@ -14,10 +14,12 @@
 // among the rows that are held. Only the constructors allocate.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "contact/complementarity/contact_solver.hpp"
+#include "contact/law/islands.hpp"
 #include "contact/law/mean_force.hpp"
 #include "contact/law/slip.hpp"
 #include "ricochet/step_options.hpp"
@@ -81,9 +83,6 @@ class ContactLaw {
   ContactSolver& solver() { return euler_; }
 
  private:
-  struct Sides {
-    int a, b;  ///< bodies of a pair; b = −1: a half-space
-  };
   /// The rows of one island.
   struct Island {
     Eigen::Index size = 0;
@@ -96,13 +95,15 @@ class ContactLaw {
     ReservedMatrix M, R, S, S_mean;  ///< of an island that does not hold all rows
   };
 
-  int root(int body) const noexcept;
-  void find_islands() noexcept;
   bool merge_at_closed_points(const StepMatrices& matrices, const MeanForce& before) noexcept;
+  bool take_rows(int island, const MeanForce& before) noexcept;
+  void store_forces() noexcept;
   StepTrial solve_island(int island, const StepMatrices& matrices, const MeanForce& before,
                          Slip* slip) noexcept;
   void gather(const StepMatrices& matrices, bool conserving) noexcept;
   void gather(const MeanForce& before, const Slip* slip) noexcept;
+  bool set_right() noexcept;
+  void account(const FrictionSolver* friction, Slip* slip, StepTrial& out) noexcept;
   StepTrial attempt(const StepMatrices& matrices, const MeanWeights& weights, Slip* slip) noexcept;
   void share_bank(int island, double bank) noexcept;
 
@@ -112,19 +113,16 @@ class ContactLaw {
   std::vector<PatchSpring> springs_;  ///< (m); empty if no point has one
   std::vector<Model::FrictionPoint> friction_;
   std::vector<int> friction_of_;  ///< (m) index in friction_, or −1
-  std::vector<Sides> sides_;      ///< of pairs
   ContactSolver euler_, mean_;    ///< of S, of S_mean
 
   std::vector<int> rows_, position_;  ///< held rows; position of each row
   bool knows_rest_ = false;
   Vector force_, end_, u_, yielded_, rest_, end_rest_;  ///< rest: R p
 
-  std::vector<int> parent_;            ///< of bodies, in a forest of islands
-  std::vector<int> island_;            ///< of pairs; −1: between two islands
-  std::vector<char> is_solved_;        ///< of islands
-  std::vector<StepTrial> trials_;      ///< of islands
-  std::vector<MeanForce::Pair> next_;  ///< of pairs
-  std::vector<double> credit_;         ///< of pairs: removed − heat [J]
+  Islands islands_{1, {{0, -1}}};
+  std::vector<std::optional<StepTrial>> trials_;  ///< of islands that are solved
+  std::vector<MeanForce::Pair> next_;             ///< of pairs
+  std::vector<double> credit_;                    ///< of pairs: removed − heat [J]
   Island problem_;
 };
 

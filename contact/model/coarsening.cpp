@@ -201,10 +201,8 @@ Model coarsened(const Model& model) {
     one.displacement_a = T * one.displacement_a;
   }
   const Selection combined = T.sparseView();
-  for (Model::BodyBlock& body : out.bodies) {
-    body.selection = combined * body.selection;
-    body.static_selection = combined * body.static_selection;
-  }
+  for (std::vector<Selection>* all : {&out.selection, &out.static_selection})
+    for (Selection& one : *all) one = combined * one;
   for (Model::Receiver& receiver : out.receivers) receiver.flexibility = receiver.flexibility * T.transpose();
   return out;
 }

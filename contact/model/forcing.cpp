@@ -58,7 +58,7 @@ Vector3d column(const std::vector<double>& residual, const Model::Forcing& one, 
 }  // namespace
 
 void add_forcing(Model& model, int k, const std::vector<ForcingRequest>& forcing) {
-  const Model::BodyBlock& block = model.bodies[k];
+  const Bodies::Block& block = model.bodies[k];
   const Kernel& kernel = *block.kernel;
   const auto B = model.B.middleCols(block.first_mode, block.modes);
   for (const ForcingRequest& request : forcing) {
@@ -79,7 +79,7 @@ void add_forcing(Model& model, int k, const std::vector<ForcingRequest>& forcing
                        .displacement_a = {}};
     const std::vector<double>& residual =
         request.support ? kernel.motions[entry].residual : kernel.applied[entry].residual;
-    const Selection& P = request.support ? block.selection : block.static_selection;
+    const Selection& P = request.support ? model.selection[k] : model.static_selection[k];
     if (!residual.empty()) out.displacement = P * (matrix(residual, P.cols(), 3) * along).eval();
     if (request.support) {
       refuse_jump(request);
@@ -99,8 +99,8 @@ void add_forcing(Model& model, int k, const std::vector<ForcingRequest>& forcing
 }
 
 void add_receivers(Model& model, int k) {
-  const Model::BodyBlock& block = model.bodies[k];
-  const Selection& P = block.static_selection;
+  const Bodies::Block& block = model.bodies[k];
+  const Selection& P = model.static_selection[k];
   for (const kernels::Receiver& receiver : block.kernel->receivers) {
     for (const Model::Receiver& other : model.receivers)
       if (other.name == receiver.name)
@@ -170,7 +170,7 @@ void refuse_sag(const Model& model) {
   for (Eigen::Index n = 0; n < model.omega.size(); ++n)
     if (model.omega(n) > 0) weight += std::abs(model.B(i, n)) / (model.omega(n) * model.omega(n));
   double mass = 0;
-  for (const Model::BodyBlock& body : model.bodies) mass = std::max(mass, body.mass);
+  for (const Bodies::Block& body : model.bodies) mass = std::max(mass, body.mass);
   weight *= std::sqrt(mass) * model.gravity.norm();
   if (depth <= 1e-9 * u.cwiseAbs().maxCoeff() + 1e-12 * weight) return;
   for (const Model::PairBlock& pair : model.pairs)
@@ -197,7 +197,7 @@ Vector Model::initial_rates() const {
 }
 
 Vector3d Model::momentum(int body, const Vector& v, double t) const {
-  const BodyBlock& block = bodies[body];
+  const Block& block = bodies[body];
   Vector3d out = block.momentum * v.segment(block.first_mode, block.modes);
   for (const Forcing& one : forcing)
     if (one.body == body) out += one.history.slope(t) * one.lift_momentum;
@@ -205,7 +205,7 @@ Vector3d Model::momentum(int body, const Vector& v, double t) const {
 }
 
 Vector3d Model::angular_momentum(int body, const Vector& v, double t) const {
-  const BodyBlock& block = bodies[body];
+  const Block& block = bodies[body];
   Vector3d out = block.angular_momentum * v.segment(block.first_mode, block.modes);
   for (const Forcing& one : forcing)
     if (one.body == body) out += one.history.slope(t) * (block.angular_momentum * one.lift);

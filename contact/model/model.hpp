@@ -14,22 +14,16 @@
 #pragma once
 
 #include <Eigen/Dense>
-#include <Eigen/SparseCore>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
+#include "contact/bodies/bodies.hpp"
 #include "contact/complementarity/patch_spring.hpp"
-#include "contact/model/history.hpp"
-#include "contact/pairing/placement.hpp"
-#include "contact/pairing/types.hpp"
-#include "ricochet/kernel.hpp"
+#include "contact/rows/history.hpp"
+#include "contact/rows/rows.hpp"
 
 namespace ricochet::contact {
-
-/// P (n, cM) of one body, with u = Σ_bodies P · (displacement of its candidates in its own frame).
-using Selection = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
 /// A load or a moving support of the scene: `vector` times a history.
 struct ForcingRequest {
@@ -40,40 +34,7 @@ struct ForcingRequest {
   History history{};
 };
 
-struct Model {
-  // modes (N)
-  Vector omega, decay;  ///< [rad/s], [1/s]
-  Vector load;          ///< constant modal force, of gravity, f_n [kg^1/2 m/s²]
-  Vector q0;            ///< initial modal displacement: static under dead loads, and rigid [kg^1/2 m]
-  Vector v0;            ///< initial modal velocity, of the rigid modes [kg^1/2 m/s]
-  // contact points (m) and their rows (n)
-  Matrix B;  ///< (n,N) [kg^-1/2]
-  Matrix R;  ///< (n,n) [m/N]; zero if the kernels contain none
-  bool has_residual = false;
-  Vector gap;  ///< (m) g [m]
-  /// (m) b, by which the patches of a pair bulge beyond their means [m]; empty: 0. A point with b > 0 has a
-  /// spring if it has residual flexibility; build_model adds the bulges of other points to their gaps.
-  Vector bulge;
-  Vector static_displacement;  ///< (n) constant part of s, due to gravity [m]
-  Matrix R_a{};     ///< (n,n) share of body a of each row in R [m/N]; empty if no pair has a second body
-  Vector static_a;  ///< (n) share of body a in static_displacement [m]
-  Vector area;      ///< (m) [m²]
-  Matrix point_a, point_b, normal;  ///< (m,3) world
-  /// (m) how many smooth faces of a body meet at the point: 1 within a face, 2 on a crease, more at a corner.
-  std::vector<int> faces{};
-
-  /// A point with friction.
-  struct FrictionPoint {
-    int point = 0;       ///< its normal row
-    int tangential = 0;  ///< the first of its two tangential rows
-    Friction law;
-  };
-  std::vector<FrictionPoint> friction{};  ///< (f) in the order of their points
-  Matrix tangent{};                       ///< (2f,3) of each tangential row, world
-
-  const Matrix& residual_of_a() const { return R_a.size() > 0 ? R_a : R; }  ///< R_a
-  Eigen::Index points() const { return gap.size(); }                        ///< m
-  Eigen::Index rows() const { return B.rows(); }                            ///< n = m + 2 f
+struct Model : Bodies, Rows {
   /// (n) R_ii of the kernels, and the share of body a in it: under the patches themselves, without folded
   /// modes [m/N].
   Vector patch_flexibility() const { return folded.modes.empty() ? Vector(R.diagonal()) : folded.R; }
@@ -82,47 +43,6 @@ struct Model {
   }
   /// (m) springs of the points; empty if no point has one.
   std::vector<PatchSpring> springs() const;
-
-  /// The tangential motion of a half-space.
-  struct Belt {
-    std::string obstacle;
-    Vector slide;     ///< (n) its displacement along the rows for a history of value 1 [m]; 0 in normal rows
-    History history;  ///< 0 at t = 0
-  };
-  std::vector<Belt> belts{};
-
-  struct BodyBlock {
-    std::string name;
-    int first_mode = 0, modes = 0;
-    double mass = 0;
-    Eigen::Vector3d centre;                                     ///< world, initial [m]
-    Eigen::Matrix3d inertia;                                    ///< world, about the centre [kg m²]
-    Eigen::Matrix<double, 3, Eigen::Dynamic> momentum;          ///< (3,modes) world: p = momentum · q̇
-    Eigen::Matrix<double, 3, Eigen::Dynamic> angular_momentum;  ///< (3,modes) world, about the world's origin
-    bool supported = false;
-    Eigen::Vector3d weight;  ///< m g [N]
-    const kernels::Kernel* kernel = nullptr;
-    Eigen::Matrix3d rotation;
-    Eigen::Vector3d translation;
-    Selection selection;  ///< (n, cM)
-    /// (n, rM) the same for static corrections, whose components are those of Surface::residual_components
-    Selection static_selection;
-  };
-  std::vector<BodyBlock> bodies;
-
-  struct PairBlock {
-    int first_point = 0, points = 0, unpaired = 0;
-    int a = 0, b = -1;                    ///< indices of the bodies; b = −1 for a half-space
-    std::optional<double> reach;          ///< [m] set if points beyond it were dropped
-    std::string obstacle{};               ///< name of the half-space, if b = −1
-    int first_tangential = -1;            ///< with friction: the first of the 2 · points tangential rows
-    double initial_gap = 0;               ///< g of the closest pair [m]
-    std::optional<TrueDistance> apart{};  ///< of the surfaces, at the start
-    /// x (n) at the rows of this pair, and 0 elsewhere.
-    Vector part_of(const Vector& x) const;
-  };
-  std::vector<PairBlock> pairs;
-  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
 
   /// A load or a moving support, for a history of value 1. Its modal vectors cover only the modes of `body`.
   struct Forcing {
@@ -164,10 +84,6 @@ struct Model {
     Vector R{}, R_a{};         ///< (n) diagonals of R and R_a without these modes
   } folded{};
 
-  /// Force of a pair on its body b [N]. @param force  (n)
-  Eigen::Vector3d resultant(const PairBlock& pair, const Vector& force) const;
-  /// The part of it due to friction [N].
-  Eigen::Vector3d friction_resultant(const PairBlock& pair, const Vector& force) const;
   /// (n) u at t = 0: of the modes, of the static correction and of supports [m].
   Vector initial_displacement() const;
   /// (N) q̇ at t = 0, relative to the lift of moving supports.
@@ -194,18 +110,6 @@ Model build_model(const Placement& placement, const Eigen::Vector3d& gravity,
 inline std::shared_ptr<const Model> borrowed(const Model& model) {
   return {std::shared_ptr<const Model>(), &model};
 }
-
-/// Adds the bulges to the gaps, which then are those between the means of patches, for laws without springs
-/// (impulses, tables).
-void use_mean_gaps(Model& model);
-
-/// Sets a half-space in tangential motion: its displacement is `vector` [m], world axes, times a history.
-/// Does nothing unless a pair with friction names the half-space. Throws InputError if the vector is not
-/// tangential to the half-space, or if the history jumps at its first knot.
-void add_belt(Model& model, const std::string& obstacle, const Eigen::Vector3d& vector, History history);
-
-/// Two unit tangents (2,3) of a unit normal, orthogonal to each other.
-Eigen::Matrix<double, 2, 3> tangents_of(const Eigen::Vector3d& normal);
 
 /// Throws InputError if bodies overlap at t = 0 because dead loads deform them.
 void refuse_sag(const Model& model);

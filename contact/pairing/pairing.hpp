@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "ricochet/friction.hpp"
 #include "ricochet/kernel.hpp"
-#include "ricochet/step_options.hpp"
 
 namespace ricochet::contact {
 

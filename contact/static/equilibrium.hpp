@@ -26,6 +26,7 @@
 
 #include "contact/complementarity/friction_solver.hpp"
 #include "contact/model/model.hpp"
+#include "ricochet/energy.hpp"
 
 namespace ricochet::contact {
 

@@ -97,7 +97,7 @@ Closest closest_with_friction(const Model& model, const RigidModes& rigid, const
 }
 
 /// The part of x (r) that belongs to the modes (N_b) of a body.
-Vector part_of(const Model::BodyBlock& body, const RigidModes& rigid, const Vector& x) {
+Vector part_of(const Bodies::Block& body, const RigidModes& rigid, const Vector& x) {
   Vector out = Vector::Zero(body.modes);
   for (std::size_t k = 0; k < rigid.mode.size(); ++k) {
     const Eigen::Index n = rigid.mode[k] - body.first_mode;
@@ -106,7 +106,7 @@ Vector part_of(const Model::BodyBlock& body, const RigidModes& rigid, const Vect
   return out;
 }
 
-[[noreturn]] void complain(const Model& model, const Model::BodyBlock& body, const Vector& rest) {
+[[noreturn]] void complain(const Model& model, const Bodies::Block& body, const Vector& rest) {
   const Vector3d force = body.momentum * rest;
   const Vector3d moment = body.angular_momentum * rest - body.centre.cross(force);
   throw InputError(
@@ -132,16 +132,16 @@ void check_held(const Model& model, const RigidModes& rigid, const Vector& f) {
   const bool rubs = !model.friction.empty();
   const double most = rubs ? held_by_friction : most_imbalance(false);
   const Closest sums = rubs ? closest_with_friction(model, rigid, f) : closest_without_friction(rigid, f);
-  for (const Model::BodyBlock& body : model.bodies) {
+  for (const Bodies::Block& body : model.bodies) {
     const Vector rest = part_of(body, rigid, sums.left);
     if (rest.norm() > most * part_of(body, rigid, sums.magnitude).norm()) complain(model, body, rest);
   }
 }
 
 void refuse_unheld(const Model& model, const RigidModes& rigid, const Vector& left) {
-  const Model::BodyBlock* worst = nullptr;
+  const Bodies::Block* worst = nullptr;
   double largest = 0;
-  for (const Model::BodyBlock& body : model.bodies)
+  for (const Bodies::Block& body : model.bodies)
     if (const double size = part_of(body, rigid, left).norm(); size > largest) {
       largest = size;
       worst = &body;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/reserved.hpp"
-#include "contact/stepping/simd.hpp"
+#include "contact/simd/simd.hpp"
 #include "contact/stepping/step_system.hpp"
 
 namespace ricochet::contact {

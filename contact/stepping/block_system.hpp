@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
+#include "contact/simd/simd.hpp"
 #include "contact/stepping/block_matrices.hpp"
-#include "contact/stepping/simd.hpp"
 #include "contact/stepping/step_system.hpp"
 
 namespace ricochet::contact {

@@ -56,29 +56,28 @@ void CandidateScreening<T>::combine(const BlockSystem<T>& system, const T* rows,
 }
 
 /// Under a constant force, the energy of an elastic mode about its rest position never grows, and
-/// |Σ B y| ≤ (Σ B²/ω²)^½ (Σ ω²y² + ẏ²)^½.
+/// |Σ B y| ≤ (Σ B²/ω²)^½ (Σ ω²y² + ẏ²)^½. Under steady loads, the rest position moves steadily.
 template <class T>
-void CandidateScreening<T>::bound_by_energy(const BlockSystem<T>& of, const Motion& free, const Vector& rest,
-                                            const Vector& held_force, std::span<const int> pressed,
-                                            const Matrix& rigid_motion) noexcept {
+void CandidateScreening<T>::bound_by_energy(const BlockSystem<T>& of, const BlockMotion<T>& motion,
+                                            const BlockForcing& forcing, const BlockForce<T>& held) noexcept {
   factor_.clear();
-  places_.clear();
-  for (int j : pressed) {
-    factor_.push_back(static_cast<T>(held_force(j)));
-    places_.push_back(of.matrices->place(j));
-  }
-  combine(of, of.matrices->flexibility(), places_);
-  const double slack = 2 * held_force.cwiseAbs().sum() * static_cast<double>(pressed.size() + 2) *
+  for (int j : held.rows) factor_.push_back(static_cast<T>(held.force(j)));
+  combine(of, of.matrices->flexibility(), held.places);
+  const double slack = 2 * held.force.cwiseAbs().sum() * static_cast<double>(held.rows.size() + 2) *
                        static_cast<double>(std::numeric_limits<T>::epsilon());
   for (int i = 0; i < of.contacts; ++i)
-    margin_(i) = of.gap(i) - rest(i) + static_cast<double>(sum_[i]) - slack * of.largest(i);
+    margin_(i) = of.gap(i) - forcing.highest_rest(i) + static_cast<double>(sum_[i]) - slack * of.largest(i);
 
   factor_.clear();
   for (const std::vector<int>& band : of.band) {
     double energy = 0;
     for (int n : band) {
-      const double y = free.q[n] - free.load[n] * of.softness[n];
-      energy += of.elastic.stiffness[n] * y * y + free.v[n] * free.v[n];
+      double y = motion.q()[n] - motion.load()[n] * of.softness[n], rate = motion.v()[n];
+      if (forcing.forced) {
+        y -= forcing.rest_q(n);
+        rate -= forcing.rest_v(n);
+      }
+      energy += of.elastic.stiffness[n] * y * y + rate * rate;
     }
     factor_.push_back(static_cast<T>(std::sqrt(energy)));
   }
@@ -86,7 +85,7 @@ void CandidateScreening<T>::bound_by_energy(const BlockSystem<T>& of, const Moti
   for (int i = 0; i < of.contacts; ++i) {
     margin_(i) -= at_least(sum_[i], bands);
     if (of.rigid.empty()) continue;
-    rigid_at_.noalias() = rigid_motion * of.rigid_B.row(i).transpose();
+    rigid_at_.noalias() = motion.rigid() * of.rigid_B.row(i).transpose();
     margin_(i) -= rigid_at_.maxCoeff();
   }
 }

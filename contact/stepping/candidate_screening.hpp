@@ -17,7 +17,7 @@
 #include <span>
 #include <vector>
 
-#include "contact/stepping/block_system.hpp"
+#include "contact/stepping/block_motion.hpp"
 
 namespace ricochet::contact {
 
@@ -30,16 +30,10 @@ class CandidateScreening {
   /// points `changed`.
   void start(const BlockSystem<T>& system, std::span<const int> changed) noexcept;
 
-  /// Modes at the start of a block, (modes) each.
-  struct Motion {
-    const double *q, *v, *load;  ///< load: constant force minus Bᵀλ̂
-  };
-  /// Sets the margins of all points from the energy of the modes, which move under λ̂.
-  /// @param rest  (n) bound on u with elastic modes at rest   @param pressed  points with λ̂ > 0
-  /// @param rigid_motion  (L, rigid)
-  void bound_by_energy(const BlockSystem<T>& system, const Motion& free, const Vector& rest,
-                       const Vector& held_force, std::span<const int> pressed,
-                       const Matrix& rigid_motion) noexcept;
+  /// Sets the margins of all points from the energy of the modes at the start of a block without knots, which
+  /// move under λ̂.
+  void bound_by_energy(const BlockSystem<T>& system, const BlockMotion<T>& motion,
+                       const BlockForcing& forcing, const BlockForce<T>& held) noexcept;
   void set_margin(int point, double margin) noexcept { margin_(point) = margin; }
   /// For blocks in which a history has a knot, where the energy may grow: no point is skipped before it is
   /// predicted.

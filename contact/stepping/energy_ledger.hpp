@@ -2,7 +2,7 @@
 // The energy ledger of a run: energies at the end of a step, and work summed over all steps.
 #pragma once
 
-#include "ricochet/step_options.hpp"
+#include "ricochet/energy.hpp"
 
 namespace ricochet::contact {
 

@@ -49,7 +49,7 @@ StepStatus LookAheadStepper<T>::step() noexcept {
   if (!has_forces(trial.status)) return failure(trial.status);
   u_is_current_ = false;
   if (trial.several) ++contact_.ambiguous;
-  if (forced_) {
+  if (block_.forcing().forced) {
     state_.begin(steps_ + 1);
     const Work at_points = work_of(trial, state_.energy().residual);
     if (!state_.step_under(next_force_, next_end_, slip != nullptr ? &at_points : nullptr)) {
@@ -73,11 +73,11 @@ StepStatus LookAheadStepper<T>::step() noexcept {
 template <class T>
 void LookAheadStepper<T>::start_block() noexcept {
   const double from = time(), to = static_cast<double>(steps_ + block_.length()) * options_.step;
-  forced_ = block_.set_forcing(state_.forcing.piece(from), to);
-  for (int l = 1; forced_ && l <= block_.length(); ++l) {
+  block_.forcing().set(state_.forcing.piece(from), to, state_.system->load);
+  for (int l = 1; block_.forcing().forced && l <= block_.length(); ++l) {
     ForcedResponse::Interval& now = state_.now;
     state_.forcing.forced_step(steps_ + l, now);
-    block_.set_response(l, now.q, now.v, now.s);
+    block_.forcing().set_response(l, now.q, now.v, now.s);
   }
   block_.start(state_.q, state_.v, contact_.force, law_, contact_.mean);
 }
@@ -132,7 +132,7 @@ void LookAheadStepper<T>::keep(bool every_state, bool rates) noexcept {
 
 template <class T>
 const double* LookAheadStepper<T>::rate(int back) const noexcept {
-  return forced_ || flew_ ? state_.v.data() : block_.rate(block_.advanced() - back);
+  return block_.forcing().forced || flew_ ? state_.v.data() : block_.rate(block_.advanced() - back);
 }
 
 template <class T>

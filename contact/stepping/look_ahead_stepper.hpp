@@ -36,8 +36,7 @@ class LookAheadStepper final : public Stepper {
   ModalState state_;
   LookAheadBlock<T> block_;
   FreeFlight flight_;
-  bool forced_ = false;  ///< the block is forced
-  bool flew_ = false;    ///< the last step was a free flight
+  bool flew_ = false;  ///< the last step was a free flight
   bool keeps_rates_ = false;
   mutable bool u_is_current_ = true;
   Work at_points_;   ///< with friction: of the pending steps

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "ricochet/step_options.hpp"
+#include "ricochet/step_status.hpp"
 
 namespace ricochet::contact {
 

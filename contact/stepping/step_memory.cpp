@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
+#include "contact/simd/simd.hpp"
 #include "contact/stepping/block_system.hpp"
 #include "contact/stepping/look_ahead_stepper.hpp"
-#include "contact/stepping/simd.hpp"
 
 namespace ricochet::contact {
 namespace {

@@ -8,6 +8,7 @@
 
 #include "contact/law/contact_law.hpp"
 #include "contact/model/folding.hpp"
+#include "ricochet/energy.hpp"
 #include "ricochet/step_options.hpp"
 
 namespace ricochet::contact {

@@ -8,6 +8,7 @@
 #include "contact/law/contact_law.hpp"
 #include "contact/stepping/modal_state.hpp"
 #include "ricochet/step_options.hpp"
+#include "ricochet/step_status.hpp"
 
 namespace ricochet::contact {
 

@@ -86,7 +86,7 @@ Table table_from_modes(const Model& given, const StepOptions& options, std::int6
   }
 
   for (std::size_t k = 0; k < model.bodies.size(); ++k) {
-    const Model::BodyBlock& block = model.bodies[k];
+    const Bodies::Block& block = model.bodies[k];
     if (block.supported) continue;
     FreeBody body{block.name, block.mass,
                   block.momentum * model.v0.segment(block.first_mode, block.modes) / block.mass,

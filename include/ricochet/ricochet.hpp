@@ -26,9 +26,12 @@
 #include <vector>
 
 #include "ricochet/denormals.hpp"
+#include "ricochet/energy.hpp"
 #include "ricochet/error.hpp"
+#include "ricochet/friction.hpp"
 #include "ricochet/kernel.hpp"
-#include "ricochet/step_options.hpp"
+#include "ricochet/scheme.hpp"
+#include "ricochet/step_status.hpp"
 
 namespace ricochet {
 
@@ -73,6 +76,7 @@ struct Slide {
   Vector3 vector{};              ///< [m]
   std::vector<double> time{};    ///< ascending [s]
   std::vector<double> factor{};  ///< one for each time
+  bool operator==(const Slide&) const = default;
 };
 
 /// Rigid half-space {x : (x − point)·normal ≤ 0}.
@@ -82,6 +86,7 @@ struct HalfSpace {
   Vector3 normal{};    ///< outward, of any nonzero length
   Vector3 velocity{};  ///< along its surface [m/s], as of a conveyor belt; felt by pairs with friction only
   std::vector<Slide> slides{};  ///< further motions along its surface
+  bool operator==(const HalfSpace&) const = default;
 };
 
 /// Two surfaces that may touch, by name.
@@ -94,10 +99,11 @@ struct Pair {
   std::optional<double> reach{};  ///< drops points whose initial gap is not below this [m]
   /// Drops points whose initial gap exceeds that of the closest ones by this or more [m].
   std::optional<double> zone{};
-  /// Coulomb friction, of the compliant scheme. Kernels must then hold all three components, also of the
+  /// Coulomb friction, except of the impulse scheme. Kernels must then hold all three components, also of the
   /// static correction, as those of a scene with contact.friction do. No value, or coefficients of 0:
   /// frictionless.
   std::optional<Friction> friction{};
+  bool operator==(const Pair&) const = default;
 };
 
 /// An audio channel: the motion of a point of a body along a direction. Unlike a receiver, it has one

@@ -40,37 +40,12 @@ void check_steppable(const scene::Scene& scene) {
 
 Scene scene_of(const scene::Scene& scene, const std::vector<Kernel>& kernels,
                const std::vector<Pickup>& pickups) {
-  Scene out;
-  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
-    const scene::Body& body = scene.bodies[k];
-    out.bodies.push_back({body.name, kernels.at(k), body.rotate_deg, body.translate, body.velocity,
-                          body.angular_velocity, body.arrival});
-    if (kernels[k]->surface.corners() == 1 && scene.contact.rubs(body.name))
-      throw InputError(store::friction_on_rod(body.name));
-  }
-  for (const scene::Obstacle& obstacle : scene.obstacles)
-    out.obstacles.push_back({obstacle.name, obstacle.point, obstacle.normal, {}, {}});
-  const auto array = [](const Eigen::Vector3d& v) { return Vector3{v.x(), v.y(), v.z()}; };
-  const store::Driven driven = store::forcing_of(scene);
-  for (const store::BeltRequest& belt : driven.belts)
-    std::ranges::find(out.obstacles, belt.obstacle, &HalfSpace::name)
-        ->slides.push_back({array(belt.vector), belt.history.time, belt.history.value});
-  for (const contact::ForcingRequest& one : driven.forcing)
-    out.forcing.push_back(
-        {one.body, one.name, one.support, array(one.vector), one.history.time, one.history.value});
-  for (const scene::Pair& pair : scene.contact.pairs)
-    out.pairs.push_back({pair.a, pair.b, pair.direction, pair.gap, pair.reach, pair.zone, pair.friction});
+  store::KernelPointers pointers;
+  for (const Kernel& kernel : kernels) pointers.push_back(kernel.get());
+  Scene out = store::library_scene(scene, pointers);
+  for (std::size_t k = 0; k < kernels.size(); ++k) out.bodies[k].kernel = kernels[k];
+  store::read_histories(scene, out);
   out.pickups = pickups;
-  out.gravity = scene.loads.gravity;
-  out.scheme = scene.contact.scheme;
-  out.admittance = scene.contact.admittance;
-  out.instant = scene.contact.instant;
-  out.restitution = scene.contact.restitution;
-  out.integration = scene.contact.integration;
-  out.rate_hz = scene.time.rate.value;
-  if (scene.time.contact_rate) out.contact_rate_hz = scene.time.contact_rate->value;
-  if (scene.contact.max_pivots) out.max_pivots = *scene.contact.max_pivots;
-  out.single_precision = scene.time.precision == Precision::float32;
   return out;
 }
 
@@ -78,8 +53,8 @@ class Stepper {
  public:
   Stepper(scene::Scene scene, const std::vector<Kernel>& kernels, const std::vector<Pickup>& pickups)
       : scene_((check_steppable(scene), std::move(scene))),
-        simulation_(store::in_scene(scene_, [&] { return Simulation(scene_of(scene_, kernels, pickups)); })) {
-  }
+        simulation_(
+            store::in_file(scene_.file, [&] { return Simulation(scene_of(scene_, kernels, pickups)); })) {}
 
   Simulation& simulation() { return simulation_; }
 
@@ -166,7 +141,7 @@ py::dict contact_system(const scene::Scene& scene, const std::vector<Kernel>& ke
                         const std::vector<Pickup>& pickups) {
   check_steppable(scene);
   const Scene asked = scene_of(scene, kernels, pickups);
-  const contact::Model model = store::in_scene(scene, [&] { return model_of(asked); });
+  const contact::Model model = store::in_file(scene.file, [&] { return model_of(asked); });
   py::dict out;
   out["B"] = array(model.B);
   out["R"] = array(model.R);
@@ -178,7 +153,7 @@ py::dict contact_system(const scene::Scene& scene, const std::vector<Kernel>& ke
   out["normal"] = array(model.normal);
   out["rate"] = array(model.v0);
   py::list rotations, translations;
-  for (const contact::Model::BodyBlock& body : model.bodies) {
+  for (const contact::Bodies::Block& body : model.bodies) {
     rotations.append(array(contact::Matrix(body.rotation)));
     translations.append(array(contact::Vector(body.translation)));
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "src/accuracy/local_refinement.hpp"
+#include "src/scene/scene.hpp"
 
 namespace ricochet::accuracy {
 namespace {

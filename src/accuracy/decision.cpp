@@ -16,6 +16,7 @@
 #include "src/accuracy/contact_zone.hpp"
 #include "src/accuracy/local_refinement.hpp"
 #include "src/accuracy/mesh_levels.hpp"
+#include "src/scene/scene.hpp"
 
 namespace ricochet::accuracy {
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "src/scene/scene.hpp"
+
 namespace ricochet::accuracy {
 namespace {
 
@@ -58,7 +60,7 @@ std::map<std::string, std::vector<scene::FineBall>> balls_near_contact(
       for (const auto& [block, points] :
            {std::pair(pair.a, &model.point_a), std::pair(pair.b, &model.point_b)}) {
         if (block < 0) continue;
-        const Model::BodyBlock& body = model.bodies[static_cast<std::size_t>(block)];
+        const contact::Bodies::Block& body = model.bodies[static_cast<std::size_t>(block)];
         const Eigen::Vector3d at =
             body.rotation.transpose() * (points->row(i).transpose() - body.translation);
         const auto& placed = *std::ranges::find(scene.bodies, body.name, &scene::Body::name);

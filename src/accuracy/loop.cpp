@@ -77,12 +77,11 @@ Judged judge(const scene::Scene& scene, const Settings& settings, const fs::path
   const scene::Scene closed = with_settings(scene, settings.found);
   store::KernelStore store;
   store::Kernels kernels = store::read_kernels(closed, folder, store);
-  Prepared prepared;
-  prepared.forcing = store::in_scene(closed, [&] { return store::forcing_of(closed); });
+  store::Prepared prepared{store::library_scene(closed, kernels.pointers()), {}};
+  store::in_file(closed.file, [&] { store::read_histories(closed, prepared.scene); });
   prepared.placement = store.placements.place(closed, kernels.pointers());
   store::check_impact(closed, kernels.pointers(), prepared.placement);
-  contact::Model model =
-      store::in_scene(closed, [&] { return store::model_of(closed, prepared.placement, prepared.forcing); });
+  contact::Model model = store::in_file(closed.file, [&] { return store::model_of(closed, prepared); });
   const auto coarser = read_coarser(scene, settings, folder);
   std::vector<BodySize> sizes;
   for (std::size_t k = 0; k < closed.bodies.size(); ++k)

@@ -5,6 +5,8 @@
 #include <array>
 #include <numbers>
 
+#include "src/scene/scene.hpp"
+
 namespace ricochet::accuracy {
 namespace {
 

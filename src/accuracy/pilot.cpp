@@ -14,6 +14,7 @@
 #include "src/mesh/open.hpp"
 #include "src/parallel/parallel.hpp"
 #include "src/scene/parts.hpp"
+#include "src/scene/scene.hpp"
 
 namespace ricochet::accuracy {
 namespace {

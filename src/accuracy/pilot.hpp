@@ -5,7 +5,10 @@
 #include <mpi.h>
 
 #include "src/accuracy/settings.hpp"
-#include "src/scene/scene.hpp"
+
+namespace ricochet::scene {
+struct Scene;
+}
 
 namespace ricochet::accuracy {
 

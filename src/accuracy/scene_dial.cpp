@@ -8,6 +8,7 @@
 
 #include "kernels/band.hpp"
 #include "kernels/read.hpp"
+#include "src/scene/scene.hpp"
 
 namespace ricochet::accuracy {
 namespace {
@@ -69,20 +70,20 @@ std::optional<CoarserMesh> read_coarser(const scene::Scene& scene, const Setting
   return out;
 }
 
-contact::Dialled dial_of(const scene::Scene& scene, const store::Kernels& kernels, const Prepared& prepared,
-                         contact::Model model, const std::optional<CoarserMesh>& coarser, Hertz rate,
-                         std::function<void()> poll) {
-  contact::Subject subject{.rebuild =
-                               [&](const std::vector<kernels::Kernel>& others) {
-                                 return store::model_of(
-                                     scene, store::with_kernels(prepared.placement, pointers(others)),
-                                     prepared.forcing);
-                               },
-                           .kernels = without_skins(kernels),
-                           .low_rank = scene.modes.low_rank,
-                           .at_rest = scene.contact.scheme == Scheme::at_rest,
-                           .duration = scene.time.duration,
-                           .poll = std::move(poll)};
+contact::Dialled dial_of(const scene::Scene& scene, const store::Kernels& kernels,
+                         const store::Prepared& prepared, contact::Model model,
+                         const std::optional<CoarserMesh>& coarser, Hertz rate, std::function<void()> poll) {
+  contact::Subject subject{
+      .rebuild =
+          [&](const std::vector<kernels::Kernel>& others) {
+            return store::model_of(
+                scene, {prepared.scene, store::with_kernels(prepared.placement, pointers(others))});
+          },
+      .kernels = without_skins(kernels),
+      .low_rank = scene.modes.low_rank,
+      .at_rest = scene.contact.scheme == Scheme::at_rest,
+      .duration = scene.time.duration,
+      .poll = std::move(poll)};
   subject.requested = subject.at_rest ? std::vector{Quantity::force, Quantity::approach} : scene.accuracy_of;
   std::vector<kernels::Kernel> coarse;
   if (coarser) {
@@ -105,14 +106,14 @@ contact::Dialled dial_of(const scene::Scene& scene, const store::Kernels& kernel
     if (all_made)
       subject.coarser_mesh = [&] {
         const store::KernelPointers others = pointers(coarse);
-        return store::model_of(scene, store::place(coarser->scene, others), prepared.forcing);
+        return store::model_of(scene, {prepared.scene, store::place(coarser->scene, others)});
       };
     const Settings& settings = coarser->settings;
     if (scene.modes.up_to) subject.coarser_band = settings.coarser->up_to;
     if (!settings.coarser_change.empty()) subject.coarser_change = settings.coarser_change;
     subject.change_near_contact = settings.change_near_contact;
   }
-  return store::in_scene(scene, [&] {
+  return store::in_file(scene.file, [&] {
     return contact::dial(subject, std::move(model),
                          {.accuracy = *scene.accuracy,
                           .options = store::step_options(scene),

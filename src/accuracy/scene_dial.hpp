@@ -10,6 +10,7 @@
 
 #include "contact/accuracy/dial.hpp"
 #include "src/accuracy/settings.hpp"
+#include "src/scene/scene.hpp"
 #include "src/store/stored_kernels.hpp"
 
 namespace ricochet::accuracy {
@@ -41,20 +42,14 @@ struct CoarserMesh {
 std::optional<CoarserMesh> read_coarser(const scene::Scene& scene, const Settings& settings,
                                         const std::filesystem::path& folder);
 
-/// The parts from which a model is built, and its variants for error estimates.
-struct Prepared {
-  contact::Placement placement;
-  store::Driven forcing;
-};
-
 /// Chooses the settings of steps that a closed scene leaves open.
 /// @param model  built from these kernels and parts
 /// @param rate  rate at which the search starts; 0: unknown
 /// @param poll  called after each step; may throw to end the run
 /// Throws InputError in the same cases as building the model and running it.
-contact::Dialled dial_of(const scene::Scene& scene, const store::Kernels& kernels, const Prepared& prepared,
-                         contact::Model model, const std::optional<CoarserMesh>& coarser, Hertz rate,
-                         std::function<void()> poll);
+contact::Dialled dial_of(const scene::Scene& scene, const store::Kernels& kernels,
+                         const store::Prepared& prepared, contact::Model model,
+                         const std::optional<CoarserMesh>& coarser, Hertz rate, std::function<void()> poll);
 
 /// Returns the scene with the settings of steps that were chosen, as results store it.
 scene::Scene resolved(scene::Scene scene, const contact::Dialled& dialled);

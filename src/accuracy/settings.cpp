@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "base/atomic_file.hpp"
+#include "src/scene/scene.hpp"
 #include "src/scene/write.hpp"
 
 namespace ricochet::accuracy {

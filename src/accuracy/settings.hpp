@@ -8,8 +8,12 @@
 #include <optional>
 #include <string>
 
+#include "src/scene/data/modes.hpp"
 #include "src/scene/request.hpp"
-#include "src/scene/scene.hpp"
+
+namespace ricochet::scene {
+struct Scene;
+}
 
 namespace ricochet::accuracy {
 

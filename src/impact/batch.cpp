@@ -159,7 +159,7 @@ class Batch {
   }
 
   Json needed(scene::Scene scene) {
-    store::forcing_of(scene);  // throws if a history cannot be read
+    store::check_histories(scene);
     Json out = Json::array();
     if (const auto settings = accuracy::missing_settings(scene, options_.out, store_)) {
       out.push_back({{"file", settings->filename().string()}, {"there", false}});

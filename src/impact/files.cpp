@@ -49,7 +49,7 @@ void ImpactFiles::started(const Impact& impact, const contact::Stepper& stepper)
   if (!source.modes()) return;
   const contact::Model& model = *source.modes();
   if (options_.motion) motion_.emplace(stepper, model, motion_options(impact.scene, impact.samples(), stem_));
-  store::in_scene(impact.scene, [&] {
+  store::in_file(impact.scene.file, [&] {
     sounds_.emplace(model.receivers, impact.samples(), impact.scene.time.rate.value,
                     impact.scene.output.sound);
   });

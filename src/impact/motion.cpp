@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "ricochet/error.hpp"
+#include "src/scene/scene.hpp"
 
 namespace ricochet::impact {
 namespace {

@@ -6,8 +6,11 @@
 #include <filesystem>
 
 #include "contact/files/motion_file.hpp"
-#include "src/scene/scene.hpp"
 #include "src/store/stored_kernels.hpp"
+
+namespace ricochet::scene {
+struct Scene;
+}
 
 namespace ricochet::impact {
 

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "contact/accuracy/error_report.hpp"
+#include "src/scene/scene.hpp"
 
 namespace ricochet::impact {
 namespace {

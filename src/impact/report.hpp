@@ -6,7 +6,10 @@
 
 #include "contact/figures/equilibrium_summary.hpp"
 #include "contact/figures/summary.hpp"
-#include "src/scene/scene.hpp"
+
+namespace ricochet::scene {
+struct Scene;
+}
 
 namespace ricochet::impact {
 

@@ -31,7 +31,7 @@ double seconds_since(Clock::time_point start) {
 
 /// The pairs of a scene and the model of its kernels, both empty if the table comes from a file.
 struct Paired {
-  accuracy::Prepared prepared{};
+  store::Prepared prepared{};
   contact::Model model{};
 };
 
@@ -45,13 +45,14 @@ Paired pair(Impact& impact, const ImpactRequest& request, store::KernelStore& st
 
   console.begin("pairing");
   Paired out;
-  auto& [placement, forcing] = out.prepared;
-  forcing = store::in_scene(scene, [&] { return store::forcing_of(scene); });
+  auto& [library, placement] = out.prepared;
+  library = store::library_scene(scene, impact.kernels.pointers());
+  store::in_file(scene.file, [&] { store::read_histories(scene, library); });
   placement = store.placements.place(scene, impact.kernels.pointers());
   const std::string memory = store::check_impact(scene, impact.kernels.pointers(), placement);
-  out.model = store::in_scene(scene, [&] { return store::model_of(scene, placement, forcing); });
+  out.model = store::in_file(scene.file, [&] { return store::model_of(scene, out.prepared); });
   if (scene.contact.scheme != Scheme::at_rest)
-    store::in_scene(scene, [&] { contact::refuse_sag(out.model); });
+    store::in_file(scene.file, [&] { contact::refuse_sag(out.model); });
   console.end(
       fmt::format("{} contact points, {} modes; {}", out.model.gap.size(), out.model.omega.size(), memory));
   return out;
@@ -113,7 +114,7 @@ contact::EquilibriumSummary rest(const Impact& impact, console::Console& console
   using Solver = contact::EquilibriumOptions::Solver;
   const Solver solver = impact.scene.contact.solver == scene::Solver::uzawa ? Solver::uzawa : Solver::exact;
   console.begin("equilibrium");
-  const contact::Equilibrium equilibrium = store::in_scene(impact.scene, [&] {
+  const contact::Equilibrium equilibrium = store::in_file(impact.scene.file, [&] {
     return contact::find_equilibrium(
         *impact.model, {.solver = solver, .increments = impact.scene.contact.increments},
         [&](const contact::Equilibrium& at_knot) { observer.at_rest(impact, at_knot); });
@@ -136,7 +137,7 @@ contact::Summary steps(const Impact& impact, console::Console& console, ImpactOb
   console.begin("steps", impact.steps);
   const Clock::time_point started = Clock::now();
   const std::unique_ptr<contact::Stepper> stepper =
-      impact.table ? table_stepper(impact) : store::in_scene(impact.scene, [&] {
+      impact.table ? table_stepper(impact) : store::in_file(impact.scene.file, [&] {
         return contact::make_stepper(impact.model, impact.options);
       });
   observer.started(impact, *stepper);

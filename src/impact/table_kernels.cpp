@@ -29,8 +29,9 @@ void add_table(Impact& impact, console::Console& console) {
   console.begin("table");
   if (impact.model) {
     check_table(impact);
-    impact.table = store::in_scene(
-        impact.scene, [&] { return contact::table_from_modes(*impact.model, impact.options, impact.steps); });
+    impact.table = store::in_file(impact.scene.file, [&] {
+      return contact::table_from_modes(*impact.model, impact.options, impact.steps);
+    });
   } else {
     impact.table = contact::read_table(impact.scene.contact.table);
   }
@@ -39,8 +40,8 @@ void add_table(Impact& impact, console::Console& console) {
 
 std::unique_ptr<contact::Stepper> table_stepper(const Impact& impact) {
   const scene::Scene& scene = impact.scene;
-  auto out = store::in_scene(
-      scene, [&] { return std::make_unique<contact::TableStepper>(*impact.table, impact.options); });
+  auto out = store::in_file(
+      scene.file, [&] { return std::make_unique<contact::TableStepper>(*impact.table, impact.options); });
   if (impact.steps > out->available())
     throw InputError(
         fmt::format("{}: time.duration = {:.6g} s: {} has samples for {:.6g} s. Shorten the run, or make the "

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <string>
 
+#include "src/scene/scene.hpp"
+
 namespace ricochet::impact {
 namespace {
 

@@ -6,7 +6,10 @@
 #include <vector>
 
 #include "contact/figures/summary.hpp"
-#include "src/scene/scene.hpp"
+
+namespace ricochet::scene {
+struct Scene;
+}
 
 namespace ricochet::impact {
 

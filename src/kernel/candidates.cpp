@@ -14,6 +14,7 @@
 #include "src/mesh/read.hpp"
 #include "src/scene/derive.hpp"
 #include "src/scene/parts.hpp"
+#include "src/scene/scene.hpp"
 #include "src/surface/sources.hpp"
 
 namespace ricochet::kernel {
@@ -151,7 +152,7 @@ std::vector<Need> needs_of(const scene::Scene& scene, const std::vector<scene::K
     store::KernelPointers pointers;
     for (const kernels::Kernel& kernel : surfaces) pointers.push_back(&kernel);
     const contact::Placement placement =
-        store::in_scene(scene, [&] { return store::place(scene, pointers); });
+        store::in_file(scene.file, [&] { return store::place(scene, pointers); });
     points = store::points_within_reach(scene, placement);
     std::ranges::copy(store::normals_suffice(placement), normals.begin());
   });

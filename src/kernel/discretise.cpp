@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/memory.hpp"
+#include "contact/api/scene_model.hpp"
 #include "src/elasticity/assemble.hpp"
 #include "src/elasticity/expected_size.hpp"
 #include "src/elasticity/matrix_file.hpp"
@@ -118,7 +119,7 @@ Discretised assembled(const scene::KernelRequest& request, Source& source, int c
                   : fmt::format("{} elements, {} nodes", made.mesh.total_elements, made.mesh.total_nodes));
 
   if (request.friction && made.mesh.dim == 1)
-    throw InputError(fmt::format("{}: {}", file, store::friction_on_rod(body.name)));
+    throw InputError(fmt::format("{}: {}", file, friction_on_rod(body.name)));
   console.begin(body.name + ": assembly");
   made.sources = surface::make_sources(made.mesh, request);
   if (body.imported())

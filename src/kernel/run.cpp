@@ -141,8 +141,8 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
     console::Console console(options.quiet || !first);
     return verify_kernels(scene, options, comm, console);
   }
-  // Refuses invalid histories before the computation starts.
-  parallel::on_first_rank(comm, [&] { store::forcing_of(scene); });
+  // Before the computation starts.
+  parallel::on_first_rank(comm, [&] { store::check_histories(scene); });
 
   console::Console console(options.quiet || !first,
                            [comm] { return parallel::largest(comm, console::peak_memory_mib()); });

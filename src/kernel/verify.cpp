@@ -13,6 +13,7 @@
 #include "src/kernel/discretise.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/modes/certify.hpp"
+#include "src/scene/scene.hpp"
 
 namespace ricochet::kernel {
 

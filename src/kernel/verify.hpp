@@ -6,7 +6,10 @@
 
 #include "src/console/console.hpp"
 #include "src/console/options.hpp"
-#include "src/scene/scene.hpp"
+
+namespace ricochet::scene {
+struct Scene;
+}
 
 namespace ricochet::kernel {
 

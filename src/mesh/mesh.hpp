@@ -11,7 +11,7 @@
 
 #include "src/mesh/reference.hpp"
 #include "src/parallel/parallel.hpp"
-#include "src/scene/scene.hpp"
+#include "src/scene/data/body.hpp"
 
 namespace ricochet::mesh {
 

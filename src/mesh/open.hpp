@@ -6,7 +6,7 @@
 #include <set>
 #include <string>
 
-#include "src/scene/scene.hpp"
+#include "src/scene/data/body.hpp"
 
 namespace ricochet::mesh {
 

@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "src/scene/scene.hpp"
+#include "src/scene/data/body.hpp"
 
 namespace ricochet::scene {
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "src/scene/near_miss.hpp"
+#include "src/scene/scene.hpp"
 #include "src/scene/table.hpp"
 
 namespace ricochet::scene {

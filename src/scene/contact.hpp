@@ -2,9 +2,11 @@
 // Internal to src/scene: the table [contact].
 #pragma once
 
-#include "src/scene/scene.hpp"
+#include "src/scene/data/contact.hpp"
 
 namespace ricochet::scene {
+
+struct Scene;
 
 class Table;
 

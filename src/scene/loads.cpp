@@ -6,6 +6,7 @@
 
 #include "ricochet/kernel.hpp"
 #include "src/scene/near_miss.hpp"
+#include "src/scene/scene.hpp"
 #include "src/scene/table.hpp"
 #include "src/scene/write.hpp"
 

@@ -2,7 +2,7 @@
 // Internal to src/scene: the table [modes].
 #pragma once
 
-#include "src/scene/scene.hpp"
+#include "src/scene/data/modes.hpp"
 
 namespace ricochet::scene {
 

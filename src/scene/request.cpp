@@ -15,6 +15,7 @@
 #include "src/scene/loads.hpp"
 #include "src/scene/near_miss.hpp"
 #include "src/scene/parts.hpp"
+#include "src/scene/scene.hpp"
 #include "src/scene/write.hpp"
 
 namespace ricochet::scene {

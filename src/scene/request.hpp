@@ -2,9 +2,14 @@
 // The request for a kernel: the data that determine it, and their hash.
 #pragma once
 
-#include "src/scene/scene.hpp"
+#include "src/scene/data/body.hpp"
+#include "src/scene/data/loads.hpp"
+#include "src/scene/data/modes.hpp"
+#include "src/scene/data/receiver.hpp"
 
 namespace ricochet::scene {
+
+struct Scene;
 
 /// The data that determine the kernel of a body, and nothing else. Vectors are in the frame of the body.
 struct KernelRequest {

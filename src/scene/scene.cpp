@@ -5,13 +5,13 @@
 #include <cmath>
 
 #include "base/rotation.hpp"
+#include "ricochet/step_options.hpp"
 
 namespace ricochet::scene {
 
 int Time::steps_per_sample() const {
-  // A multiple that division rounds up stays that multiple.
-  const double ratio = contact_rate ? std::ceil(contact_rate->value / rate.value * (1 - 1e-12)) : 1;
-  return static_cast<int>(std::clamp(ratio, 1.0, most_steps_per_sample));
+  const double ratio = contact_rate ? ricochet::steps_per_sample(rate.value, contact_rate->value) : 1;
+  return static_cast<int>(std::min(ratio, most_steps_per_sample));
 }
 
 int Output::receivers_every(Hertz rate) const {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "src/scene/near_miss.hpp"
+#include "src/scene/scene.hpp"
 #include "src/scene/table.hpp"
 
 namespace ricochet::scene {

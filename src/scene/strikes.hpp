@@ -2,9 +2,9 @@
 // Internal to src/scene: [[strikes]], blows by mallets.
 #pragma once
 
-#include "src/scene/scene.hpp"
-
 namespace ricochet::scene {
+
+struct Scene;
 
 class Table;
 

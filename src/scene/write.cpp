@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "src/scene/body.hpp"
+#include "src/scene/scene.hpp"
 
 namespace ricochet::scene {
 

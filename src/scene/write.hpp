@@ -4,9 +4,12 @@
 
 #include <string>
 
-#include "src/scene/scene.hpp"
+#include "src/scene/data/body.hpp"
+#include "src/scene/data/modes.hpp"
 
 namespace ricochet::scene {
+
+struct Scene;
 
 /// The resolved scene as TOML, with every default. Reading it gives the same scene.
 std::string to_toml(const Scene& scene);

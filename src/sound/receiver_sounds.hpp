@@ -11,7 +11,7 @@
 
 #include "contact/figures/receivers.hpp"
 #include "contact/figures/summary.hpp"
-#include "src/scene/scene.hpp"
+#include "src/scene/data/output.hpp"
 
 namespace ricochet::sound {
 

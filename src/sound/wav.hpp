@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "src/scene/scene.hpp"
+#include "src/scene/data/output.hpp"
 
 namespace ricochet::sound {
 

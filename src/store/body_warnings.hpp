@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "ricochet/kernel.hpp"
-#include "src/scene/scene.hpp"
+#include "src/scene/data/body.hpp"
 
 namespace ricochet::store {
 

@@ -10,6 +10,7 @@
 #include "base/memory.hpp"
 #include "contact/stepping/step_memory.hpp"
 #include "ricochet/error.hpp"
+#include "src/scene/scene.hpp"
 #include "src/store/body_warnings.hpp"
 #include "src/store/placing.hpp"
 

@@ -5,8 +5,11 @@
 
 #include <string>
 
-#include "src/scene/scene.hpp"
 #include "src/store/stored_kernels.hpp"
+
+namespace ricochet::scene {
+struct Scene;
+}
 
 namespace ricochet::store {
 

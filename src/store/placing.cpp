@@ -3,56 +3,66 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
+#include "contact/api/scene_model.hpp"
 #include "contact/files/history_file.hpp"
 #include "contact/pairing/placement.hpp"
 #include "kernels/read.hpp"
+#include "src/scene/scene.hpp"
 
 namespace ricochet::store {
-namespace {
-
 namespace fs = std::filesystem;
 
-Eigen::Vector3d vector(const Vector3& v) { return {v[0], v[1], v[2]}; }
-
-}  // namespace
-
-std::vector<contact::PlacedBody> placed_bodies(const scene::Scene& scene, const KernelPointers& kernels) {
-  std::vector<contact::PlacedBody> bodies;
-  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+Scene library_scene(const scene::Scene& scene, const KernelPointers& kernels) {
+  Scene out;
+  for (std::size_t k = 0; k < scene.bodies.size() && k < kernels.size(); ++k) {
     const scene::Body& body = scene.bodies[k];
-    const auto rotation = scene::rotation_of(body);
-    bodies.push_back(contact::arriving(
-        {.name = body.name,
-         .kernel = kernels[k],
-         .rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotation.data()),
-         .translation = vector(body.translate),
-         .velocity = vector(body.velocity),
-         .angular_velocity = vector(body.angular_velocity)},
-        body.arrival, vector(scene.loads.gravity)));
+    out.bodies.push_back({body.name, SharedKernel(SharedKernel(), kernels[k]), body.rotate_deg,
+                          body.translate, body.velocity, body.angular_velocity, body.arrival});
   }
-  return bodies;
-}
-
-std::vector<contact::HalfSpace> half_spaces(const scene::Scene& scene) {
-  std::vector<contact::HalfSpace> obstacles;
   for (const scene::Obstacle& obstacle : scene.obstacles)
-    obstacles.push_back({obstacle.name, vector(obstacle.point), vector(obstacle.normal)});
-  return obstacles;
+    out.obstacles.push_back({obstacle.name, obstacle.point, obstacle.normal, obstacle.velocity, {}});
+  for (const scene::Pair& pair : scene.contact.pairs)
+    out.pairs.push_back({pair.a, pair.b, pair.direction, pair.gap, pair.reach, pair.zone, pair.friction});
+  out.gravity = scene.loads.gravity;
+  out.scheme = scene.contact.scheme;
+  out.admittance = scene.contact.admittance;
+  out.instant = scene.contact.instant;
+  out.restitution = scene.contact.restitution;
+  out.integration = scene.contact.integration;
+  out.rate_hz = scene.time.rate.value;
+  if (scene.time.contact_rate) out.contact_rate_hz = scene.time.contact_rate->value;
+  if (scene.contact.max_pivots) out.max_pivots = *scene.contact.max_pivots;
+  out.single_precision = scene.time.precision == Precision::float32;
+  return out;
 }
 
-std::vector<contact::PairRequest> pair_requests(const scene::Scene& scene) {
-  std::vector<contact::PairRequest> pairs;
-  for (const scene::Pair& pair : scene.contact.pairs) {
-    contact::PairRequest request{pair.a, pair.b, {}, pair.gap, pair.reach, pair.zone, pair.friction};
-    if (pair.direction) request.direction = vector(*pair.direction);
-    pairs.push_back(request);
-  }
-  return pairs;
+void read_histories(const scene::Scene& scene, Scene& out) {
+  const auto add = [&](const std::vector<scene::Forcing>& all, bool support) {
+    for (const scene::Forcing& driven : all) {
+      contact::History history;
+      if (!driven.history.empty()) history = contact::read_history(driven.history);
+      if (driven.obstacle.empty())
+        out.forcing.push_back({driven.body, support ? driven.group : driven.name, support, driven.vector,
+                               std::move(history.time), std::move(history.value)});
+      else
+        std::ranges::find(out.obstacles, driven.obstacle, &HalfSpace::name)
+            ->slides.push_back({driven.vector, std::move(history.time), std::move(history.value)});
+    }
+  };
+  add(scene.loads.tractions, false);
+  add(scene.loads.points, false);
+  add(scene.loads.motions, true);
+}
+
+void check_histories(const scene::Scene& scene) {
+  Scene out = library_scene(scene, {});
+  read_histories(scene, out);
 }
 
 contact::Placement place(const scene::Scene& scene, const KernelPointers& kernels) {
-  return contact::place(placed_bodies(scene, kernels), half_spaces(scene), pair_requests(scene));
+  return placement_of(library_scene(scene, kernels));
 }
 
 contact::Placement with_kernels(contact::Placement placement, const KernelPointers& kernels) {
@@ -60,73 +70,14 @@ contact::Placement with_kernels(contact::Placement placement, const KernelPointe
   return placement;
 }
 
-namespace {
-
-/// Time up to which obstacles keep their velocity [s]: longer than any run.
-constexpr double forever = 1e9;
-
-void refuse_rods(const scene::Scene& scene, const contact::Placement& placement) {
-  for (const contact::PlacedBody& body : placement.bodies)
-    if (body.kernel->surface.corners() == 1 && scene.contact.rubs(body.name))
-      throw InputError(friction_on_rod(body.name));
+contact::Model model_of(const scene::Scene& scene, const Prepared& prepared) {
+  contact::Model model = ricochet::model_of(prepared.scene, prepared.placement);
+  if (scene.contact.kernel == scene::ContactKernel::table) contact::use_mean_gaps(model);
+  return model;
 }
-
-}  // namespace
 
 StepOptions step_options(const scene::Scene& scene) {
-  return {.scheme = scene.contact.scheme,
-          .admittance = scene.contact.admittance,
-          .instant = scene.contact.instant,
-          .restitution = scene.contact.restitution,
-          .contact_step = scene.contact.integration,
-          .step = scene.time.step(),
-          .steps_per_sample = scene.time.steps_per_sample(),
-          .max_pivots = scene.contact.max_pivots.value_or(std::numeric_limits<int>::max()),
-          .precision = scene.time.precision.value_or(Precision::float64)};
-}
-
-std::string friction_on_rod(const std::string& body) {
-  return fmt::format(
-      "contact.friction: bodies.{} is a rod, which moves along its axis alone, so that nothing rubs: leave "
-      "friction out of its pairs, or give a solid mesh",
-      body);
-}
-
-Driven forcing_of(const scene::Scene& scene) {
-  Driven out;
-  const auto add = [&](const std::vector<scene::Forcing>& all, bool support) {
-    for (const scene::Forcing& driven : all) {
-      if (!driven.obstacle.empty()) continue;
-      contact::ForcingRequest request{
-          driven.body, support ? driven.group : driven.name, support, vector(driven.vector), {}};
-      request.history = driven.history.empty() ? contact::dead_load : contact::read_history(driven.history);
-      out.forcing.push_back(std::move(request));
-    }
-  };
-  add(scene.loads.tractions, false);
-  add(scene.loads.points, false);
-  add(scene.loads.motions, true);
-  for (const scene::Obstacle& obstacle : scene.obstacles)
-    if (obstacle.velocity != Vector3{} && scene.contact.scheme != Scheme::at_rest)
-      out.belts.push_back({obstacle.name, vector(obstacle.velocity), {{0, forever}, {0, forever}}});
-  for (const scene::Forcing& driven : scene.loads.motions)
-    if (!driven.obstacle.empty())
-      out.belts.push_back({driven.obstacle, vector(driven.vector), contact::read_history(driven.history)});
-  return out;
-}
-
-contact::Model model_of(const scene::Scene& scene, const contact::Placement& placement,
-                        const Driven& driven) {
-  refuse_rods(scene, placement);
-  contact::Model model = contact::build_model(placement, vector(scene.loads.gravity), driven.forcing);
-  std::vector<double> arrivals;
-  for (const scene::Body& body : scene.bodies) arrivals.push_back(body.arrival);
-  contact::refuse_early_contact(model, arrivals);
-  if (scene.contact.scheme == Scheme::impulse || scene.contact.kernel == scene::ContactKernel::table)
-    contact::use_mean_gaps(model);
-  for (const BeltRequest& belt : driven.belts)
-    contact::add_belt(model, belt.obstacle, belt.vector, belt.history);
-  return model;
+  return ricochet::step_options(library_scene(scene, {}));
 }
 
 bool is_limited(const scene::Scene& scene, const scene::Body& body) {

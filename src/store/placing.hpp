@@ -10,61 +10,55 @@
 
 #include "contact/model/model.hpp"
 #include "ricochet/error.hpp"
+#include "ricochet/ricochet.hpp"
+#include "ricochet/step_options.hpp"
+#include "src/scene/data/body.hpp"
 #include "src/scene/request.hpp"
-#include "src/scene/scene.hpp"
+
+namespace ricochet::scene {
+struct Scene;
+}
 
 namespace ricochet::store {
 
-/// Runs `action` and puts the scene's file in front of the message of its InputErrors.
+/// Runs `action` and puts the file of its scene in front of the message of an InputError.
 template <class Action>
-auto in_scene(const scene::Scene& scene, Action action) {
+auto in_file(const std::filesystem::path& file, Action action) {
   try {
     return action();
   } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", scene.file.string(), error.what()));
+    throw InputError(fmt::format("{}: {}", file.string(), error.what()));
   }
 }
 
 using KernelPointers = std::vector<const kernels::Kernel*>;
 
-/// @param kernels  kernels of the scene's bodies, in their order; must outlive the result
-std::vector<contact::PlacedBody> placed_bodies(const scene::Scene& scene, const KernelPointers& kernels);
-std::vector<contact::HalfSpace> half_spaces(const scene::Scene& scene);
-std::vector<contact::PairRequest> pair_requests(const scene::Scene& scene);
+/// The scene that the library runs (ricochet/ricochet.hpp), without what follows a history.
+/// @param kernels  of the scene's bodies, in their order; must outlive all that is made of the result
+Scene library_scene(const scene::Scene& scene, const KernelPointers& kernels);
+/// Adds loads, moving supports and moving obstacles. Throws InputError if a history cannot be read.
+void read_histories(const scene::Scene& scene, Scene& out);
+/// Throws InputError if a history cannot be read.
+void check_histories(const scene::Scene& scene);
 
 /// Places the bodies of the scene and finds their contact pairs. Throws InputError in the same cases as
-/// contact::place.
+/// placement_of.
 contact::Placement place(const scene::Scene& scene, const KernelPointers& kernels);
 
 /// Returns the placement with other kernels of the same surfaces.
 contact::Placement with_kernels(contact::Placement placement, const KernelPointers& kernels);
 
-/// An obstacle that moves along its surface: `vector` times a history.
-struct BeltRequest {
-  std::string obstacle;
-  Eigen::Vector3d vector;  ///< [m]
-  contact::History history;
+/// The bodies of a scene at their places, and what acts on them: the parts of their model.
+struct Prepared {
+  Scene scene;
+  contact::Placement placement;
 };
 
-/// Everything in a scene that follows a history.
-struct Driven {
-  std::vector<contact::ForcingRequest> forcing;  ///< loads and moving supports
-  std::vector<BeltRequest> belts;
-};
-
-/// Loads, moving supports and moving obstacles with their histories. At rest, obstacles have no velocity.
-/// Throws InputError if a history cannot be read.
-Driven forcing_of(const scene::Scene& scene);
-
-/// Builds the model of placed bodies under the scene's loads. Throws InputError in the same cases as
-/// contact::build_model, contact::refuse_early_contact and contact::add_belt, and if a rod has friction.
-contact::Model model_of(const scene::Scene& scene, const contact::Placement& placement, const Driven& driven);
+/// Builds the model. Throws InputError in the same cases as ricochet::model_of.
+contact::Model model_of(const scene::Scene& scene, const Prepared& prepared);
 
 /// Options of the scene's steps. If the scene leaves the precision open, it is double.
 StepOptions step_options(const scene::Scene& scene);
-
-/// The complaint about friction on a rod.
-std::string friction_on_rod(const std::string& body);
 
 /// Whether every pair of the body has a reach or a zone, so that its kernel may omit candidates.
 bool is_limited(const scene::Scene& scene, const scene::Body& body);

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 
+#include "contact/api/scene_model.hpp"
 #include "kernels/read.hpp"
 #include "ricochet/error.hpp"
+#include "src/scene/scene.hpp"
 #include "src/store/body_warnings.hpp"
 
 namespace ricochet::store {
@@ -48,16 +50,18 @@ constexpr std::size_t most_placements = 4;
 }  // namespace
 
 contact::Placement PlacementStore::place(const scene::Scene& scene, const KernelPointers& kernels) {
-  const std::vector<contact::PairRequest> pairs = pair_requests(scene);
-  Key key{{}, half_spaces(scene), pairs};
-  for (contact::PairRequest& pair : key.pairs) pair.friction.reset();  // pairing does not depend on it
-  const std::vector<contact::PlacedBody> bodies = placed_bodies(scene, kernels);
+  const Scene library = library_scene(scene, kernels);
+  Key key{{}, library.obstacles, library.pairs};
+  // Pairing depends neither on the velocity of obstacles nor on friction.
+  for (HalfSpace& obstacle : key.obstacles) obstacle.velocity = {};
+  for (Pair& pair : key.pairs) pair.friction.reset();
+  const std::vector<contact::PlacedBody> bodies = bodies_of(library);
   for (const contact::PlacedBody& body : bodies)
     key.bodies.push_back({body.name, body.kernel->surface.components, body.kernel->surface.direction,
                           contact::surface_of(body)});
   const auto same = std::ranges::find(known_, key, &std::pair<Key, contact::Placement>::first);
   if (same == known_.end()) {
-    known_.emplace_back(std::move(key), in_scene(scene, [&] { return store::place(scene, kernels); }));
+    known_.emplace_back(std::move(key), in_file(scene.file, [&] { return placement_of(library); }));
     if (known_.size() > most_placements) known_.pop_front();
     return known_.back().second;
   }
@@ -67,7 +71,8 @@ contact::Placement PlacementStore::place(const scene::Scene& scene, const Kernel
     out.bodies[k].angular_velocity = bodies[k].angular_velocity;
     out.bodies[k].displacement = bodies[k].displacement;
   }
-  for (std::size_t k = 0; k < pairs.size(); ++k) out.pairs[k].request.friction = pairs[k].friction;
+  for (std::size_t k = 0; k < library.pairs.size(); ++k)
+    out.pairs[k].request.friction = library.pairs[k].friction;
   return out;
 }
 

@@ -15,9 +15,13 @@
 
 #include "contact/pairing/surface_projection.hpp"
 #include "ricochet/kernel.hpp"
+#include "src/scene/data/body.hpp"
 #include "src/scene/request.hpp"
-#include "src/scene/scene.hpp"
 #include "src/store/placing.hpp"
+
+namespace ricochet::scene {
+struct Scene;
+}
 
 namespace ricochet::store {
 
@@ -30,7 +34,7 @@ struct Kernels {
 };
 
 /// The last few placements of one thread. Each is identified by the data that determine it: surfaces in their
-/// initial positions, obstacles and pair requests.
+/// initial positions, obstacles and pairs.
 class PlacementStore {
  public:
   /// Returns the placement of the scene's bodies, stored or new. Throws InputError in the same cases as
@@ -47,8 +51,8 @@ class PlacementStore {
   };
   struct Key {
     std::vector<Body> bodies;
-    std::vector<contact::HalfSpace> obstacles;
-    std::vector<contact::PairRequest> pairs;
+    std::vector<HalfSpace> obstacles;
+    std::vector<Pair> pairs;
     bool operator==(const Key&) const = default;
   };
   std::deque<std::pair<Key, contact::Placement>> known_;

@@ -8,6 +8,8 @@
 #include <functional>
 #include <numbers>
 
+#include "src/scene/scene.hpp"
+
 namespace contact_zone_test {
 
 using namespace ricochet;
@@ -61,7 +63,7 @@ struct Grid {
     model.gap.resize(points);
     for (int i = 0; i < points; ++i)
       model.gap[i] = gap((i / side - half) * spacing, (i % side - half) * spacing);
-    contact::Model::BodyBlock& body = model.bodies.emplace_back();
+    contact::Bodies::Block& body = model.bodies.emplace_back();
     body.name = "part";
     body.kernel = &kernel;
     model.pairs.push_back({.first_point = 0, .points = points, .a = 0, .b = -1, .reach = {}});

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "src/accuracy/mesh_levels.hpp"
+#include "src/scene/scene.hpp"
 
 namespace decision_test {
 

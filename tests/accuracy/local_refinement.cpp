@@ -9,6 +9,7 @@
 
 #include "src/accuracy/decision.hpp"
 #include "src/accuracy/mesh_levels.hpp"
+#include "src/scene/scene.hpp"
 
 namespace local_refinement_test {
 
@@ -66,7 +67,7 @@ contact::Dialled round_of(int pressed, const std::map<Cause, double>& shares) {
   for (int i = 0; i < points; ++i) model.point_a(i, 1) = i * next;
   model.point_b = model.point_a;
   for (const char* name : {"upper", "lower"}) {
-    contact::Model::BodyBlock& body = model.bodies.emplace_back();
+    contact::Bodies::Block& body = model.bodies.emplace_back();
     body.name = name;
     body.kernel = &kernel_of_a_solid;
     body.rotation.setIdentity();

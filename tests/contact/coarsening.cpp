@@ -78,7 +78,7 @@ TEST(Coarsened, surface_yields_to_a_uniform_pressure_as_it_did) {
 TEST(Coarsened, points_know_the_candidates_that_they_are_made_of) {
   ricochet::kernels::Kernel kernel;
   const Model wide = coarsened(sheet_on_floor(square(9, 7), kernel));
-  const Matrix P = wide.bodies[0].selection;
+  const Matrix P = wide.selection[0];
   const auto m = static_cast<Eigen::Index>(kernel.surface.size());
   const Eigen::Map<const Matrix> R(kernel.surface.residual_flexibility.data(), m, m);
   EXPECT_LT((P * R * P.transpose() - wide.R).cwiseAbs().maxCoeff(), 1e-13);

@@ -35,7 +35,7 @@ struct Motion {
 
 /// The motion for modal coordinates q and a force p, with all that the model adds to B q.
 Motion motion_of(const Model& model, const Vector& q, const Vector& p) {
-  const Model::BodyBlock& bar = model.bodies[0];
+  const Bodies::Block& bar = model.bodies[0];
   const Model::Receiver& mic = model.receivers[0];
   Motion out{
       model.B.row(0).dot(q) + model.static_displacement(0) - model.R(0, 0) * p(0),

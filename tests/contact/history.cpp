@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Histories: values, slopes, integrals, and files that are refused with one line.
-#include "contact/model/history.hpp"
+#include "contact/rows/history.hpp"
 #include "contact/files/history_file.hpp"
 
 #include <gmock/gmock.h>

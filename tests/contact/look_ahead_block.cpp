@@ -285,7 +285,8 @@ void run(LookAheadBlock<T>& block, ContactLaw law, const Stepper& from, int step
   MeanForce mean(force.size(), true);
   Vector end = from.end_force();
   mean.advance(end, {MeanForce::Pair{}});
-  block.set_forcing(from.modal()->forcing.piece(), std::numeric_limits<double>::max());
+  block.forcing().set(from.modal()->forcing.piece(), std::numeric_limits<double>::max(),
+                      from.modal()->system->load);
   block.start(from.modal()->q, from.modal()->v, from.force(), law, mean);
   for (int k = 0; k < steps; ++k) {
     ASSERT_EQ(block.step(law, mean, nullptr, force, end).status, SolveStatus::solved);

@@ -9,6 +9,7 @@
 
 #include "kernels/algebra.hpp"
 #include "tests/contact/bodies.hpp"
+#include "tests/contact/heap_counter.hpp"
 
 namespace model_test {
 
@@ -168,6 +169,21 @@ TEST(Residual, of_a_shared_body_couples_its_pairs) {
   }
 }
 
+TEST(Rows, are_filled_again_without_memory) {
+  const Stack stack(3, Vector3d(0.5, -1, -9.81));
+  Rows rows = stack.model;
+  for (Matrix* x : {&rows.B, &rows.R, &rows.R_a}) x->setConstant(7);
+  for (Vector* x : {&rows.static_displacement, &rows.static_a}) x->setConstant(7);
+  const long before = heap_counter::calls;
+  fill(rows, stack.model);
+  EXPECT_EQ(heap_counter::calls, before);
+  EXPECT_EQ(rows.B, stack.model.B);
+  EXPECT_EQ(rows.R, stack.model.R);
+  EXPECT_EQ(rows.R_a, stack.model.R_a);
+  EXPECT_EQ(rows.static_displacement, stack.model.static_displacement);
+  EXPECT_EQ(rows.static_a, stack.model.static_a);
+}
+
 TEST(Residual, of_bodies_upside_down_is_the_same) {
   const Stack upright(1, Vector3d::Zero()), turned(1, Vector3d::Zero(), upside_down());
   // In the inverted body, the candidates are exchanged.
@@ -237,7 +253,7 @@ TEST(Bodies, carry_their_momenta_into_the_world) {
   const Kernel kernel = lump(false);
   const Vector3d v(3, -1, 2);
   const Model model = thrown(kernel, v);
-  const Model::BodyBlock& body = model.bodies[0];
+  const Bodies::Block& body = model.bodies[0];
   const Matrix3d Q = turn(0.8, {1, -1, 2});
   EXPECT_LT((body.centre - (Q * Vector3d(1, 2, 3) + 9 * up)).norm(), 1e-13);
   EXPECT_LT((body.momentum * model.v0 - 2 * v).norm(), 1e-13);

@@ -3,6 +3,7 @@
 // itself. gmsh does not read the file, because its language can run commands.
 #include "src/mesh/open.hpp"
 #include "src/scene/request.hpp"
+#include "src/scene/scene.hpp"
 #include "tests/fuzz/input.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

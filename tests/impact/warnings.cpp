@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "src/scene/scene.hpp"
+
 namespace impact_warnings_test {
 
 using namespace ricochet;

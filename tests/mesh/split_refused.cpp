@@ -7,6 +7,7 @@
 #include "src/mesh/parts.hpp"
 #include "src/scene/parts.hpp"
 #include "src/scene/request.hpp"
+#include "src/scene/scene.hpp"
 #include "tests/mesh/files.hpp"
 #include "tests/mesh/split.hpp"
 #include "tests/meshes.hpp"

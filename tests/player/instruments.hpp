@@ -36,8 +36,8 @@ inline Scene plates(double speed, double first, double ratio = 1e-3, int points 
 /// The place where the second body of a scene meets the first one.
 inline Place place_of(const Scene& scene) {
   const contact::Model model = model_of(scene);
-  const contact::Model::BodyBlock& bell = model.bodies.at(0);
-  const contact::Model::BodyBlock& mallet = model.bodies.at(1);
+  const contact::Bodies::Block& bell = model.bodies.at(0);
+  const contact::Bodies::Block& mallet = model.bodies.at(1);
   const Vector3& v = scene.bodies.at(1).velocity;
   Place place;
   place.normal = {0, 0, -1};

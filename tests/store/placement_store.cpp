@@ -2,6 +2,7 @@
 // Placements that are kept between runs, compared with newly computed ones.
 #include <gtest/gtest.h>
 
+#include "src/scene/scene.hpp"
 #include "src/store/stored_kernels.hpp"
 #include "tests/contact/plate.hpp"
 
@@ -55,7 +56,7 @@ TEST(PlacementStore, serves_bodies_in_the_same_positions_and_no_others) {
   expect_as_new();
   scene.contact.pairs[0].friction = Friction{0.3, 0.3, 0};
   expect_as_new();
-  scene.contact.pairs[0].friction->static_coefficient = 0.4;
+  scene.contact.pairs[0].friction = Friction{0.4, 0.4, 0};
   expect_as_new();
   scene.contact.pairs[0].friction.reset();
   expect_as_new();

@@ -36,13 +36,15 @@ class Error(NamedTuple):
     cases: tuple
 
 
-MODEL, BLOCK = "contact/model/model.cpp", "contact/stepping/look_ahead_block.cpp"
+BODIES, ROWS = "contact/bodies/bodies.cpp", "contact/rows/rows.cpp"
+BLOCK = "contact/stepping/look_ahead_block.cpp"
 LAW, SLIP = "contact/law/contact_law.cpp", "contact/law/slip.cpp"
-BLOCK_SYSTEM, GATHERED = "contact/stepping/block_system.cpp", "contact/stepping/gathered_system.cpp"
+BLOCK_SYSTEM, POINTS = "contact/stepping/block_system.cpp", "contact/stepping/block_points.cpp"
+MOTION = "contact/stepping/block_motion.cpp"
 IMPULSES = "contact/stepping/impulse_problem.cpp"
 TABLE, SAMPLED = "contact/table/table_stepper.cpp", "contact/table/modal_table.cpp"
 STATIC, RESPONSE = "contact/static/equilibrium.cpp", "contact/stepping/forced_response.cpp"
-SHAPE = "whole * Eigen::Map<const Matrix>(kernel.surface.shape.data(), whole.cols(), n);"
+SHAPE = "add_row(of_modes, i, shape, rows.B.row(i).data() + block.first_mode);"
 FIRST_LOST = "first elastic mode of each body lost"
 
 ERRORS = (
@@ -51,7 +53,7 @@ ERRORS = (
         "two bodies",
         "force",
         "force on the second body 2 % too large",
-        MODEL,
+        ROWS,
         "for (const auto& [candidate, weight] : point.of_b) add(candidate, -weight);",
         "for (const auto& [candidate, weight] : point.of_b) add(candidate, -1.02 * weight);",
         ("rods", "two_balls"),
@@ -60,7 +62,7 @@ ERRORS = (
         "two bodies",
         "sign",
         "the second body is pulled",
-        MODEL,
+        ROWS,
         "for (const auto& [candidate, weight] : point.of_b) add(candidate, -weight);",
         "for (const auto& [candidate, weight] : point.of_b) add(candidate, weight);",
         ("rods", "two_balls"),
@@ -69,29 +71,28 @@ ERRORS = (
         "two bodies",
         "R",
         "R halved",
-        MODEL,
-        "const double value = part(i - first, j);",
-        "const double value = 0.5 * part(i - first, j);",
+        ROWS,
+        "const double value = 0.5 * along(P, j, rows.yielded.data());",
+        "const double value = 0.25 * along(P, j, rows.yielded.data());",
         ("two_balls",),
     ),
     Error(
         "two bodies",
         "mode",
         FIRST_LOST,
-        MODEL,
+        ROWS,
         SHAPE,
         SHAPE
         + """
-    for (int k = 1; k < n; ++k)
-      if (kernel.modes.angular_frequency[k - 1] == 0 && kernel.modes.angular_frequency[k] > 0)
-        model.B.col(first + k).setZero();""",
+      for (int n = block.first_mode + 1; n < block.first_mode + block.modes; ++n)
+        if (bodies.omega(n - 1) == 0 && bodies.omega(n) > 0) rows.B(i, n) = 0;""",
         ("rods",),
     ),
     Error(
         "obstacle",
         "force",
         "force on the body 2 % too large",
-        MODEL,
+        ROWS,
         "for (const auto& [candidate, weight] : point.of_a) add(candidate, weight);",
         "for (const auto& [candidate, weight] : point.of_a) add(candidate, pair.b < 0 ? 1.02 * weight : weight);",
         ("bouncing_bar",),
@@ -100,7 +101,7 @@ ERRORS = (
         "obstacle",
         "sign",
         "normal into the obstacle reversed",
-        MODEL,
+        ROWS,
         "for (const auto& [candidate, weight] : point.of_a) add(candidate, weight);",
         "for (const auto& [candidate, weight] : point.of_a) add(candidate, pair.b < 0 ? -weight : weight);",
         ("falling_mass", "bouncing_bar"),
@@ -111,8 +112,8 @@ ERRORS = (
         "force",
         "recorded mean force 2 % too large",
         BLOCK,
-        "    force(kept_[k]) = law.force()(k);",
-        "    force(kept_[k]) = 1.02 * law.force()(k);",
+        "    force(i) = law.force()(k);",
+        "    force(i) = 1.02 * law.force()(k);",
         ("rods", "two_balls"),
     ),
     Error(
@@ -128,9 +129,9 @@ ERRORS = (
         "conserving",
         "R",
         "R halved in the system of the step",
-        GATHERED,
-        "S_mean.begin(n) = conserving_mean.end * modes + residual;",
-        "S_mean.begin(n) = conserving_mean.end * modes + 0.5 * residual;",
+        POINTS,
+        "S_mean_.begin(n) = conserving_mean.end * M + R;",
+        "S_mean_.begin(n) = conserving_mean.end * M + 0.5 * R;",
         ("two_balls",),
     ),
     Error(
@@ -146,27 +147,27 @@ ERRORS = (
         "backward Euler",
         "R",
         "R halved in the system of the step",
-        GATHERED,
-        "  all += residual;",
-        "  all += 0.5 * residual;",
+        POINTS,
+        "      S += R;",
+        "      S += 0.5 * R;",
         ("rods",),
     ),
     Error(
         "blocks",
         "force",
         "held force 2 % too large",
-        BLOCK,
-        "load_[n] -= held_[n];",
-        "load_[n] -= 1.02 * held_[n];",
+        MOTION,
+        "load_[n] -= held.on_modes[n];",
+        "load_[n] -= 1.02 * held.on_modes[n];",
         ("rods",),
     ),
     Error(
         "blocks",
         "sign",
         "held force reversed on the rigid modes",
-        BLOCK,
-        "const double load = constant_(n) - rigid_held_[r];",
-        "const double load = constant_(n) + rigid_held_[r];",
+        MOTION,
+        "const double load = forcing.load(n) - held.on_rigid[r];",
+        "const double load = forcing.load(n) + held.on_rigid[r];",
         ("rods",),
     ),
     Error(
@@ -174,8 +175,8 @@ ERRORS = (
         "R",
         "R λ⁺ halved at the end of each step",
         BLOCK,
-        "    u(k, l) -= rest_(k);",
-        "    u(k, l) -= 0.5 * rest_(k);",
+        "    kept_.u(k, l) -= law.yielded()(k) - kept_.yielded()(k);",
+        "    kept_.u(k, l) -= 0.5 * (law.yielded()(k) - kept_.yielded()(k));",
         ("two_balls",),
     ),
     Error(
@@ -474,18 +475,18 @@ ERRORS = (
         "gravity",
         "force",
         "weight 2 % too large",
-        MODEL,
-        "model.load.segment(first, n) = block.momentum.transpose() * gravity;",
-        "model.load.segment(first, n) = 1.02 * block.momentum.transpose() * gravity;",
+        BODIES,
+        "out.load.segment(first, n) = block.momentum.transpose() * gravity;",
+        "out.load.segment(first, n) = 1.02 * block.momentum.transpose() * gravity;",
         ("falling_mass",),
     ),
     Error(
         "gravity",
         "sign",
         "weight reversed",
-        MODEL,
-        "model.load.segment(first, n) = block.momentum.transpose() * gravity;",
-        "model.load.segment(first, n) = -block.momentum.transpose() * gravity;",
+        BODIES,
+        "out.load.segment(first, n) = block.momentum.transpose() * gravity;",
+        "out.load.segment(first, n) = -block.momentum.transpose() * gravity;",
         ("falling_mass",),
     ),
 )

@@ -1,52 +1,17 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Compiled once for each instruction set, which RICOCHET_SIMD names. This file uses only types from <utility>
-// and no inline functions of other headers: a linker could take such a function from here and run it on a
-// processor that lacks the instructions.
-#include "contact/stepping/simd_loops.hpp"
+// Compiled once for each instruction set, which RICOCHET_SIMD names, and with the restrictions of lanes.hpp.
+#include "contact/simd/loops.hpp"
 
-#include <utility>
+#include "contact/simd/lanes.hpp"
 
 namespace ricochet::contact::simd {
 namespace {
 
 #if defined(__AVX512F__)
-constexpr std::size_t bytes = 64, row_tile = 4, step_tile = 4;
-#elif defined(__AVX2__)
-constexpr std::size_t bytes = 32, row_tile = 2, step_tile = 4;
+constexpr std::size_t row_tile = 4, step_tile = 4;
 #else
-constexpr std::size_t bytes = 16, row_tile = 2, step_tile = 4;
+constexpr std::size_t row_tile = 2, step_tile = 4;
 #endif
-
-/// A register of T, or `count` of them.
-template <class T, std::size_t count = bytes / sizeof(T)>
-struct Lanes {
-  static constexpr std::size_t size = count;
-  typedef T type __attribute__((vector_size(count * sizeof(T)), aligned(alignof(T)), may_alias));
-  static type load(const T* at) { return *reinterpret_cast<const type*>(at); }
-  static void store(T* at, type x) { *reinterpret_cast<type*>(at) = x; }
-  static T sum(type x) {
-    T total = 0;
-    for (std::size_t k = 0; k < count; ++k) total += x[k];
-    return total;
-  }
-  /// Lane j is the sum of the entries j and j ^ s of a, or of b if j has bit `s`.
-  template <std::size_t s, std::size_t... j>
-  static type fold(type a, type b, std::index_sequence<j...>) {
-    return __builtin_shufflevector(a, b, ((j & s) != 0 ? count + j : j)...) +
-           __builtin_shufflevector(a, b, ((j & s) != 0 ? count + (j ^ s) : j ^ s)...);
-  }
-  /// Lane j is the sum of the register x[j], for `count` registers. Overwrites x.
-  template <std::size_t s = 1>
-  static type sums(type* x) {
-    if constexpr (s == count) {
-      return x[0];
-    } else {
-      for (std::size_t k = 0; k < count / (2 * s); ++k)
-        x[k] = fold<s>(x[2 * k], x[2 * k + 1], std::make_index_sequence<count>());
-      return sums<2 * s>(x);
-    }
-  }
-};
 
 using Double = Lanes<double>;
 /// A vector of as many T as a register has doubles.

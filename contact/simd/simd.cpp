@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "contact/stepping/simd.hpp"
+#include "contact/simd/simd.hpp"
+
+#include "contact/simd/processor.hpp"
 
 namespace ricochet::contact::simd {
 
@@ -11,10 +13,8 @@ extern const InstructionSet avx2, avx512;
 std::span<const InstructionSet* const> available() noexcept {
 #ifdef RICOCHET_SIMD_X86
   static constexpr const InstructionSet* all[] = {&baseline, &avx2, &avx512};
-  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return std::span(all).first(1);
-  if (!__builtin_cpu_supports("avx512f") || !__builtin_cpu_supports("avx512vl") ||
-      !__builtin_cpu_supports("avx512dq"))
-    return std::span(all).first(2);
+  if (!supports_avx2()) return std::span(all).first(1);
+  if (!supports_avx512()) return std::span(all).first(2);
 #else
   static constexpr const InstructionSet* all[] = {&baseline};
 #endif

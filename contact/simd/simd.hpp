@@ -5,7 +5,7 @@
 #include <concepts>
 #include <span>
 
-#include "contact/stepping/simd_loops.hpp"
+#include "contact/simd/loops.hpp"
 
 namespace ricochet::contact::simd {
 

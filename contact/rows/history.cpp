@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "contact/model/history.hpp"
+#include "contact/rows/history.hpp"
 
 #include <algorithm>
 

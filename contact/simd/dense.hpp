@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Loops over dense matrices, stored by columns, compiled once for each instruction set and chosen at run
+// time. Eigen knows only the instructions that every processor has. They do not allocate, lock or call other
+// functions.
+#pragma once
+
+#include <cstddef>
+
+namespace ricochet::contact::simd {
+
+struct Dense {
+  /// C (m,n) −= A (m,k) B (k,n), with the distances of their columns.
+  void (*subtract_product)(std::size_t m, std::size_t n, std::size_t k, const double* A, std::size_t of_A,
+                           const double* B, std::size_t of_B, double* C, std::size_t of_C);
+  /// x (n) −= Σ_k factor_k column_k of four columns.
+  void (*subtract_columns)(std::size_t n, const double* const* column, const double* factor, double* x);
+};
+
+/// Of this processor.
+const Dense& dense() noexcept;
+
+/// Subtracts multiples of columns (n) from x, four at a time.
+class ColumnSum {
+ public:
+  ColumnSum(std::size_t n, double* x) noexcept : loops_(dense()), n_(n), x_(x) {}
+  ~ColumnSum() {
+    for (std::size_t k = count_; k < together && count_ > 0; ++k) {
+      column_[k] = column_[0];
+      factor_[k] = 0;
+    }
+    if (count_ > 0) loops_.subtract_columns(n_, column_, factor_, x_);
+  }
+  ColumnSum(const ColumnSum&) = delete;
+  ColumnSum& operator=(const ColumnSum&) = delete;
+
+  void subtract(const double* column, double factor) noexcept {
+    column_[count_] = column;
+    factor_[count_] = factor;
+    if (++count_ < together) return;
+    loops_.subtract_columns(n_, column_, factor_, x_);
+    count_ = 0;
+  }
+
+ private:
+  static constexpr std::size_t together = 4;
+  const Dense& loops_;
+  std::size_t n_, count_ = 0;
+  double* x_;
+  const double* column_[together];
+  double factor_[together];
+};
+
+}  // namespace ricochet::contact::simd

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Compiled once for each instruction set, which RICOCHET_DENSE names, and with the restrictions of lanes.hpp.
+#include "contact/simd/dense.hpp"
+
+#include "contact/simd/lanes.hpp"
+
+namespace ricochet::contact::simd {
+namespace {
+
+using V = Lanes<double>;
+
+/// A matrix of which a tile is used.
+template <class Number>
+struct Tile {
+  Number* at;
+  std::size_t stride;
+  Number* column(std::size_t j) const { return at + j * stride; }
+};
+
+template <std::size_t registers, std::size_t columns>
+void product_tile(std::size_t k, Tile<const double> A, Tile<const double> B, Tile<double> C) {
+  V::type sum[columns][registers];
+  for (std::size_t j = 0; j < columns; ++j)
+    for (std::size_t r = 0; r < registers; ++r) sum[j][r] = V::load(C.column(j) + r * V::size);
+  for (std::size_t l = 0; l < k; ++l) {
+    V::type a[registers];
+    for (std::size_t r = 0; r < registers; ++r) a[r] = V::load(A.column(l) + r * V::size);
+    for (std::size_t j = 0; j < columns; ++j)
+      for (std::size_t r = 0; r < registers; ++r) sum[j][r] -= B.column(j)[l] * a[r];
+  }
+  for (std::size_t j = 0; j < columns; ++j)
+    for (std::size_t r = 0; r < registers; ++r) V::store(C.column(j) + r * V::size, sum[j][r]);
+}
+
+template <std::size_t columns>
+void product_strip(std::size_t m, std::size_t k, Tile<const double> A, Tile<const double> B, Tile<double> C) {
+  constexpr std::size_t registers = 2, rows = registers * V::size;
+  std::size_t i = 0;
+  for (; i + rows <= m; i += rows)
+    product_tile<registers, columns>(k, {A.at + i, A.stride}, B, {C.at + i, C.stride});
+  for (; i + V::size <= m; i += V::size)
+    product_tile<1, columns>(k, {A.at + i, A.stride}, B, {C.at + i, C.stride});
+  for (; i < m; ++i)
+    for (std::size_t j = 0; j < columns; ++j) {
+      double sum = C.column(j)[i];
+      for (std::size_t l = 0; l < k; ++l) sum -= A.column(l)[i] * B.column(j)[l];
+      C.column(j)[i] = sum;
+    }
+}
+
+void subtract_product(std::size_t m, std::size_t n, std::size_t k, const double* A, std::size_t of_A,
+                      const double* B, std::size_t of_B, double* C, std::size_t of_C) {
+  constexpr std::size_t together = 4;
+  std::size_t j = 0;
+  for (; j + together <= n; j += together)
+    product_strip<together>(m, k, {A, of_A}, {B + j * of_B, of_B}, {C + j * of_C, of_C});
+  for (; j < n; ++j) product_strip<1>(m, k, {A, of_A}, {B + j * of_B, of_B}, {C + j * of_C, of_C});
+}
+
+void subtract_columns(std::size_t n, const double* const* column, const double* factor, double* x) {
+  const double *const a = column[0], *const b = column[1], *const c = column[2], *const d = column[3];
+  const double p = factor[0], q = factor[1], r = factor[2], s = factor[3];
+  std::size_t i = 0;
+  for (; i + V::size <= n; i += V::size)
+    V::store(x + i, V::load(x + i) - ((p * V::load(a + i) + q * V::load(b + i)) +
+                                      (r * V::load(c + i) + s * V::load(d + i))));
+  for (; i < n; ++i) x[i] -= (p * a[i] + q * b[i]) + (r * c[i] + s * d[i]);
+}
+
+}  // namespace
+
+extern const Dense RICOCHET_DENSE;
+const Dense RICOCHET_DENSE{subtract_product, subtract_columns};
+
+}  // namespace ricochet::contact::simd

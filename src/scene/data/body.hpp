@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "kernels/damping.hpp"
+#include "ricochet/units.hpp"
+
+namespace ricochet::scene {
+
+struct Material {
+  std::string group;   ///< physical volume (rods: line) with this material; empty: the whole body
+  double density = 0;  ///< [kg/m³]
+  double young = 0;    ///< [Pa]
+  double poisson = 0;  ///< [1], between −1 and 0.5
+  double area = 0;     ///< cross-section of a rod [m²]; 0: not a rod
+  double yield = 0;    ///< stress at which it yields [Pa]; 0: unknown. Kernels do not depend on it
+  bool operator==(const Material&) const = default;
+};
+
+using Damping = kernels::Damping;
+
+/// Small elements in a ball.
+struct FineBall {
+  Vector3 at{};       ///< [m], in the frame of the body
+  double radius = 0;  ///< [m]
+  double size = 0;    ///< longest edge of elements within the radius [m]
+  bool operator==(const FineBall&) const = default;
+};
+
+struct Body {
+  std::string name;
+  std::filesystem::path mesh;              ///< resolved against the scene's folder
+  std::map<std::string, double> geometry;  ///< DefineConstant overrides of a .geo
+  int order = 3;
+  double size_factor = 1;        ///< factor on the element sizes of a geometry (gmsh's Mesh.MeshSizeFactor)
+  std::vector<FineBall> refine;  ///< of a geometry
+  /// Whether ricochet-kernel chooses order, size_factor and refine for the accuracy.
+  bool order_open = false, size_open = false, refine_open = false;
+  double scale = 1;
+  Vector3 translate{};              ///< [m], after rotation
+  Vector3 rotate_deg{};             ///< about x, then y, then z, through the origin of the mesh
+  std::vector<Material> materials;  ///< empty for an imported body
+  Damping damping;
+  Vector3 velocity{};                ///< initial velocity of the centre of mass [m/s]
+  Vector3 angular_velocity{};        ///< initial, about the centre of mass, world axes [rad/s]
+  double arrival = 0;                ///< time at which it is at its place, with its velocity [s]
+  std::string copy_of{};             ///< the mallet of which it is a copy, for a further strike
+  std::vector<std::string> contact;  ///< physical groups that may touch
+  /// Fixed components by physical group: a subset of "xyz", in that order.
+  std::map<std::string, std::string> support;
+
+  /// Whether `mesh` is a body file: matrices or modes from another program, without elements or materials.
+  bool imported() const { return mesh.extension() == ".h5"; }
+  /// Whether gmsh meshes the body, so that it may have elements of any order.
+  bool meshable() const { return !imported() && mesh.extension() != ".msh"; }
+  bool operator==(const Body&) const = default;
+};
+
+/// Rotation matrix of `rotate_deg`, row-major (3,3): world = rotation · body + translate.
+std::array<double, 9> rotation_of(const Body& body);
+
+/// Components of a world vector along the axes of the body.
+Vector3 in_body(const Body& body, const Vector3& world);
+
+}  // namespace ricochet::scene

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "ricochet/units.hpp"
+
+namespace ricochet::scene {
+
+/// A force on a surface or at a point, or the displacement of a support or obstacle: `vector` times a
+/// piecewise linear history. The history is a CSV of t [s] and a factor, which is 0 before the first row and
+/// keeps its last value after the last row. Without a history, the factor is always 1: a dead load.
+struct Forcing {
+  /// Unique within a body or obstacle; default: the group, "point <number in the scene>", or the obstacle.
+  std::string name;
+  std::string body;   ///< empty for the motion of an obstacle
+  std::string group;  ///< traction: physical surface; motion: support of the body
+  Vector3 at{};       ///< point force: point of application in world axes, bodies as placed by the scene [m]
+  Vector3 vector{};   ///< in world axes: [Pa], [N] or [m]
+  std::filesystem::path history{};  ///< resolved against the scene's folder; empty: constant
+  std::string obstacle{};           ///< motion: an obstacle that moves along its surface, in place of a body
+  bool operator==(const Forcing&) const = default;
+};
+
+struct Loads {
+  Vector3 gravity{};               ///< [m/s²]
+  std::vector<Forcing> tractions;  ///< [[loads.traction]]
+  std::vector<Forcing> points;     ///< [[loads.point]]
+  std::vector<Forcing> motions;    ///< [[loads.motion]]
+  bool operator==(const Loads&) const = default;
+};
+
+}  // namespace ricochet::scene
