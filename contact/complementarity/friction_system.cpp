@@ -79,7 +79,8 @@ void FrictionSystem::evaluate() noexcept {
   w = -Map<const Eigen::VectorXd>(r_.data(), rows_);
   const Map<const Eigen::VectorXd> p(p_.data(), rows_);
   if (2 * (p.array() != 0).count() > rows_) {
-    w.noalias() += A().selfadjointView<Eigen::Lower>() * p;
+    const auto n = static_cast<std::size_t>(rows_);
+    simd::dense().symmetric_product(n, A_.view().data(), n, p_.data(), w_.data());
   } else {
     const double* const A = A_.view().data();
     simd::ColumnSum sum(static_cast<std::size_t>(rows_), w_.data());

@@ -12,6 +12,8 @@ struct Dense {
   /// C (m,n) −= A (m,k) B (k,n), with the distances of their columns.
   void (*subtract_product)(std::size_t m, std::size_t n, std::size_t k, const double* A, std::size_t of_A,
                            const double* B, std::size_t of_B, double* C, std::size_t of_C);
+  /// y (n) += A x of a symmetric matrix, of which only the entries on and below the diagonal are read.
+  void (*symmetric_product)(std::size_t n, const double* A, std::size_t of_A, const double* x, double* y);
   /// x (n) −= Σ_k factor_k column_k of four columns.
   void (*subtract_columns)(std::size_t n, const double* const* column, const double* factor, double* x);
 };

@@ -57,6 +57,49 @@ void subtract_product(std::size_t m, std::size_t n, std::size_t k, const double*
   for (; j < n; ++j) product_strip<1>(m, k, {A, of_A}, {B + j * of_B, of_B}, {C + j * of_C, of_C});
 }
 
+/// Four columns at once read and write y once.
+void symmetric_product(std::size_t n, const double* A, std::size_t of_A, const double* x, double* y) {
+  constexpr std::size_t together = 4;
+  std::size_t j = 0;
+  for (; j + together <= n; j += together) {
+    const double* column[together];
+    for (std::size_t k = 0; k < together; ++k) column[k] = A + (j + k) * of_A;
+    for (std::size_t k = 0; k < together; ++k) {
+      y[j + k] += column[k][j + k] * x[j + k];
+      for (std::size_t i = k + 1; i < together; ++i) {
+        y[j + i] += column[k][j + i] * x[j + k];
+        y[j + k] += column[k][j + i] * x[j + i];
+      }
+    }
+    V::type sum[together] = {};
+    std::size_t i = j + together;
+    for (; i + V::size <= n; i += V::size) {
+      const auto xi = V::load(x + i);
+      auto yi = V::load(y + i);
+      for (std::size_t k = 0; k < together; ++k) {
+        const auto a = V::load(column[k] + i);
+        yi += x[j + k] * a;
+        sum[k] += xi * a;
+      }
+      V::store(y + i, yi);
+    }
+    for (std::size_t k = 0; k < together; ++k) {
+      y[j + k] += V::sum(sum[k]);
+      for (std::size_t rest = i; rest < n; ++rest) {
+        y[rest] += column[k][rest] * x[j + k];
+        y[j + k] += column[k][rest] * x[rest];
+      }
+    }
+  }
+  for (; j < n; ++j) {
+    y[j] += A[j * of_A + j] * x[j];
+    for (std::size_t i = j + 1; i < n; ++i) {
+      y[i] += A[j * of_A + i] * x[j];
+      y[j] += A[j * of_A + i] * x[i];
+    }
+  }
+}
+
 void subtract_columns(std::size_t n, const double* const* column, const double* factor, double* x) {
   const double *const a = column[0], *const b = column[1], *const c = column[2], *const d = column[3];
   const double p = factor[0], q = factor[1], r = factor[2], s = factor[3];
@@ -70,6 +113,6 @@ void subtract_columns(std::size_t n, const double* const* column, const double* 
 }  // namespace
 
 extern const Dense RICOCHET_DENSE;
-const Dense RICOCHET_DENSE{subtract_product, subtract_columns};
+const Dense RICOCHET_DENSE{subtract_product, symmetric_product, subtract_columns};
 
 }  // namespace ricochet::contact::simd

@@ -31,7 +31,7 @@ StepStatus CompliantStepper::step() noexcept {
   next_end_ = law_.end();
   next_u_ = law_.u();
   const Work at_points = work_of(trial, state_.energy().residual);
-  if (!state_.step_under(next_force_, next_end_, slip != nullptr ? &at_points : nullptr))
+  if (!state_.step_under(next_force_, trial.in_residual, slip != nullptr ? &at_points : nullptr))
     return StepStatus::not_finite;
   if (trial.several) ++contact_.ambiguous;
   const Eigen::Index m = points();

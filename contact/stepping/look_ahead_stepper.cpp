@@ -52,7 +52,7 @@ StepStatus LookAheadStepper<T>::step() noexcept {
   if (block_.forcing().forced) {
     state_.begin(steps_ + 1);
     const Work at_points = work_of(trial, state_.energy().residual);
-    if (!state_.step_under(next_force_, next_end_, slip != nullptr ? &at_points : nullptr)) {
+    if (!state_.step_under(next_force_, trial.in_residual, slip != nullptr ? &at_points : nullptr)) {
       block_.take_back();
       return StepStatus::not_finite;
     }

@@ -69,19 +69,7 @@ Work ModalState::free_step() noexcept {
   return work();
 }
 
-/// ½ pᵀ R p, and the energy of the springs
-double ModalState::residual_energy(const Vector& force) const noexcept {
-  double energy = 0;
-  for (Eigen::Index j = 0; j < force.size(); ++j) {
-    if (force(j) == 0) continue;
-    const Eigen::Index below = force.size() - j - 1;
-    energy += force(j) * (0.5 * model().R(j, j) * force(j) +
-                          model().R.row(j).tail(below).transpose().dot(force.tail(below)));
-  }
-  return energy + energy_of(system->springs, force);
-}
-
-bool ModalState::step_under(const Vector& mean, const Vector& end, const Work* at_points) noexcept {
+bool ModalState::step_under(const Vector& mean, double residual, const Work* at_points) noexcept {
   const double against_s = mean.dot(now.s - s);
   double contact = against_s;
   if (push(mean) > 0) {
@@ -98,7 +86,7 @@ bool ModalState::step_under(const Vector& mean, const Vector& end, const Work* a
     spent.friction = at_points->friction;
     spent.belts = at_points->belts;
   }
-  return commit(spent, residual_energy(end));
+  return commit(spent, residual);
 }
 
 int ModalState::strike(const Vector& impulse, Work& work) noexcept {

@@ -28,10 +28,10 @@ struct ModalState {
   Vector& free_motion(const Vector& q, const Vector& v, const ForcedResponse::Interval& over) noexcept;
   /// After `begin`: completes the step without contact.
   Work free_step() noexcept;
-  /// After `begin`: completes the step under constant forces p̄ (n) and commits it. @param end  (n) p at its
-  /// end
+  /// After `begin`: completes the step under constant forces p̄ (n) and commits it.
+  /// @param residual  energy in the residual and in springs at its end [J]
   /// @param at_points  with friction: work by the motion of the points, instead of that of the modes
-  bool step_under(const Vector& mean, const Vector& end, const Work* at_points = nullptr) noexcept;
+  bool step_under(const Vector& mean, double residual, const Work* at_points) noexcept;
   /// Applies impulses at the end of the step: q̇⁺ = q̇⁻ − Bᵀ P. Adds their work to `work` and returns the
   /// number of points with P > 0.
   int strike(const Vector& impulse, Work& work) noexcept;
@@ -52,7 +52,6 @@ struct ModalState {
   int push(const Vector& force) noexcept;
   Work work() noexcept;
   const Model& model() const { return *system->model; }
-  double residual_energy(const Vector& force) const noexcept;
 
   Vector g_, dq_, push_;    ///< (N) f − ω²q, q⁺ − q, Bᵀp
   Vector work_q_, work_v_;  ///< (N) scratch of the work of forcing

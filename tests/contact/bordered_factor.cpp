@@ -17,7 +17,7 @@ constexpr int n = 70, b = 9;
 
 // Of sizes that leave remainders of all registers, against products by Eigen. 1e-13: sums of at most 21
 // terms.
-TEST(DenseLoops, subtract_products_and_columns) {
+TEST(DenseLoops, give_the_products_of_matrices) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;
   const auto numbers = [&](int rows, int columns) -> MatrixXd {
@@ -33,6 +33,15 @@ TEST(DenseLoops, subtract_products_and_columns) {
         EXPECT_LT((C - exact).cwiseAbs().maxCoeff(), 1e-13);
         EXPECT_EQ(C.row(m), exact.row(m));
       }
+  for (const int n : {1, 4, 7, 32, 45}) {
+    MatrixXd A = numbers(n + 2, n);
+    const VectorXd x = numbers(n, 1), before = numbers(n, 1);
+    const MatrixXd lower = A.topRows(n).triangularView<Eigen::Lower>(),
+                   strict = A.topRows(n).triangularView<Eigen::StrictlyLower>();
+    VectorXd y = before;
+    simd::dense().symmetric_product(n, A.data(), n + 2, x.data(), y.data());
+    EXPECT_LT((y - before - (lower + strict.transpose()) * x).cwiseAbs().maxCoeff(), 1e-13);
+  }
   for (const int rows : {1, 4, 31}) {
     const MatrixXd A = numbers(rows + 2, 6), y = numbers(6, 1);
     VectorXd x = numbers(rows + 1, 1), exact = x;
