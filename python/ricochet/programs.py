@@ -7,6 +7,7 @@ import re
 import shlex
 import shutil
 import subprocess
+import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NoReturn, cast
@@ -185,6 +186,17 @@ def toml(value: Any) -> str:
 def settings(changes: Mapping[str, Any]) -> list[str]:
     """Converts Python values, by key, to the form KEY=VALUE of --set."""
     return [f"{key}={toml(value)}" for key, value in changes.items()]
+
+
+def changes(words: Iterable[str]) -> dict[str, Any]:
+    """Python values, by key, of settings KEY=VALUE: a value is TOML, or a text without quotes."""
+    found: dict[str, Any] = {}
+    for key, _, value in (word.partition("=") for word in words):
+        try:
+            found[key] = tomllib.loads(f"value = {value}")["value"]
+        except tomllib.TOMLDecodeError:
+            found[key] = value
+    return found
 
 
 # ---- The two programs ----

@@ -1,15 +1,24 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Runs the two programs as a user does, for the tests in this folder and in tests/verification."""
+"""The harness of all tests in Python: impacts through the package, and the programs and the command where these are tested."""
 
+import contextlib
+import gc
+import io
 import json
 import os
 import pathlib
+import resource
 import subprocess
 import tempfile
 import unittest
+import warnings
 
 import h5py
 import numpy as np
+
+import ricochet
+from ricochet import cli
+from ricochet.programs import changes
 
 BIN = pathlib.Path(os.environ["RICOCHET_BIN"])
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
@@ -19,11 +28,57 @@ DEADLOCK_S = 240
 
 
 class Run:
-    """The result of a program: `status`, `out`, `err`."""
+    """A program that has ended: `status`, `out`, `err`. `more` are words of subprocess.run."""
 
-    def __init__(self, command):
-        done = subprocess.run([str(c) for c in command], capture_output=True, text=True, timeout=DEADLOCK_S)
+    def __init__(self, command, **more):
+        streams = {
+            "stdout": subprocess.PIPE,
+            "stderr": subprocess.PIPE,
+            "text": True,
+            "errors": "surrogateescape",
+        }
+        done = subprocess.run([str(c) for c in command], **{"timeout": DEADLOCK_S} | streams | more)
         self.status, self.out, self.err = done.returncode, done.stdout, done.stderr
+
+
+class Command(Run):
+    """The command `ricochet` with these words, in this process: a start of Python takes longer than most of its work."""
+
+    def __init__(self, *words):
+        out, err = io.StringIO(), io.StringIO()
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), warnings.catch_warnings():
+            warnings.simplefilter("ignore", ResourceWarning)  # as outside tests
+            try:
+                self.status = cli.main([os.fsdecode(w) if isinstance(w, bytes) else str(w) for w in words])
+            except SystemExit as end:
+                self.status = end.code
+            gc.collect()  # closes files
+        self.out, self.err = out.getvalue(), err.getvalue()
+
+
+@contextlib.contextmanager
+def limited(kind, limit):
+    """A resource of this process and of those that it starts has this limit."""
+    before = resource.getrlimit(kind)
+    resource.setrlimit(kind, (limit, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(kind, before)
+
+
+def scene_of(file, *sets):
+    """The scene of a file with some keys set, each as KEY=VALUE."""
+    return ricochet.Scene(file).changed(changes(sets))
+
+
+def impact(scene, out, *sets, ranks=1):
+    """The result of a scene or its file with some keys set, through the package. Missing kernels are computed."""
+    scene = scene if isinstance(scene, ricochet.Scene) else scene_of(scene, *sets)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the result has them too
+        ricochet.kernels(scene, ranks, out)
+        return ricochet.impact(scene, out)
 
 
 def settings(sets):
@@ -82,19 +137,34 @@ class ProgramTest(unittest.TestCase):
     """A test with its own folder, `self.folder`, which is removed afterwards."""
 
     def setUp(self):
-        scope = tempfile.TemporaryDirectory(prefix="ricochet-test-")
-        self.addCleanup(scope.cleanup)
-        self.folder = pathlib.Path(scope.name)
+        self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory(prefix="ricochet-test-")))
 
     def write(self, name, text):
         path = self.folder / name
         path.write_text(text)
         return path
 
+    @classmethod
+    def shared_folder(cls):
+        """A folder for all tests of the class."""
+        return pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory(prefix="ricochet-test-")))
+
     def succeed(self, run):
         self.assertEqual(run.status, 0, run.err)
         return run
 
+    def refused(self, run, *parts, status=2):
+        """Checks for one line on stderr that contains each part, and the status."""
+        # mpirun adds its own remark on the status after a line of dashes.
+        lines = [line for line in (run.err or "").split("-----")[0].splitlines() if line.strip()]
+        self.assertEqual((run.status, len(lines)), (status, 1), run.err)
+        for part in parts:
+            self.assertIn(part, lines[0])
+
+    def one(self, out, pattern="*.kernel.h5"):
+        """The only file of the folder with such a name."""
+        (path,) = pathlib.Path(out).glob(pattern)
+        return path
+
     def summary(self, out):
-        (path,) = pathlib.Path(out).glob("*.summary.json")
-        return json.loads(path.read_text())
+        return json.loads(self.one(out, "*.summary.json").read_text())

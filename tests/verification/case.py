@@ -1,21 +1,18 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Tools for the cases of the validation manual: running the programs, comparing, fitting orders, drawing.
+"""Tools for the cases of the validation manual: running scenes, comparing, fitting orders, drawing.
 
 A case is a module in cases/ with TITLE, SOURCE, RESTS_ON, LONG, a docstring for the manual, and run(bench: Bench)."""
-import json
 import os
-import re
-import subprocess
 import traceback
+import warnings
 from pathlib import Path
 
 import h5py
 import numpy as np
 
-from ricochet import programs
-
-# A program that runs longer counts as a deadlock.
-DEADLOCK_S = 1800
+import ricochet
+from programs import scene_of
+from ricochet import errors, programs
 
 
 # What the reference of a line rests on. The first three do not depend on Ricochet.
@@ -33,29 +30,16 @@ class Stopped(Exception):
     """A case that cannot continue. The text is one line."""
 
 
-class Result:
-    """A finished run of ricochet-contact: its `summary`, and datasets of the result file by name."""
+def kernel_of(result, body):
+    """The open kernel file of a body of the run."""
+    with h5py.File(result.path) as file:
+        name = file[f"bodies/{body}"].attrs["kernel"].decode()
+    return h5py.File(result.path.parent / name)
 
-    def __init__(self, folder, slug):
-        self.summary = json.loads((folder / f"{slug}.summary.json").read_text())
-        self.path = folder / f"{slug}.result.h5"
 
-    def __getitem__(self, name):
-        with h5py.File(self.path) as file:
-            return file[name][()]
-
-    def force(self):
-        """Time [s] and total force [N], which is zero without contact. Requires output.every = 1."""
-        time, total = self["time"], np.zeros(len(self["time"]))
-        rows = np.searchsorted(time, self["contact/time"] - 0.25 * (time[1] - time[0]))
-        total[rows] = self["contact/force"].sum(axis=1)
-        return time, total
-
-    def kernel(self, body):
-        """The open kernel file of the body."""
-        with h5py.File(self.path) as file:
-            name = file[f"bodies/{body}"].attrs["kernel"].decode()
-        return h5py.File(self.path.parent / name)
+def nothing(stopped=None):
+    """The results of a case that has computed nothing yet, or that stopped."""
+    return {"checks": [], "tables": [], "commands": [], "figures": [], "stopped": stopped, "seconds": 0.0}
 
 
 class Bench:
@@ -65,7 +49,7 @@ class Bench:
 
     def __init__(self, name, folder, rests_on="theory"):
         self.name, self.folder, self.rests_on = name, folder, rests_on
-        self.found = {"checks": [], "tables": [], "commands": [], "figures": []}
+        self.found = nothing()
         self.runs = 0
 
     # ---- Running ----
@@ -76,22 +60,18 @@ class Bench:
         path.write_text(text)
         return path
 
-    def call(self, command, shown):
-        """Runs a program and records the command."""
+    def call(self, shown, work, *arguments):
+        """Computes through the package, and records the command that does the same."""
         if not programs.BIN.is_dir():
             raise Stopped(f"{programs.BIN}: no programs there. Run scripts/build first.")
-        environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
         try:
-            done = subprocess.run(
-                [str(c) for c in command], env=environment, capture_output=True, text=True, timeout=DEADLOCK_S
-            )
-        except subprocess.TimeoutExpired:
-            raise Stopped(f"{shown}: not finished after {DEADLOCK_S} s") from None
-        if done.returncode != 0:
-            lines = [line for line in done.stderr.splitlines() if line.strip()]
-            raise Stopped(f"{shown}: status {done.returncode}: {lines[0] if lines else ''}")
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # the summary has them too
+                found = work(*arguments)
+        except errors.RicochetError as error:
+            raise Stopped(f"{shown}: {error}") from None
         self.found["commands"].append(shown.replace(f"{self.folder}/", ""))
-        return done
+        return found
 
     def shown(self, path):
         path = Path(path)
@@ -99,34 +79,20 @@ class Bench:
 
     def kernel(self, scene, *sets, ranks=1, body=None, out="out"):
         """Computes the missing kernels of the scene. Returns the open kernel file of `body` if it is given."""
-        command = programs.mpirun(ranks) + [
-            programs.BIN / "ricochet-kernel",
-            scene,
-            "--out",
-            self.folder / out,
-        ]
-        words = [word for value in sets for word in ("--set", value)]
-        text = f"mpirun -n {ranks} ricochet-kernel {self.shown(scene)}" + "".join(
-            f" --set '{value}'" for value in sets
-        )
-        done = self.call(command + words, text)
-        if body:
-            found = re.findall(
-                rf"^{body}: (?:already there: )?(/.*\.kernel\.h5)$", done.stdout + done.stderr, re.MULTILINE
-            )
-            return h5py.File(found[-1])
-        return None
+        text = f"mpirun -n {ranks} ricochet-kernel {self.shown(scene)}" + self.words(sets)
+        found = self.call(text, ricochet.kernels, scene_of(scene, *sets), ranks, self.folder / out)
+        return h5py.File(found[body].path) if body else None
 
     def contact(self, scene, *sets, out="out"):
-        """Runs one impact under a title of its own."""
+        """The result of one impact under a title of its own."""
         self.runs += 1
-        slug = f"run-{self.runs}"
-        words = [word for value in [*sets, f"title={slug}"] for word in ("--set", value)]
-        text = f"ricochet-contact {self.shown(scene)}" + "".join(f" --set '{value}'" for value in sets)
-        self.call(
-            [programs.BIN / "ricochet-contact", scene, "--quiet", "--out", self.folder / out, *words], text
+        text = f"ricochet-contact {self.shown(scene)}" + self.words(sets)
+        return self.call(
+            text, ricochet.impact, scene_of(scene, *sets, f"title=run-{self.runs}"), self.folder / out
         )
-        return Result(self.folder / out, slug)
+
+    def words(self, sets):
+        return "".join(f" --set '{value}'" for value in sets)
 
     def impact(self, scene, *sets, ranks=1):
         self.kernel(scene, *sets, ranks=ranks)

@@ -11,12 +11,12 @@ Each error of deliberate_errors.py is built and run in a copy of the tree in bui
 stops, or if a line fails that holds without the error and does not hold by construction. Each case that the list names must catch the
 error; otherwise the status is 1. A run that was interrupted continues where it was.
 """
-import contextlib
 import hashlib
 import importlib
-import io
+import json
 import os
 import shutil
+import subprocess
 import sys
 from pathlib import Path
 
@@ -33,8 +33,8 @@ from ricochet.progress import Progress
 
 PAGE = programs.ROOT / "docs" / "validation" / "errors.md"
 # What the programs are built from.
-FOLDERS = ["CMakeLists.txt", "base/", "contact/", "include/", "kernels/", "src/"]
-DEADLOCK_S = 300  # a program that runs longer hangs because of the error
+FOLDERS = ["CMakeLists.txt", "base/", "contact/", "include/", "kernels/", "python/bindings/", "src/"]
+DEADLOCK_S = 600  # a case that runs longer hangs because of the error
 
 
 def key_of(error):
@@ -51,7 +51,6 @@ class Bench:
         mutate.configure(self.tree, self.build, ["-DRICOCHET_APART=core;contact", *options])
         self.judge = Judge(self.tree, self.build, jobs, {})
         self.sources = fingerprint(programs.ROOT, FOLDERS)
-        programs.BIN, case.DEADLOCK_S = self.build / "bin", DEADLOCK_S
 
     def compile(self, targets):
         built = self.judge.compile(targets)
@@ -75,13 +74,26 @@ class Bench:
         return not manual_cases.kept_in(self.cache(error) / name / "found.json", mark)
 
     def found(self, name, error):
-        """Results of the case with the present programs, or earlier ones."""
-        module = importlib.import_module(f"cases.{name}")
-        mark = self.mark(module, error)
-        if error and self.missing(name, error) and error.file.startswith("contact/"):
-            self.lend_kernels(name, self.cache(error) / name, mark)
-        with contextlib.redirect_stderr(io.StringIO() if error else sys.stderr):  # where a case broke off
-            return manual_cases.found_by(name, module, mark, self.cache(error), False)[0]
+        """Results of the case with the present build, or earlier ones. The case runs in a process of its own, because an
+        error may end or stop it."""
+        path = self.cache(error) / name / "found.json"
+        mark = self.mark(importlib.import_module(f"cases.{name}"), error)
+        if self.missing(name, error):
+            if error and error.file.startswith("contact/"):
+                self.lend_kernels(name, self.cache(error) / name, mark)
+            variables = {"RICOCHET_BIN": str(self.build / "bin")}
+            variables["PYTHONPATH"] = f"{self.build}/python:{os.environ['PYTHONPATH']}"
+            command = [sys.executable, "-m", "errors_caught", name, mark, self.cache(error)]
+            errors_of_case = subprocess.DEVNULL if error else None  # where it broke off
+            try:
+                subprocess.run(command, env=os.environ | variables, stderr=errors_of_case, timeout=DEADLOCK_S)
+                why = "its process ended"
+            except subprocess.TimeoutExpired:
+                why = f"not finished after {DEADLOCK_S} s"
+            if self.missing(name, error):
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_text(json.dumps(case.nothing(why) | {"fingerprint": mark}))
+        return manual_cases.kept_in(path, mark)
 
     def lend_kernels(self, name, to, mark):
         """An error in the contact library does not change kernels, so the case continues with the right ones."""
@@ -97,7 +109,7 @@ class Bench:
     def right(self, names):
         """Results without an error."""
         if any(self.missing(name, None) for name in names):
-            self.compile(["ricochet-kernel", "ricochet-contact"])
+            self.compile(["ricochet-kernel", "ricochet_python"])
         return {name: self.found(name, None) for name in names}
 
     def wrong(self, error):
@@ -114,7 +126,7 @@ class Bench:
 
 
 def programs_of(error):
-    return ["ricochet-contact"] + ["ricochet-kernel"] * (not error.file.startswith("contact/"))
+    return ["ricochet_python"] + ["ricochet-kernel"] * (not error.file.startswith("contact/"))
 
 
 def add_arguments(parser):
@@ -162,3 +174,10 @@ def run(options):
     for error in missed:
         print(f"verify: not caught: {error.scheme}, {error.kind}: {error.what}", file=sys.stderr)
     return 1 if missed else 0
+
+
+if __name__ == "__main__":  # one case, for Bench.found
+    wanted, fingerprint_of_case, folder = sys.argv[1:]
+    manual_cases.found_by(
+        wanted, importlib.import_module(f"cases.{wanted}"), fingerprint_of_case, Path(folder), False
+    )

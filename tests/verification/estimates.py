@@ -3,31 +3,17 @@
 closed forms: nine of ten true errors are at most three estimates, and seven are at least a tenth. The other
 cases of that command, compared with finer runs, take minutes."""
 
-import subprocess
 import unittest
 
-from programs import SOURCE, ProgramTest
+from programs import SOURCE, ProgramTest, Run
 
 
 class Estimates(ProgramTest):
     def test_hold_for_rods_and_the_bouncing_bar(self):
-        done = subprocess.run(
-            [
-                SOURCE / "scripts" / "verify",
-                "--estimates",
-                "--only",
-                "rod",
-                "bar",
-                "--check",
-                "--out",
-                self.folder,
-            ],
-            capture_output=True,
-            text=True,
-        )
-        print(done.stdout)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertEqual(sum("rod" in line or "bar" in line for line in done.stdout.splitlines()), 23)
+        words = ["--estimates", "--only", "rod", "bar", "--check", "--out", self.folder]
+        run = self.succeed(Run([SOURCE / "scripts" / "verify", *words], timeout=None))
+        print(run.out)
+        self.assertEqual(sum("rod" in line or "bar" in line for line in run.out.splitlines()), 23)
 
 
 if __name__ == "__main__":

@@ -2,16 +2,12 @@
 """Small scenes for scripts/verify --extremes, and functions that run them."""
 
 import json
-import os
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
+import programs
 import scenes
-from ricochet import programs
-
-# A program that runs longer counts as a deadlock.
-DEADLOCK_S = 120
 
 BLOCK_GEO = """
 DefineConstant[a = 1, b = 1, c = 1, x = 0, y = 0, z = 0, nx = 2, ny = 2, nz = 2, copies = 1];
@@ -77,36 +73,29 @@ class Bench:
         self.number += 1
         return self.folder / f"out-{self.number}"
 
-    def _run(self, command, sets):
-        command = [str(c) for c in command] + ["--quiet"] + [a for s in sets for a in ("--set", s)]
-        try:
-            return subprocess.run(
-                command,
-                capture_output=True,
-                text=True,
-                timeout=DEADLOCK_S,
-                env=os.environ | programs.ONE_THREAD,
-            )
-        except subprocess.TimeoutExpired:
-            raise Unexpected("hangs") from None
-
     def kernel(self, scene, out, *sets, ranks=1):
-        start = programs.mpirun(ranks) if ranks > 1 else []
-        return self._run(start + [programs.BIN / "ricochet-kernel", self.folder / scene, "--out", out], sets)
+        return self.ended(programs.kernel, scene, out, *sets, ranks=ranks)
 
     def contact(self, scene, out, *sets):
-        return self._run([programs.BIN / "ricochet-contact", self.folder / scene, "--out", out], sets)
+        return self.ended(programs.contact, scene, out, *sets)
+
+    def ended(self, program, scene, out, *sets, **more):
+        """The end of a program, which may not hang. A crash must not end the other cases, so it has a process of its own."""
+        try:
+            return program(self.folder / scene, out, *sets, **more)
+        except subprocess.TimeoutExpired:
+            raise Unexpected("hangs") from None
 
     def impact(self, scene, *sets, out=None, ranks=1):
         """The summary of the impact. Kernels in `out` are reused if they fit."""
         out = out or self.fresh()
         run = self.contact(scene, out, *sets) if out.exists() else None
-        if run is None or "no kernel for body" in run.stderr:
+        if run is None or "no kernel for body" in run.err:
             run = self.kernel(scene, out, *sets, ranks=ranks)
-            if run.returncode == 0:
+            if run.status == 0:
                 run = self.contact(scene, out, *sets)
-        if run.returncode != 0:
-            raise Unexpected(f"status {run.returncode}: {run.stderr.strip()}")
+        if run.status != 0:
+            raise Unexpected(f"status {run.status}: {run.err.strip()}")
         (path,) = out.glob("*.summary.json")
         return json.loads(path.read_text())
 
@@ -114,8 +103,8 @@ class Bench:
         """Computes the kernel of a scene and returns its path."""
         out = out or self.fresh()
         run = self.kernel(scene, out, *sets, ranks=ranks)
-        if run.returncode != 0:
-            raise Unexpected(f"status {run.returncode}: {run.stderr.strip()}")
+        if run.status != 0:
+            raise Unexpected(f"status {run.status}: {run.err.strip()}")
         return max(out.glob("*.kernel.h5"), key=lambda path: path.stat().st_mtime_ns)
 
     def refusal(self, scene, *sets, out=None, ranks=1):
@@ -123,11 +112,11 @@ class Bench:
         and status 2."""
         out = out or self.fresh()
         for run in (self.kernel(scene, out, *sets, ranks=ranks), self.contact(scene, out, *sets)):
-            if run.returncode == 0:
+            if run.status == 0:
                 continue
-            lines = [line for line in run.stderr.split("-----")[0].splitlines() if line.strip()]
-            if run.returncode != 2 or len(lines) != 1:
-                raise Unexpected(f"status {run.returncode}, {len(lines)} lines: {run.stderr.strip()}")
+            lines = [line for line in run.err.split("-----")[0].splitlines() if line.strip()]
+            if run.status != 2 or len(lines) != 1:
+                raise Unexpected(f"status {run.status}, {len(lines)} lines: {run.err.strip()}")
             return lines[0]
         raise Unexpected("is not refused")
 

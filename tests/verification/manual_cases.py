@@ -22,7 +22,7 @@ from pathlib import Path
 import case
 import manual
 import measurements
-from ricochet import errors, programs
+from ricochet import _core, errors, programs
 
 MODULES = programs.ROOT / "tests" / "verification"
 PAGES = programs.ROOT / "docs" / "validation"
@@ -86,7 +86,7 @@ def sources(path, found):
 def fingerprint(module):
     """Hash of the case, its imports, the scenes in meshes/ and the programs."""
     files = sorted(sources(Path(module.__file__), {MODULES / "case.py"}))
-    files += [programs.BIN / "ricochet-kernel", programs.BIN / "ricochet-contact"]
+    files += [programs.BIN / "ricochet-kernel", Path(_core.__file__)]
     files += [
         path
         for path in sorted((programs.ROOT / "meshes").glob("*/*"))

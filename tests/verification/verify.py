@@ -2,10 +2,12 @@
 """The program of the validation manual: failures, cached results, and a check that the manual contains
 every case."""
 
+import contextlib
 import importlib
+import io
 import json
 import pathlib
-import subprocess
+import sys
 import tempfile
 import unittest
 import unittest.mock
@@ -15,16 +17,22 @@ import deliberate_errors
 import errors_page
 import manual
 from deliberate_errors import ERRORS, Error
+from programs import SOURCE, Run
 
-SOURCE = pathlib.Path(__file__).resolve().parents[2]
 MODULES = SOURCE / "tests" / "verification"
 PAGES = SOURCE / "docs" / "validation"
+# As in scripts/verify.
+sys.path += [str(SOURCE / "tests" / folder) for folder in ("robustness", "docs", "mutants")]
 
 
 def verify(*words):
-    return subprocess.run(
-        [SOURCE / "scripts" / "verify", *words], capture_output=True, text=True, timeout=240
-    )
+    """Status and output of scripts/verify with these words, in this process."""
+    import command  # the other checks, which it lists, are in these folders
+
+    out = io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(out):
+        status = command.main([str(word) for word in words])
+    return status, out.getvalue()
 
 
 def verdict_of(compare):
@@ -78,35 +86,33 @@ class Verify(unittest.TestCase):
     def test_a_finished_case_is_kept_until_asked_again(self):
         with tempfile.TemporaryDirectory(prefix="ricochet-test-") as folder:
             words = ("rods_analytic", "--cache", folder)
-            first = verify(*words)
-            self.assertEqual(first.returncode, 0, first.stdout + first.stderr)
+            self.assertEqual(verify(*words)[0], 0)
             found = pathlib.Path(folder) / "rods_analytic" / "found.json"
             stamp = found.stat().st_mtime_ns
-            self.assertIn("kept", verify(*words).stdout)
+            self.assertIn("kept", verify(*words)[1])
             self.assertEqual(found.stat().st_mtime_ns, stamp)
-            self.assertNotIn("kept", verify(*words, "--again").stdout)
+            self.assertNotIn("kept", verify(*words, "--again")[1])
             # A case with another fingerprint is computed again.
             found.write_text(json.dumps(json.loads(found.read_text()) | {"fingerprint": "other"}))
-            self.assertNotIn("kept", verify(*words).stdout)
+            self.assertNotIn("kept", verify(*words)[1])
 
     def test_an_interrupted_case_goes_on_with_its_kernels(self):
         with tempfile.TemporaryDirectory(prefix="ricochet-test-") as folder:
             words = ("rods", "--cache", folder)
-            self.assertEqual(verify(*words).returncode, 0)
+            self.assertEqual(verify(*words)[0], 0)
             place = pathlib.Path(folder) / "rods"
             kernels = {path: path.stat().st_mtime_ns for path in place.glob("out/*.kernel.h5")}
             self.assertEqual(len(kernels), 2)
             (place / "found.json").unlink()
-            self.assertEqual(verify(*words).returncode, 0)
+            self.assertEqual(verify(*words)[0], 0)
             self.assertEqual(
                 kernels, {path: path.stat().st_mtime_ns for path in place.glob("out/*.kernel.h5")}
             )
 
     def test_an_unknown_case_is_refused_in_one_line(self):
-        run = verify("nonsense")
-        self.assertEqual(run.returncode, 2)
-        self.assertEqual(len(run.stderr.splitlines()), 1)
-        self.assertIn("nonsense: no such case", run.stderr)
+        run = Run([SOURCE / "scripts" / "verify", "nonsense"])
+        self.assertEqual((run.status, run.err.count("\n")), (2, 1))
+        self.assertIn("nonsense: no such case", run.err)
 
     def test_each_law_and_scheme_has_an_error_of_each_kind_or_a_reason_why_not(self):
         deliberate_errors.check(SOURCE)
@@ -147,7 +153,7 @@ class Verify(unittest.TestCase):
 
     def test_the_manual_holds_every_case_and_its_figures(self):
         text, wall = ((PAGES / page).read_text() for page in ("manual.md", "measurements.md"))
-        for line in verify("--list").stdout.splitlines():
+        for line in verify("--list")[1].splitlines():
             name = line.split()[0]
             self.assertIn(f"| `{name}` |", text)
             self.assertIn(f"    scripts/verify {name}\n", text)

@@ -166,7 +166,7 @@ def rebound(bench, scene, degrees, *sets):
     """Normal and tangential restitution and spin [rad/s] of the ball that arrives at this angle."""
     tangential, normal = SPEED * np.sin(np.radians(degrees)), SPEED * np.cos(np.radians(degrees))
     result = bench.contact(scene, f"bodies.ball.velocity=[{tangential!r},0,{-normal!r}]", *sets)
-    velocity = result["/bodies/ball/velocity"][-1]
+    velocity = result.bodies["ball"].velocity[-1]
     return velocity[2] / normal, velocity[0] / tangential, spin(result, "ball", RADIUS, RADIUS)
 
 

@@ -30,7 +30,7 @@ def run(bench, sizes=(1e-4, 5e-5), bounds=None):
     for size in sizes:
         result = bench.impact(scene, f"bodies.ball.geometry={{size={size}}}")
         contact = contacts[size] = hertz.Contact(result.path, "ball")
-        weight = hertz.QUARTERS * GRAVITY * float(result.kernel("ball").attrs["mass"])
+        weight = hertz.QUARTERS * GRAVITY * result.bodies["ball"].mass
         approach, ideal = result.summary["pairs"][0]["approach_m"], hertz.radius(contact.total)
         ball = ElasticBall(hertz.POISSON, 1.5 * ideal / hertz.RADIUS, 30)
         forces, depth = ball.press(contact.total / hertz.YOUNG / hertz.RADIUS**2)

@@ -108,7 +108,7 @@ duration = {40 * radius / wave}
 """,
     )
     result = bench.impact(scene)
-    after = result["/bodies/upper/velocity"][-1] - result["/bodies/lower/velocity"][-1]
+    after = result.bodies["upper"].velocity[-1] - result.bodies["lower"].velocity[-1]
     turning = spin(result, "upper", radius, radius) + spin(result, "lower", -radius, radius)
     return after[2] / speed, (after[0] - radius * turning) / speed
 

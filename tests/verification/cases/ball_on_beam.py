@@ -149,7 +149,7 @@ def run(bench):
             0.005,
             "depends on the beam much more than on the contact",
         )
-        time, force = result.force()
+        time, force = result.time, result.total_force
         ax.plot(1e6 * time, QUARTERS * force, color=BLUE, linewidth=2, label="ours")
         ax.plot(1e6 * ideal_time, ideal_force, color="black", linewidth=0.9, linestyle="--", label="theory")
         ax.set(

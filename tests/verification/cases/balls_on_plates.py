@@ -147,7 +147,7 @@ duration = {1.3 * duration}
 def rebound(bench, path, pair, incident):
     """Restitution e and tangential velocity of the contact after the impact over v_n, for the incidence v_t/v_n."""
     result = bench.contact(path, f"bodies.ball.velocity=[{incident * pair.speed!r},0,-{pair.speed!r}]")
-    velocity = result["/bodies/ball/velocity"][-1]
+    velocity = result.bodies["ball"].velocity[-1]
     turning = spin(result, "ball", pair.radius, pair.radius)
     return velocity[2] / pair.speed, (velocity[0] - pair.radius * turning) / pair.speed
 

@@ -4,7 +4,7 @@ its left end sends through it. By d'Alembert, the displacement is a sum of ramps
 modes with the static part of the others rounds off their kinks by about 1/N."""
 import numpy as np
 
-from case import BLUE, GREY, ORANGE
+from case import BLUE, GREY, ORANGE, kernel_of
 
 TITLE = "Free and clamped bars: frequencies and waves"
 SOURCE = (
@@ -72,7 +72,7 @@ def run(bench):
     for ax, (name, support) in zip(axes, SUPPORTS.items()):
         clamped = name == "clamped"
         result = bench.impact(scene, f"bodies.bar.support={support}")
-        with result.kernel("bar") as kernel:
+        with kernel_of(result, "bar") as kernel:
             frequency = kernel["modes/angular_frequency"][:] / (2 * np.pi)
         number = np.arange(MODES)
         exact = (2 * number + 1) * SPEED / (4 * LENGTH) if clamped else number * SPEED / (2 * LENGTH)
@@ -98,9 +98,9 @@ def run(bench):
             1e-6,
             "order 5, 12 nodes per wavelength at the highest mode: (kh)¹⁰",
         )
-        time = result["receivers/time"]
+        time = result.receiver_time
         for receiver, x, colour in (("end", 0.0, BLUE), ("middle", 0.4, ORANGE)):
-            ours = result[f"receivers/{receiver}/displacement"][:, 0]
+            ours = result.receivers[receiver].displacement[:, 0]
             theirs = waves(x, time, clamped)
             scale = waves(0.0, np.array([2 * LENGTH / SPEED]), False)[0]
             bench.below(

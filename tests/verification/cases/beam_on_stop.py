@@ -93,7 +93,7 @@ def run(bench):
     for (stiffness, published), colour in zip(TIP.items(), (BLUE, ORANGE)):
         name = f"{1e-3 * stiffness:g} kN/m"
         result = bench.impact(bench.write(f"stop-{stiffness:.0f}.toml", scene(stiffness)))
-        time, tip = 1e3 * result["time"], 1e3 * result["receivers/tip/displacement"][:, 1]
+        time, tip = 1e3 * result.time, 1e3 * result.receivers["tip"].displacement[:, 1]
         ours = np.interp(range(1, 13), time, tip)
         bench.below(
             f"{name}: tip, largest difference at 1, 2, … 12 ms (mm)",

@@ -55,9 +55,9 @@ def run(bench):
     falling = bench.contact(
         scene, f"bodies.box.velocity=[{SPEED},0,0]", f"contact.friction={law}", "time.duration=0.8"
     )
-    mass = float(carried.kernel("box").attrs["mass"])
+    mass = carried.bodies["box"].mass
 
-    time, velocity = carried["time"], carried["bodies/box/velocity"][:, 0]
+    time, velocity = carried.time, carried.bodies["box"].velocity[:, 0]
     for share in (0.25, 0.5, 0.75):
         bench.compare(
             f"belt: speed after {share:g} V/(μg) (m/s)",
@@ -71,8 +71,8 @@ def run(bench):
     bench.compare(
         "belt: impulse of friction (N s)", carried.summary["friction_impulse_ns"], mass * SPEED, 0.005, sags
     )
-    bench.compare("belt: heat (J)", carried["energy/friction"][-1], mass * SPEED**2 / 2, 0.005, sags)
-    bench.compare("belt: its work (J)", carried["energy/loads"][-1], mass * SPEED**2, 0.005, sags)
+    bench.compare("belt: heat (J)", carried.energy["friction"][-1], mass * SPEED**2 / 2, 0.005, sags)
+    bench.compare("belt: its work (J)", carried.energy["loads"][-1], mass * SPEED**2, 0.005, sags)
     bench.below(
         "belt: drift of the energy ledger",
         carried.summary["energy_drift"],
@@ -85,9 +85,9 @@ def run(bench):
         ("stopping", stopping, SPEED**2 / (2 * FRICTION * GRAVITY)),
         ("falling coefficient", falling, falling_distance()),
     ):
-        moved = np.trapz(result["bodies/box/velocity"][:, 0], result["time"])
+        moved = np.trapz(result.bodies["box"].velocity[:, 0], result.time)
         bench.compare(f"{name}: distance (m)", moved, distance, 0.005, sags)
-        bench.compare(f"{name}: heat (J)", result["energy/friction"][-1], mass * SPEED**2 / 2, 0.005, sags)
+        bench.compare(f"{name}: heat (J)", result.energy["friction"][-1], mass * SPEED**2 / 2, 0.005, sags)
 
     weight, push = mass * GRAVITY, 0.9 * FRICTION * mass * GRAVITY
     bench.write("push.csv", "t, factor\n0, 0\n1, 1\n")
@@ -104,12 +104,12 @@ def run(bench):
     figure, ax = bench.figure()
     ax.plot(time, velocity, color=BLUE, label="on the belt")
     ax.plot(time, np.minimum(FRICTION * GRAVITY * time, SPEED), color="black", linestyle="--", linewidth=1)
-    ax.plot(stopping["time"], stopping["bodies/box/velocity"][:, 0], color=ORANGE, label="stopping")
+    ax.plot(stopping.time, stopping.bodies["box"].velocity[:, 0], color=ORANGE, label="stopping")
     ax.plot(
         time, np.maximum(SPEED - FRICTION * GRAVITY * time, 0), color="black", linestyle="--", linewidth=1
     )
     ax.plot(
-        falling["time"], falling["bodies/box/velocity"][:, 0], color=GREY, label="stopping, coefficient falls"
+        falling.time, falling.bodies["box"].velocity[:, 0], color=GREY, label="stopping, coefficient falls"
     )
     ax.set(xlabel="time (s)", ylabel="velocity (m/s)", title="A box on a plane with friction")
     ax.legend()

@@ -89,10 +89,10 @@ def run(bench, counts=(25, 50, 100), duration=27.0, bound=0.15):
             f"time.rate_hz={30 * count}",
             f"time.duration={duration}",
         )
-        time = result["receivers/time"]
-        foot = HEIGHT + result["receivers/foot/displacement"][:, 0]
+        time = result.receiver_time
+        foot = HEIGHT + result.receivers["foot"].displacement[:, 0]
         ideal, _ = exact(time)
-        lost = result["energy/contact"][-1] / (LENGTH * GRAVITY * HEIGHT)
+        lost = result.energy["contact"][-1] / (LENGTH * GRAVITY * HEIGHT)
         errors.append(np.sqrt(((foot - ideal) ** 2).mean()) / HEIGHT)
         losses.append(lost)
         feet[count] = result, time, foot
@@ -121,7 +121,7 @@ def run(bench, counts=(25, 50, 100), duration=27.0, bound=0.15):
     ideal, _ = exact(time)
     starts = FALL + np.arange(int(duration)) * (TOUCH + FLIGHT)
     starts = starts[starts < time[-1]]
-    touching, force = finest.force()
+    touching, force = finest.time, finest.total_force
     bench.compare(
         "impulse of all touches (N s)",
         finest.summary["impulse_ns"],

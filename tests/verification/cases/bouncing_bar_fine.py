@@ -56,7 +56,7 @@ def run(bench):
         f"time.duration={DURATION}",
         "output.every=100",
     )
-    ours = departures(result["receivers/time"], bar.HEIGHT + result["receivers/foot/displacement"][:, 0])
+    ours = departures(result.receiver_time, bar.HEIGHT + result.receivers["foot"].displacement[:, 0])
     theirs = departures(*characteristics(MODES, DURATION))
     bench.compare(
         "growth of a deviation, factor per period",

@@ -42,12 +42,12 @@ class Sheared:
             *(f"bodies.{body}.geometry={mesh}" for body in ("upper", "lower")),
         )
         self.shear = np.array([0, *shear])
-        self.normal = HALVES * result["contact/force"].sum(axis=1)
-        self.tangential = HALVES * result["contact/tangential_force"][:, :, 0].sum(axis=1)
-        self.heat = HALVES * result["energy/friction"][1:]  # without the row of t = 0, before contact
-        self.state = result["contact/state"]
-        self.distance = np.hypot(*result["contact/point_a"][:, :2].T)
-        self.spacing = np.sqrt(np.median(result["contact/area"]))
+        self.normal = HALVES * result.force.sum(axis=1)
+        self.tangential = HALVES * result.tangential_force[:, :, 0].sum(axis=1)
+        self.heat = HALVES * result.energy["friction"][1:]  # without the row of t = 0, before contact
+        self.state = result.state
+        self.distance = np.hypot(*result.point_a[:, :2].T)
+        self.spacing = np.sqrt(np.median(result.area))
         self.load = self.normal[-1]
         self.a = hertz.radius(self.load, MODULUS, CURVATURE)
 

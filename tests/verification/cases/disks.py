@@ -40,7 +40,7 @@ def opened(force):
 
 def relief(result):
     """Least ratio of the force on the middle to the mean of its neighbours while both press; running means over 0.5 ms."""
-    time, force = result["contact/time"], result["contact/force"]
+    time, force = result.contact_time, result.force
     steps = np.round((time - time[0]) * RATE).astype(int)
     near = np.zeros((steps[-1] + 1, 3))
     near[steps] = force[:, MIDDLE - 1 : MIDDLE + 2]
@@ -92,7 +92,7 @@ def run(bench, sets=COARSE, ranks=1, laws=()):
     rows = []
     for speed in (1, 6):
         result = bench.impact(scene, *sets, f"bodies.upper.velocity=[0,{-speed},0]", ranks=ranks)
-        summary, force, name = result.summary, result["contact/force"], f"V0 = {speed} m/s"
+        summary, force, name = result.summary, result.force, f"V0 = {speed} m/s"
         first = (np.sqrt(speed**2 + 2 * GRAVITY * GAP) - speed) / GRAVITY
         step = 1 / RATE
         bench.compare(

@@ -13,7 +13,6 @@ the same radius with walls of 15 and 20 mm, the middle stays in contact at 1 m/s
 on these rings, but they do in Figure 7."""
 import types
 
-import h5py
 import numpy as np
 
 import quarter_disks as disks
@@ -53,10 +52,8 @@ def settings(size, band, rate, spacing, speed, wall=0.0):
 
 def middle(result):
     """Pressures by point from the middle outwards and what becomes of the one in the middle."""
-    time, force, area = (result[f"contact/{name}"] for name in ("time", "force", "area"))
-    with h5py.File(result.path) as file:
-        step = file["contact"].attrs["step"]
-    order = np.argsort(result["contact/point_a"][:, 0])
+    time, force, area, step = result.contact_time, result.force, result.area, result.contact_step
+    order = np.argsort(result.point_a[:, 0])
     rows = np.round((time - time[0]) / step).astype(int)
     pressure = np.zeros((rows[-1] + 1, len(order)))
     pressure[rows] = (force / area)[:, order]
@@ -71,7 +68,7 @@ def middle(result):
     pressed = largest > 0.1 * largest.max()
     relief = mean[pressed, 0] / largest[pressed]
     return types.SimpleNamespace(
-        x=result["contact/point_a"][order, 0],
+        x=result.point_a[order, 0],
         time=time[0] + step * np.arange(len(mean)),
         mean=mean,
         share=longest / len(mean),

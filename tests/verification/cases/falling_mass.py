@@ -45,10 +45,8 @@ gravity = [{-GRAVITY}, 0, 0]
 
 def height(result):
     """Height of the body above the floor, from its velocity, which is linear within each step except for impulses."""
-    time, velocity = result["time"], result["bodies/mass/velocity"][:, 0]
-    force = np.zeros(len(time))
-    moments, totals = result.force()
-    force[:] = totals
+    time, velocity = result.time, result.bodies["mass"].velocity[:, 0]
+    force = result.total_force
     # The impulse of a step acts at its own instant. Before it the body moves with the old velocity.
     step = time[1] - time[0]
     rise, out = HEIGHT, [HEIGHT]
@@ -118,7 +116,7 @@ def run(bench):
         "round-off of all bounces",
     )
 
-    time, force = plastic.force()
+    time, force = plastic.time, plastic.total_force
     bench.below(
         "(b): deviation of the start of contact from t_c, in steps",
         missed(plastic.summary["episodes"][0], fall),
@@ -142,13 +140,13 @@ def run(bench):
     )
     bench.below(
         "(b): speed after the touch (m/s)",
-        np.abs(plastic["bodies/mass/velocity"][row + 1 :]).max(),
+        np.abs(plastic.bodies["mass"].velocity[row + 1 :]).max(),
         1.01 * GRAVITY / RATE,
         "the speed that gravity adds between two impulses",
     )
     bench.compare(
         "(b): share of the energy lost at the touch",
-        plastic["energy/contact"][row] / (MASS * GRAVITY * HEIGHT),
+        plastic.energy["contact"][row] / (MASS * GRAVITY * HEIGHT),
         1.0,
         1e-5,
         "all of it, and the work of the weight in the rest of that step",
@@ -183,8 +181,8 @@ def run(bench):
             (elastic, BLUE, "(a) restitution 1"),
             (plastic, ORANGE, "(b) restitution 0"),
         ):
-            values = height(result) if index == 0 else result["bodies/mass/velocity"][:, 0]
-            ax.plot(result["time"], values, color=colour, label=name)
+            values = height(result) if index == 0 else result.bodies["mass"].velocity[:, 0]
+            ax.plot(result.time, values, color=colour, label=name)
         for touch in times:
             ax.axvline(touch, color=GREY, linestyle=":", linewidth=0.8)
         ax.set(xlabel="time (s)", ylabel=label, title=label.split(" (")[0].capitalize())

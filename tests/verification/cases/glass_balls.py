@@ -97,7 +97,7 @@ def rebound(bench, scene, normal, tangential):
             for body, sign in (("upper", 1), ("lower", -1))
         ),
     )
-    after = result["/bodies/upper/velocity"][-1] - result["/bodies/lower/velocity"][-1]
+    after = result.bodies["upper"].velocity[-1] - result.bodies["lower"].velocity[-1]
     turning = spin(result, "upper", RADIUS, RADIUS) + spin(result, "lower", -RADIUS, RADIUS)
     return after[2] / normal, after[0] - RADIUS * turning
 

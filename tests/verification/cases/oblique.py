@@ -34,7 +34,7 @@ def after(bench, scene, poisson, psi, bodies, size=None):
         share = sign / len(bodies)
         sets.append(f"bodies.{body}.velocity=[{share * tangential!r},0,{-share * NORMAL!r}]")
     result = bench.impact(scene, *sets)
-    velocity = sum(sign * result[f"/bodies/{body}/velocity"][-1][0] for body, (sign, _) in bodies.items())
+    velocity = sum(sign * result.bodies[body].velocity[-1][0] for body, (sign, _) in bodies.items())
     rolling = sum(RADIUS * spin(result, body, height, RADIUS) for body, (_, height) in bodies.items())
     return kappa * (velocity - rolling) / (FRICTION * NORMAL), rolling
 

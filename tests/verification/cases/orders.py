@@ -79,7 +79,7 @@ def reaction(time):
 def force_error(result, upto=1.95):
     """Root mean square of the difference between the force and the reaction in the middle of each step, divided by 2F. It
     excludes the tail of the pulse, during which contact may already have ended."""
-    time, force = result.force()
+    time, force = result.time, result.total_force
     inside = (time > 0) & (time < upto)
     return np.sqrt(((force - reaction(time - (time[1] - time[0]) / 2))[inside] ** 2).mean()) / (2 * FORCE)
 
@@ -218,7 +218,7 @@ def run(bench):
             )
     axes[1, 0].set(xlabel="modes", ylabel="mean square error / 2F", title="Modes, Δ = L/(1600 c)")
     axes[1, 0].legend()
-    time, force = result.force()
+    time, force = result.time, result.total_force
     axes[1, 1].plot(time, force, color=BLUE, label=f"{counts[-1]} modes without R")
     axes[1, 1].plot(time, reaction(time), color=GREY, linestyle="--", linewidth=0.9, label="closed form")
     axes[1, 1].set(xlabel="time (L/c)", ylabel="force / F", title="Reaction of the floor")

@@ -109,7 +109,7 @@ def run(bench):
         inelastic, name = inelasticity(thickness), f"{1e3 * thickness:g} mm"
         ideal_time, ideal_force, ideal = zener(inelastic)
         restitution = result.summary["exit_velocity"]["ball"][2] / SPEED
-        time, force = result.force()
+        time, force = result.time, result.total_force
         force *= hertz.QUARTERS
         bench.compare(
             f"{name}: restitution (λ = {inelastic:.3f})",

@@ -154,10 +154,10 @@ def maxima(curve, *windows):
 def impact(bench, scene):
     """The records of both gauges by name, (n, 2): time [µs] from the arrival as measured, and force over the plateau."""
     result = bench.impact(scene)
-    time = 1e6 * result["receivers/time"]
+    time = 1e6 * result.receiver_time
 
     def axial(name):
-        return result[f"receivers/{name}/displacement"][:, 2]
+        return result.receivers[name].displacement[:, 2]
 
     raw = {gauge: scaled(np.c_[time, axial(f"{gauge}-start") - axial(f"{gauge}-end")]) for gauge in GAUGES}
     shift = front(raw["near"], 0.5) - front(scaled(RECORDS["near"]), 0.5)

@@ -6,6 +6,7 @@ lost.
 "jump" is algorithm (30) as printed. With modes it creeps: the relative velocity is zero only at t_k⁺ and grows back within each step. Its
 force is that of the formula p = v/(2Z + Δ Ṅ(0⁺)) of the [theory](../theory/contact.md#impulse), where Ṅ(0⁺) comes from a separate dense
 eigenproblem. It does not attain the pressure of the paper's Figure 5 (iii), which is listed below as a failure of the printed reading."""
+import h5py
 import numpy as np
 
 from case import BLUE, GREEN, GREY, RED
@@ -47,7 +48,7 @@ def end_admittance(elements, modes, length):
 
 
 def mean_force(result, first=1.0, last=18.0):
-    time, force = result.force()
+    time, force = result.time, result.total_force
     return force[(time > first + STEP / 2) & (time < last + STEP / 2)].mean()
 
 
@@ -67,7 +68,7 @@ def run(bench):
             5e-3,
             "the ripple of truncation averages out",
         )
-        time, force = result.force()
+        time, force = result.time, result.total_force
         bench.below(
             f"{name}: largest departure of the force from 1/2, t = 0.5 … 10 (N)",
             np.abs(force[(time > 0.5 - STEP / 2) & (time < 10 + STEP / 2)] - 0.5).max(),
@@ -130,7 +131,7 @@ def run(bench):
         2e-3,
         "the ripple of truncation averages out",
     )
-    time, gap = jump["contact/time"], jump["contact/gap"][:, 0]
+    time, gap = jump.contact_time, jump.gap[:, 0]
     first, last = np.searchsorted(time, [1 - STEP / 2, 18 - STEP / 2])
     bench.compare(
         "jump: penetration rate, by the creep formula (m/s)",
@@ -158,10 +159,10 @@ def run(bench):
 
     figure, (left, right) = bench.figure(2)
     for (name, result), colour in zip(results.items(), (BLUE, RED, GREEN)):
-        time, force = result.force()
+        time, force = result.time, result.total_force
         # Impulses of every step represent a force; a picture can show their running mean over 0.5 s.
         left.plot(time, np.convolve(force, np.ones(50) / 50, "same"), color=colour, label=name)
-        right.plot(result["contact/time"], -result["contact/gap"][:, 0], color=colour, label=name)
+        right.plot(result.contact_time, -result.gap[:, 0], color=colour, label=name)
     left.plot(
         [0, 0, 20, 20, 30],
         [0, 0.5, 0.5, 0, 0],
@@ -179,11 +180,13 @@ def run(bench):
     figure, axes = bench.figure(2)
     for ax, name in zip(axes, ("jump", "compliant")):
         result = results[name]
-        shown = result["contact/time"] <= 0.2 + STEP / 2
+        shown = result.contact_time <= 0.2 + STEP / 2
+        with h5py.File(result.path) as file:
+            moved = {side: file[f"contact/displacement_{side}"][shown, 0] for side in "ab"}
         for side, colour, label in (("a", BLUE, "moving rod"), ("b", "#d2691e", "resting rod")):
             ax.plot(
-                result["contact/time"][shown],
-                result[f"contact/displacement_{side}"][shown, 0],
+                result.contact_time[shown],
+                moved[side],
                 "o-",
                 markersize=3,
                 color=colour,

@@ -30,7 +30,7 @@ def run(bench):
             meshes / "two-rods-analytic.toml", f"contact.table={table}", f"contact.scheme={scheme}"
         )
         results[scheme] = result
-        time, force = result["contact/time"], result["contact/force"][:, 0]
+        time, force = result.contact_time, result.force[:, 0]
         # An impulse at t_k represents the force over the next step; a
         # compliant force acts over the previous step.
         start, end = (time[0], time[-1] + 0.01) if scheme == "impulse" else (time[0] - 0.01, time[-1])
@@ -65,12 +65,10 @@ def run(bench):
 
     figure, axes = bench.figure(2, sharey="row")
     for ax, (scheme, result) in zip(axes, results.items()):
-        time, force = result.force()
+        time, force = result.time, result.total_force
         ax.plot(time, force, color="#b03a48", label="force at the ends")
         for body, colour in (("moving", BLUE), ("resting", ORANGE)):
-            ax.plot(
-                time, result[f"bodies/{body}/velocity"][:, 0], color=colour, label=f"mean velocity, {body}"
-            )
+            ax.plot(time, result.bodies[body].velocity[:, 0], color=colour, label=f"mean velocity, {body}")
         ax.vlines([1, 21], 0, 1, color=GREY, linewidth=0.8, linestyle=":", label="wave solution: 1 … 21")
         ax.set(xlabel="time (s)", ylabel="N, m/s", title=f"{scheme}, response in closed form")
     axes[0].set_ylim(-0.05, 1.5)

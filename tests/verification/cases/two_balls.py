@@ -70,7 +70,7 @@ def run(bench):
     )
     figure, ax = bench.figure()
     ideal = ideal_force(mass, modulus, curvature, duration)
-    time, force = result.force()
+    time, force = result.time, result.total_force
     ax.plot(time * 1e6, hertz.QUARTERS * force, color=BLUE, linewidth=2, label="two balls")
     ax.plot(ideal[0] * 1e6, ideal[1], color="black", linewidth=1, linestyle="--", label="Hertz")
     ax.set(

@@ -183,7 +183,7 @@ def run(bench):
         loss, ideal_loss = lost(*ours, ratio), lost(*ideal, ratio)
         bench.compare(f"{name}, rounded: energy in vibrations", loss, ideal_loss, 0.02, LOCAL, absolute=True)
         rows.append([f"{ratio:g}", *(f"{x:.4f}" for x in (1 - ratio, flat_loss, ideal_loss, loss))])
-        time, force = result.force()
+        time, force = result.time, result.total_force
         left.plot(1e6 * time, QUARTERS * force, color=colour, label=f"{name}, rounded")
         left.plot(1e6 * ideal_time, ideal_force, color="black", linestyle="--", linewidth=0.9)
         right.plot(ratio, flat_loss, "s", color=GREY)
