@@ -165,7 +165,7 @@ def add_arguments(parser):
 
 
 def run(options):
-    launch.build("bench_modes", "ricochet-kernel", "ricochet-contact")
+    launch.build("bench_modes", "ricochet-kernel", "ricochet_python")
     if options.work:
         options.work.mkdir(parents=True, exist_ok=True)
         found = measure(options, options.work)

@@ -1,14 +1,11 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Impacts of one scene computed with different kernels, and their errors relative to a reference."""
-import json
 import math
-import tomllib
+import warnings
 from pathlib import Path
 
-import h5py
-
+import ricochet
 from ricochet import programs, quantities
-from ricochet.errors import InputError
 
 
 def add_arguments(parser):
@@ -29,47 +26,43 @@ class Impacts:
     """Impacts of one scene at several speeds, with all files in one folder."""
 
     def __init__(self, options, folder, settings=()):
-        self.scene, self.body, self.speeds = options.scene, options.body, options.speeds
-        self.settings = list(settings)
-        self.ranks, self.folder = options.ranks, folder
-        resolved = tomllib.loads(programs.resolved(self.scene, programs.with_set(self.settings)))
-        self.bodies = sorted(resolved["bodies"])
+        self.scene = ricochet.Scene(options.scene).changed(programs.changes(settings))
+        self.body, self.speeds, self.ranks, self.folder = options.body, options.speeds, options.ranks, folder
+        self.bodies = self.scene.bodies
         if self.body not in self.bodies:
-            raise InputError(f'{self.scene}: there is no body "{self.body}": give --body')
-        velocity = resolved["bodies"][self.body]["velocity"]
+            raise ricochet.InputError(f'{options.scene}: there is no body "{self.body}": give --body')
+        velocity = self.scene[f"bodies.{self.body}.velocity"]
         if not any(velocity):
-            raise InputError(f"{self.scene}: {self.body} is at rest: name the body that moves by --body")
+            text = f"{options.scene}: {self.body} is at rest: name the body that moves by --body"
+            raise ricochet.InputError(text)
         self.direction = [v / math.hypot(*velocity) for v in velocity]
 
-    def words(self, modes, *more):
-        own = [f"modes={modes}", "output.view=false", "output.snapshot_every=0"]
-        return programs.with_set([*own, *self.settings, *more], self.folder)
+    def with_modes(self, modes):
+        """The scene with this table [modes], without pictures."""
+        return self.scene.changed(
+            programs.changes([f"modes={modes}"]) | {"output.view": False, "output.snapshot_every": 0}
+        )
 
     def compute(self, modes):
         """Computes kernels and impacts. Returns the number of vectors of each body, the largest estimate of
         their flexibility errors and, by speed, the rebound velocity [m/s] (None if the bodies still touch),
         the impulse [N s] and all quantities of interest."""
-        programs.kernel(self.scene, ["--quiet", *self.words(modes)], self.ranks)
-        impacts = {}
-        for speed in self.speeds:
-            velocity = ",".join(str(speed * d) for d in self.direction)
-            words = self.words(modes, f"bodies.{self.body}.velocity=[{velocity}]", "title=impact")
-            programs.contact(self.scene, ["--quiet", *words])
-            summary = json.loads((self.folder / "impact.summary.json").read_text())
-            exit_velocity = summary["exit_velocity"].get(self.body)
-            rebound = exit_velocity and sum(v * d for v, d in zip(exit_velocity, self.direction))
-            impacts[speed] = {
-                "rebound": rebound,
-                "impulse": summary["impulse_ns"],
-                "quantities": summary["quantities"],
-            }
-        vectors, error = {}, 0.0
-        with h5py.File(self.folder / "impact.result.h5") as result:
-            kernels = {body: group.attrs["kernel"].decode() for body, group in result["bodies"].items()}
-        for body, name in kernels.items():
-            with h5py.File(self.folder / name) as kernel:
-                vectors[body] = len(kernel["modes/angular_frequency"])
-                error = max(error, float(kernel["modes/certificate"].attrs["flexibility_error"]))
+        scene, impacts = self.with_modes(modes), {}
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            kernels = ricochet.kernels(scene, self.ranks, self.folder)
+            for speed in self.speeds:
+                velocity = [speed * d for d in self.direction]
+                changed = scene.changed({f"bodies.{self.body}.velocity": velocity, "title": "impact"})
+                summary = ricochet.impact(changed, self.folder).summary
+                exit_velocity = summary["exit_velocity"].get(self.body)
+                impacts[speed] = {
+                    "rebound": exit_velocity and sum(v * d for v, d in zip(exit_velocity, self.direction)),
+                    "impulse": summary["impulse_ns"],
+                    "quantities": summary["quantities"],
+                }
+        vectors = {body: len(kernel.angular_frequency) for body, kernel in kernels.items()}
+        error = max(kernel.certificate.flexibility_error for kernel in kernels.values())
         return {"vectors": vectors, "estimate": error, "impacts": impacts}
 
 

@@ -66,8 +66,8 @@ def measure(options, name, modes, of_bodies, reference):
         settings = [f"bodies.{body}.{key}" for body in reference.bodies for key in of_bodies]
         computed = Impacts(options, Path(folder), settings)
         modes = modes.format(band=options.band)
-        command = programs.kernel_command(options.scene, computed.words(modes), options.ranks)
-        done = launch.measured(command)
+        scene = computed.with_modes(modes).write(Path(folder) / "scene.toml")
+        done = launch.measured(programs.kernel_command(scene, ["--out", folder], options.ranks))
         found = computed.compute(modes) | {"frequencies": frequencies(Path(folder))}
         if reference.found is None:
             reference.found = found
@@ -96,7 +96,7 @@ def add_arguments(parser):
 
 
 def run(options):
-    launch.build("ricochet-kernel", "ricochet-contact")
+    launch.build("ricochet-kernel", "ricochet_python")
     reference = Reference(Impacts(options, None).bodies)
     rows = []
     table = tables.Table(
