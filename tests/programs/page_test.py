@@ -4,16 +4,14 @@
 import base64
 import io
 import json
-import pathlib
 import shutil
-import tempfile
 
 import numpy as np
 from matplotlib.image import imread
 
 import report_test
-from browser import Browser
-from programs import BIN, MESHES, ProgramTest, Run, contact, kernel
+import ricochet
+from programs import MESHES, ProgramTest, impact
 from report_test import data_of
 
 
@@ -22,28 +20,19 @@ class PageTest(ProgramTest):
 
     @classmethod
     def setUpClass(cls):
-        scope = tempfile.TemporaryDirectory(prefix="ricochet-browser-", ignore_cleanup_errors=True)
-        cls.addClassCleanup(scope.cleanup)
         assert shutil.which("chromium"), "no chromium: scripts/setup --tests installs it"
-        cls.browser = Browser(scope.name)
-        cls.addClassCleanup(cls.browser.close)
-        made = tempfile.TemporaryDirectory(prefix="ricochet-test-")
-        cls.addClassCleanup(made.cleanup)
-        cls.made = pathlib.Path(made.name)
-        for path in (MESHES / cls.SCENE).glob("*.*"):
-            shutil.copy(path, cls.made)
-        scene, cls.out = cls.made / f"{cls.SCENE}.toml", cls.made / "out"
-        for done in (kernel(scene, cls.out, *cls.SETS), contact(scene, cls.out, *cls.SETS)):
-            assert done.status == 0, done.err
-        (cls.result,) = cls.out.glob("*.result.h5")
+        cls.browser = report_test.shared_browser()
+        cls.made = cls.shared_folder()
+        shutil.copytree(MESHES / cls.SCENE, cls.made, dirs_exist_ok=True)
+        cls.scene, cls.out = cls.made / f"{cls.SCENE}.toml", cls.made / "out"
+        cls.result = impact(cls.scene, cls.out, *cls.SETS).path
         cls.path, cls.data = cls.write_page()
 
     @classmethod
     def write_page(cls):
         """Path and data of the page."""
-        done = Run([BIN / "ricochet", "report", cls.result, "--out", cls.made / "page.html"])
-        assert done.status == 0, done.err
-        return cls.made / "page.html", data_of(cls.made / "page.html")
+        page = ricochet.report(cls.result, cls.made / "page.html")
+        return page, data_of(page)
 
     def opened_at(self, wide, high):
         self.browser.messages.clear()

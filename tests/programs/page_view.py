@@ -12,8 +12,9 @@ import h5py
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
+import ricochet
 from page_test import PageTest
-from programs import BIN, Run, contact
+from programs import Command, impact, settings
 from report_test import number, unpacked
 
 from ricochet.pages.motion import motion_of
@@ -227,11 +228,7 @@ class Drop(PageTest):
     def test_without_snapshots_the_bodies_and_their_modes_are_shown(self):
         sets = [*self.SETS, "title=still", "output.snapshot_every=0"]
         shutil.copy(*self.out.glob("*.kernel.h5"), self.folder)
-        self.succeed(contact(self.made / "bracket.toml", self.folder, *sets))
-        (result,) = self.folder.glob("*.result.h5")
-        page = self.folder / "page.html"
-        self.succeed(Run([BIN / "ricochet", "report", result, "--out", page]))
-        self.browser.open(page, 1280, 800)
+        self.browser.open(ricochet.report(impact(self.scene, self.folder, *sets)), 1280, 800)
         self.assertGreater(float(self.browser.evaluate("shown.canvas.dataset.covered")), 0.05)
         self.assertIn(
             "snapshot_every = 4", self.browser.evaluate("document.querySelector('#motion').textContent")
@@ -350,9 +347,7 @@ class Rods(PageTest):
             self.assertAlmostEqual(pixels, metres * long / 20.1, delta=1)
 
     def test_modes_have_a_page_without_an_impact_which_shows_the_first_one_in_motion(self):
-        scene = self.made / "two-rods.toml"
-        sets = [word for setting in self.SETS for word in ("--set", setting)]
-        done = self.succeed(Run([BIN / "ricochet", "modes", scene, "--page", "--out", self.out, *sets]))
+        done = self.succeed(Command("modes", self.scene, "--page", "--out", self.out, *settings(self.SETS)))
         page = self.out / "two-rods.modes.html"
         self.assertEqual(done.out.splitlines()[-1], str(page))
         self.browser.open(page, 390, 844)
@@ -368,12 +363,11 @@ class Rods(PageTest):
         self.keep("modes-390")
 
     def test_bodies_without_elastic_modes_have_no_picture_and_no_page_of_modes(self):
-        scene = self.made / "two-rods.toml"
-        words = [BIN / "ricochet", "modes", scene, "--out", self.made / "rigid", "--set", "modes.count=1"]
-        done = self.succeed(Run([*words, "--plot"]))
+        words = ["modes", self.scene, "-n", "1", "--out", self.made / "rigid", "--set", "modes.count=1"]
+        done = self.succeed(Command(*words, "--plot"))
         self.assertEqual(done.err.count("it has no elastic modes"), 2)
         self.assertEqual(list((self.made / "rigid").glob("*.png")), [])
-        done = Run([*words, "--page"])
+        done = Command(*words, "--page")
         self.assertEqual(done.status, 2)
         self.assertIn("no body has an elastic mode to show", done.err.splitlines()[-1])
         self.assertEqual(list((self.made / "rigid").glob("*.html")), [])

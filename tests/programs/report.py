@@ -3,7 +3,6 @@
 the result; bad input is refused. `report.py --keep FOLDER` also keeps the pages and a picture of each in FOLDER."""
 
 import base64
-import json
 import re
 import shutil
 import struct
@@ -12,8 +11,8 @@ import unittest
 import h5py
 import numpy as np
 
-from programs import BIN, MESHES, Run, contact, kernel
-from report_test import Elements, ReportTest, browse, number, unpacked
+from programs import MESHES, Command, Run, impact
+from report_test import ReportTest, number, unpacked
 
 from ricochet.pages.motion import coarser
 from ricochet.pictures.viewpoint import clearest
@@ -37,16 +36,14 @@ RODS = [
     "accuracy=1e-2",
 ]
 
-# Simulates a user at the controls. Results go into an attribute; the page's policy,
-# which would block the script, is removed.
-HAND = """
+# Simulates a user at the controls.
+HAND = """new Promise(resolve => {
 const canvas = document.querySelector("canvas[data-covered]"), found = {};
 const [time, amplify] = ["Time", "Amplification"].map(name => document.querySelector(`input[aria-label="${name}"]`));
 const [part, colour] = ["Part of the run", "Colour"].map(name => document.querySelector(`select[aria-label="${name}"]`)), play = document.querySelector("button.play");
 const act = (element, type, more = {}) => element.dispatchEvent(Object.assign(new Event(type), more));
 const pointer = (type, x, y) => canvas.dispatchEvent(new PointerEvent(type, {pointerId: 1, clientX: x, clientY: y}));
 canvas.setPointerCapture = () => {};
-window.requestAnimationFrame = draw => setTimeout(() => draw(performance.now()), 16);  // without a screen there are no frames
 part.value = "whole"; act(part, "change");
 const at = share => { time.value = share; act(time, "input"); return Number(canvas.dataset.time); };
 found.ends = [at(0), at(1)];
@@ -67,19 +64,23 @@ const chart = document.querySelector("#chart-force svg"), box = chart.getBoundin
 act(chart, "pointermove", {clientX: box.left + box.width / 2});
 found.tip = [...document.querySelectorAll("#chart-force .tip div")].map(part => part.textContent);
 play.click();
-setTimeout(() => { found.played = Number(canvas.dataset.time) > found.middle; document.documentElement.dataset.found = JSON.stringify(found); }, 1000);
-"""
+const wait = () => (found.played = Number(canvas.dataset.time) > found.middle) ? resolve(found) : setTimeout(wait, 50);
+wait();
+})"""
 
 
 class Rods(ReportTest):
+    @classmethod
+    def setUpClass(cls):
+        cls.made = cls.shared_folder()
+        shutil.copytree(MESHES / "two-rods", cls.made, dirs_exist_ok=True)
+        impact(cls.made / "two-rods.toml", cls.made / "out", *RODS)
+
     def setUp(self):
         super().setUp()
-        for path in (MESHES / "two-rods").glob("*.*"):
-            shutil.copy(path, self.folder)
+        shutil.copytree(self.made, self.folder, dirs_exist_ok=True)
         self.scene, self.out = self.folder / "two-rods.toml", self.folder / "out"
-        self.succeed(kernel(self.scene, self.out, *RODS, ranks=1))
-        self.succeed(contact(self.scene, self.out, *RODS))
-        (self.result,) = self.out.glob("*.result.h5")
+        self.result = self.one(self.out, "*.result.h5")
 
     def test_the_page_tells_the_run_without_network_and_runs_nothing_that_a_title_says(self):
         path, text, run = self.page(self.result)
@@ -117,17 +118,11 @@ class Rods(ReportTest):
         self.charts_show_the_impact_of_equal_rods(run["charts"]["contact"])
 
     def test_the_controls_do_what_they_say(self):
-        self.succeed(contact(self.scene, self.out, *RODS, "time.duration=0.11", "output.snapshot_every=9"))
-        path, text, _ = self.page(self.result)
-        policy = re.search(r"<meta http-equiv=.*?>", text)[0]
-        path.write_text(text.replace(policy, "").replace("</body>", f"<script>{{{HAND}}}</script></body>"))
-        dom, console = browse(path, "--window-size=500,600", "--dump-dom")
-        self.assertEqual(console, [])
-        elements = Elements(dom)
-        self.sounds_are_the_receivers(elements)
-        found = json.loads(
-            next(attributes for tag, attributes, _ in elements.found if tag == "html")["data-found"]
-        )
+        impact(self.scene, self.out, *RODS, "time.duration=0.11", "output.snapshot_every=9")
+        path, _, _ = self.page(self.result)
+        self.sounds_are_the_receivers(self.opened(path, "controls"))
+        found = self.browser.evaluate(HAND)
+        self.assertEqual(self.browser.messages, [])
         with h5py.File(self.result) as file:
             when, force, moments = (
                 file["contact/time"][:],
@@ -165,13 +160,12 @@ class Rods(ReportTest):
     def scene_repeats_the_run(self, scene, summary):
         before = {path.name for path in self.out.glob("*.kernel.h5")}
         again = self.write("again.toml", scene)
-        self.succeed(kernel(again, self.out, ranks=1))
-        self.succeed(contact(again, self.out))
+        impact(again, self.out)
         self.assertEqual({path.name for path in self.out.glob("*.kernel.h5")}, before)
         self.assertEqual(self.summary(self.out)["impulse_ns"], summary["impulse_ns"])
 
     def pictures_are_drawn(self):
-        done = self.succeed(Run([BIN / "ricochet", "plot", self.result, "--out", self.folder / "pictures"]))
+        done = self.succeed(Command("plot", self.result, "--out", self.folder / "pictures"))
         names = [
             self.result.name.replace(".result.h5", f"-{name}.png")
             for name in ("contact", "snapshots", "energy")
@@ -256,9 +250,7 @@ class Rods(ReportTest):
         page = self.folder / "none.html"
 
         def refused(part, result=self.result, out=page, *more):
-            done = Run([BIN / "ricochet", "report", result, "--out", out, *more])
-            self.assertEqual((done.status, done.err.count("\n")), (2, 1), done.err)
-            self.assertIn(part, done.err)
+            self.refused(Command("report", result, "--out", out, *more), part)
             self.assertEqual(list(self.folder.glob("none.html*")), [])
 
         blocked = self.write("file", "")
@@ -348,7 +340,7 @@ class Others(ReportTest):
         )
         self.succeed(Run([self.folder / "table.py"]))
         out = self.folder / "out"
-        self.succeed(contact(self.folder / "two-rods-analytic.toml", out))
+        impact(self.folder / "two-rods-analytic.toml", out)
         path, _, _ = self.page(*out.glob("*.result.h5"))
         found = self.opened(path, "table")
         self.numbers_agree(found, self.summary(out))
@@ -357,8 +349,7 @@ class Others(ReportTest):
     def test_bodies_at_rest_have_a_page_with_their_pressure(self):
         scene, out = MESHES / "hertz/resting-ball.toml", self.folder / "out"
         sets = ["output.view=true", "output.snapshot_every=1", "bodies.ball.geometry={size=1e-4}"]
-        self.succeed(kernel(scene, out, *sets, ranks=1))
-        self.succeed(contact(scene, out, *sets))
+        impact(scene, out, *sets)
         path, _, run = self.page(*out.glob("*.result.h5"))
         found = self.opened(path, "static")
         self.numbers_agree(found, self.summary(out))
@@ -374,7 +365,7 @@ class Others(ReportTest):
             pressure.max(), self.summary(out)["pairs"][0]["peak_pressure_pa"], delta=1e-6 * pressure.max()
         )  # 32 bits
         (result,) = out.glob("*.result.h5")
-        done = Run([BIN / "ricochet", "plot", result])
+        done = Command("plot", result)
         self.assertEqual(
             (done.status, done.err),
             (2, f"ricochet plot: {result}: bodies at rest have no history to draw. Use ricochet report.\n"),

@@ -16,13 +16,13 @@ from matplotlib.figure import Figure
 
 import friction_file
 import ricochet
-from programs import BIN, Run
 from friction_file import edited
-from report_test import Elements, ReportTest, browse, unpacked
+from report_test import ReportTest, unpacked
 from ricochet import pictures
 from ricochet.pages import charts
 from ricochet.pages.run import run_of
 from ricochet.pictures.contact import contact_picture, state_strip
+from ricochet.pictures.energy import energy_picture
 from ricochet.pictures.friction import friction_picture, parts
 from ricochet.pictures.grid import Grid
 from ricochet.pictures.history import History
@@ -36,7 +36,7 @@ KEYS = ("energy_lost_friction", "friction_impulse_ns", "max_slip_m", "ambiguous_
 STRIBECK = "friction = { static = 0.5, dynamic = 0.4, stribeck_velocity = 0.1 }"
 
 # Counts the colours of the map of stick and slip and of the motion view, and asks the map for a value.
-LOOK = """
+LOOK = """(() => {
 const counted = (data, found = {}) => {
   for (let k = 0; k < data.length; k += 4) {
     const colour = "#" + [0, 1, 2].map(i => data[k + i].toString(16).padStart(2, "0")).join("");
@@ -52,8 +52,8 @@ const view = document.querySelector("canvas[data-covered]"), flat = document.cre
 [flat.width, flat.height] = [view.width, view.height];
 flat.getContext("2d").drawImage(view, 0, 0);
 look.motion = counted(flat.getContext("2d").getImageData(0, 0, flat.width, flat.height).data);
-document.documentElement.dataset.found = JSON.stringify(look);
-"""
+return look;
+})()"""
 
 
 class FrictionTest(ReportTest):
@@ -146,7 +146,7 @@ class Results(FrictionTest):
         again = ricochet.Result(result.path)
         np.testing.assert_array_equal(again.energy["friction"], 0 * again.time)
         self.assertIsNone(again.friction)
-        self.assertEqual(len(list(pictures.draw(result.path))), 3)
+        self.assertEqual(len(energy_picture(History(result.path)).axes), 2)
 
     def test_of_table_kernels_has_no_ledger(self):
         result, _ = self.made(friction=None)
@@ -265,13 +265,9 @@ class Histories(FrictionTest):
 
 
 class Pictures(FrictionTest):
-    def drawn(self, path, name):
+    def energy(self, path):
         with matplotlib.rc_context(STYLE):
-            return next(
-                figure
-                for key, figure in pictures.figures(History(path), path.parent, lambda _: None)
-                if key == name
-            )
+            return energy_picture(History(path))
 
     def test_are_drawn_with_friction_only_if_there_is_any(self):
         path, _ = friction_file.write(self.folder / "rubbed")
@@ -406,23 +402,22 @@ class Pictures(FrictionTest):
     def test_of_energy_contain_the_heat(self):
         for friction in ("friction = 0.4", None):
             path, drag = friction_file.write(self.folder / "rubbed", friction=friction)
-            lines = {line.get_label(): line.get_ydata() for line in self.drawn(path, "energy").axes[0].lines}
+            drawn = self.energy(path).axes[0].lines
+            lines = {line.get_label(): line.get_ydata() for line in drawn}
             self.assertEqual("heat of friction" in lines, friction is not None)
             np.testing.assert_allclose(lines["sum of all"], lines["sum of all"][0], rtol=1e-9)
             if friction:
                 np.testing.assert_allclose(
                     lines["heat of friction"] / lines["heat of friction"][-1], drag.heat / drag.heat[-1]
                 )
-                self.assertEqual(
-                    len({line.get_color() for line in self.drawn(path, "energy").axes[0].lines}), 8
-                )
+                self.assertEqual(len({line.get_color() for line in drawn}), 8)
 
     def test_of_energy_show_the_decades_of_what_the_ledger_misses(self):
         path, _ = friction_file.write(self.folder / "rubbed")
         with edited(path) as file:
             file["energy/contact"][100] += 3e-5 * file["energy/kinetic"][0]
             file["energy/contact"][200] += 0.02 * file["energy/kinetic"][0]
-        low = self.drawn(path, "energy").axes[1]
+        low = self.energy(path).axes[1]
         shown = dict(zip(*low.lines[0].get_xydata().T))
         np.testing.assert_allclose([shown[1.0], shown[2.0]], [3e-5, 0.02], rtol=1e-6)  # at 1 and 2 ms
         bottom, top = np.log10(low.get_ylim())
@@ -477,12 +472,8 @@ class Pages(FrictionTest):
         times = unpacked(run["motion"]["time"])
         rows = np.rint(times / friction_file.STEP).astype(int)
         np.testing.assert_array_equal(unpacked(points["state"]), drag.state[rows])  # all points have a force
-        policy = re.search(r"<meta http-equiv=.*?>", text)[0]
-        path.write_text(text.replace(policy, "").replace("</body>", f"<script>{{{LOOK}}}</script></body>"))
-        dom, console = browse(path, "--window-size=700,900", "--dump-dom")
-        self.assertEqual(console, [])
-        elements = Elements(dom)
-        look = json.loads(next(e[1] for e in elements.found if e[0] == "html")["data-found"])
+        elements = self.opened(path, "friction-states", 700, 900)
+        look = self.browser.evaluate(LOOK)
         state = drag.state[drag.rows]
         colours = {OPEN: "#e2e0da", STICK: "#39507f", SLIP: "#efa500"}
         self.assertEqual(look["map"], {colours[value]: int((state == value).sum()) for value in colours})
@@ -593,16 +584,6 @@ class Sweeps(FrictionTest):
                 "longest slip (m)",
                 "steps with several solutions",
             ],
-        )
-
-
-class Command(FrictionTest):
-    def test_of_pictures_names_the_one_of_friction(self):
-        result, _ = self.made()
-        done = self.succeed(Run([BIN / "ricochet", "plot", result.path]))
-        self.assertEqual(
-            done.out.split(),
-            [f"{self.folder}/rubbed-{name}.png" for name in ("contact", "friction", "snapshots", "energy")],
         )
 
 
