@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <set>
 
 #include "src/modes/checkpoint_folder.hpp"
 #include "tests/meshes.hpp"
@@ -74,11 +75,11 @@ TEST(Search, finds_the_number_requested_whatever_the_estimate) {
     for (std::size_t k = 0; k < estimates.size(); ++k) {
       SCOPED_TRACE(testing::Message() << "estimate " << k << ", " << per_shift << " per shift");
       expect_lowest(block,
-                    block.search({.count = 60,
+                    block.search({.count = 36,
                                   .expected = estimates[k],
                                   .modes_per_shift = per_shift,
                                   .solver = modes::Solver::slicing}),
-                    60);
+                    36);
     }
 }
 
@@ -159,11 +160,11 @@ TEST(Search, finds_again_any_mode_that_its_slices_have_lost) {
     expect_lowest(block, whole, count);
     EXPECT_EQ(whole.slices.back().probe.sigma > whole.end.sigma, per_shift == 30);
     memory.complete = true;
-    // The lowest mode, modes beside each shift, and the last one below the end.
-    std::vector<Eigen::Index> victims{6, count - 1};
-    for (const Slice& slice : whole.slices)
+    // The lowest mode, modes beside the first and the last shift, and the last one below the end.
+    std::set<Eigen::Index> victims{6, count - 1};
+    for (const Slice& slice : {whole.slices.front(), whole.slices.back()})
       for (const std::int64_t n : {slice.probe.below - 1, slice.probe.below})
-        if (n < count) victims.push_back(n);
+        if (n < count) victims.insert(n);
     for (const Eigen::Index victim : victims) {
       SCOPED_TRACE(testing::Message() << "mode " << victim << ", " << per_shift << " per shift");
       memory.lost = block.exact[victim];
