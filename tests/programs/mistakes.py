@@ -6,15 +6,14 @@
 
 import concurrent.futures
 import os
-import pathlib
 import re
 import subprocess
 import sys
-import tempfile
 import unittest
 
-from mistakes_table import BYTES, FILES, SCENE, sections
-from programs import BIN, SOURCE
+import ricochet
+from mistakes_table import BYTES, FILES, SCENE, TABLE, sections
+from programs import BIN, SOURCE, Command, ProgramTest
 
 PAGE = SOURCE / "docs" / "messages.md"
 LONGEST = 250  # characters
@@ -73,12 +72,22 @@ def made(mistake, folder, number):
     return done
 
 
-class Mistakes(unittest.TestCase):
+def read(mistake, folder, number):
+    """What the reader of the package says about the scene of a mistake; empty if it accepts the scene."""
+    try:
+        ricochet.Scene(folder / f"wrong{number}.toml")
+    except ricochet.InputError as refusal:
+        return re.sub(r"wrong\d+\.toml", "wrong.toml", str(refusal))
+    return ""
+
+
+class Mistakes(ProgramTest):
+    def setUp(self):
+        pass  # all tests look into the folder of the class
+
     @classmethod
     def setUpClass(cls):
-        scope = tempfile.TemporaryDirectory(prefix="ricochet-mistakes-")
-        cls.addClassCleanup(scope.cleanup)
-        cls.folder = pathlib.Path(scope.name)
+        cls.folder = cls.shared_folder()
         write_files(cls.folder)
         first = run(
             "ricochet kernel -n 1 --quiet scene.toml && ricochet impact --quiet scene.toml", cls.folder
@@ -102,6 +111,24 @@ class Mistakes(unittest.TestCase):
                 self.assertRegex(lines[0], mistake.answer)
                 self.assertLessEqual(len(lines[0]), LONGEST, lines[0])
                 self.assertNotRegex(lines[0], INTERNAL)
+
+    def test_the_reader_says_what_the_command_says(self):
+        compared = 0
+        for number, (mistake, done) in enumerate(self.answers):
+            if mistake.reader and mistake.change and mistake.command.startswith("ricochet impact wrong.toml"):
+                with self.subTest(mistake.what, change=mistake.change):
+                    told = read(mistake, self.folder, number).replace(f"{self.folder}/", "")
+                    self.assertEqual(f"ricochet-contact: {told}", done.stderr)
+                    compared += 1
+        self.assertGreater(compared, 30)
+
+    def test_each_study_is_refused_in_one_line(self):
+        for text, part in TABLE["studies"]:
+            study = self.folder / "wrong.study.toml"
+            study.write_text(f'scene = "scene.toml"\ntitle = "Rods"\n{text}')
+            with self.subTest(text):
+                self.refused(Command("sweep", study, "--ranks", "1", "--out", self.folder / "none"), part)
+        self.assertEqual([path.name for path in self.folder.glob("none/*.kernel.h5")], [])
 
     def test_nothing_is_lost_and_nothing_is_left(self):
         self.assertEqual((self.lost, self.left), ([], []))

@@ -18,16 +18,20 @@ class Mistake:
     change: tuple[str, str] | None = None
     status: int = 2
     env: dict[str, str] = dataclasses.field(default_factory=dict)
+    reader: bool = False
+
+
+TABLE = tomllib.loads(pathlib.Path(__file__).with_name("mistakes.toml").read_text())
 
 
 def sections():
     """Mistakes by title of their section."""
-    table = tomllib.loads(pathlib.Path(__file__).with_name("mistakes.toml").read_text())
     return {
         section["title"]: [
-            Mistake(*entry[:3], **(entry[3] if len(entry) > 3 else {})) for entry in section["mistakes"]
+            Mistake(*entry[:3], **{"reader": section.get("reader", False)} | dict(*entry[3:]))
+            for entry in section["mistakes"]
         ]
-        for section in table["section"]
+        for section in TABLE["section"]
     }
 
 

@@ -14,7 +14,7 @@ import unittest
 
 import h5py
 
-from programs import BIN, DEADLOCK_S, MESHES, ProgramTest
+from programs import BIN, DEADLOCK_S, MESHES, Command, ProgramTest, Run
 
 from ricochet.programs import toml
 from ricochet.errors import InputError
@@ -35,26 +35,19 @@ class Faults(ProgramTest):
     def study(self, text):
         return self.write("study.toml", STUDY + text)
 
-    def script(self, name, *words, env=(), **streams):
-        """Runs a command and returns its result. A test may pass its own streams."""
-        command = ["env", *env, BIN / "ricochet", name, *words]
-        return subprocess.run(
-            [str(word) for word in command],
-            text=True,
-            errors="surrogateescape",
-            timeout=DEADLOCK_S,
-            **({"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | streams),
-        )
+    def script(self, *words, env=(), **streams):
+        """Runs the command, in a process of its own with variables or streams of its own."""
+        if not env and not streams:
+            return Command(*words)
+        return Run(["env", *env, BIN / "ricochet", *words], **streams)
 
     def sweep(self, *more, **how):
         return self.script("sweep", self.folder / "study.toml", "--ranks", "1", *more, **how)
 
     def ends(self, done, status, *parts):
-        self.assertEqual(
-            (done.returncode, (done.stderr or "").count("\n")), (status, 1 if parts else 0), done.stderr
-        )
-        for part in parts:
-            self.assertIn(part, done.stderr)
+        if parts:
+            return self.refused(done, *parts, status=status)
+        self.assertEqual((done.status, done.err or ""), (status, ""))
 
     def rows(self):
         with open(self.out / "rods.sweep.csv") as file:
@@ -63,23 +56,11 @@ class Faults(ProgramTest):
 
 class Studies(Faults):
     def test_whatever_a_study_says_it_is_understood_or_refused_in_one_line(self):
+        """Texts that are too large for mistakes.toml, which has the others."""
         gap = '[grid]\n"contact.gap" = '
-        draw = '[random]\ncount = 5\n"contact.gap" = '
         for text, part in [
-            ("[random]\ncount = 5", "draws nothing"),
-            (draw + "{uniform = [1.0, 0.0]}", "uniform"),
-            (draw + "{uniform = [-1e308, 1e308]}", "uniform"),
-            (gap + "{from = -1e308, to = 1e308, steps = 3}", "steps"),
             (gap + "{from = 0, to = %s, steps = 3}" % ("1" * 400), "64 bits"),
             (gap + "[%s]" % ("1" * 5000), "not TOML"),
-            (gap + "{from = 0, to = 1, steps = 1000000000000}", "10000000 steps"),
-            (gap + "[9223372036854775808]", "64 bits"),
-            (
-                gap + '{from = 0, to = 1, steps = 4000}\n"contact.reach" = {from = 0, to = 1, steps = 4000}',
-                "10000000 settings",
-            ),
-            (gap + "[1.0, 1979-05-27]", "date"),
-            (gap + '["a\\u0000b"]', "NUL"),
             (gap + "[" * 3000 + "]" * 3000, "nested"),
             (gap + "[" * 60 + "]" * 60, "nested"),
         ]:
@@ -319,7 +300,7 @@ exec {BIN}/ricochet-kernel "$@"
             starts.write_text("")
             requests.write_text("")
             done = self.sweep(*more, env=[f"RICOCHET_BIN={self.folder}"])
-            self.assertEqual(done.returncode, 3, done.stderr)
+            self.assertEqual(done.status, 3, done.err)
             asked = [json.loads(line) for line in requests.read_text().splitlines()]
             return starts.read_text().count("\n"), sum("kernels" not in request for request in asked)
 
@@ -381,7 +362,7 @@ class Ends(Faults):
                 "standard output",
             )
         closed = self.script("sweep", self.folder / "study.toml", stderr=None, preexec_fn=lambda: os.close(2))
-        self.assertEqual(closed.returncode, 3)
+        self.assertEqual(closed.status, 3)
 
     def test_words_that_cannot_be_are_refused_in_one_line(self):
         broken = self.write("broken.toml", STUDY + '[grid]\n"a\\nb" = 5')
@@ -401,8 +382,8 @@ class Ends(Faults):
             self.ends(done, 2, *parts)
         for words, part in [(["--ranks", "100000"], "4096"), (["--against", "contact.gap"], "--plot")]:
             done = self.sweep(*words)
-            self.assertEqual(done.returncode, 2)
-            self.assertIn(part, done.stderr)
+            self.assertEqual(done.status, 2)
+            self.assertIn(part, done.err)
 
     def test_names_that_are_not_utf8_are_swept(self):
         folder = pathlib.Path(os.fsdecode(os.fsencode(self.folder) + b"/odd\xff"))
