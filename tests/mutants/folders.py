@@ -55,23 +55,24 @@ FOLDERS = {
     "contact": Folder(
         "contact/**/*.cpp",
         ("test_contact", "test_contact_core", "test_contact_realtime", "test_impact", "fuzz/table")
-        + _programs("spin", "table", "driven", "motion", "skins", "rods", "friction")
+        + ("verification/manual.rods", "verification/manual.belt")
+        + _programs("spin", "table", "driven", "motion", "skins", "friction")
         + ("python/friction", "python/api", *_programs("exports", "report", "robust")),
     ),
     "player": Folder("player/*.cpp", ("test_player",)),
     "kernels": Folder(
         "kernels/*.cpp",
         ("test_kernels", "test_scene", "test_contact", "fuzz/kernel")
-        + _programs("table", "spin", "rods", "exports", "algebra")
+        + _programs("table", "spin", "exports", "algebra")
         + ("python/api",),
     ),
     "scene": Folder(
         "src/scene/*.cpp",
         ("test_scene", "test_impact", "fuzz/scene")
-        + _programs("mistakes", "table", "driven", "errors", "rods", "parts", "imports", "algebra", "sweep")
+        + _programs("mistakes", "table", "driven", "errors", "parts", "imports", "algebra", "sweep")
         + ("python/api",),
     ),
-    "store": Folder("src/store/*.cpp", ("test_store", *_programs("reach", "errors", "rods", "algebra"))),
+    "store": Folder("src/store/*.cpp", ("test_store", *_programs("reach", "errors", "algebra"))),
     "accuracy": Folder("src/accuracy/*.cpp", ("test_accuracy", *_programs("accuracy"))),
     "kernel": Folder(
         "src/kernel/*.cpp",

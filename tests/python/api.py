@@ -80,7 +80,7 @@ class Scene(ScenesTest):
 
     def test_that_would_not_be_valid_is_refused_as_by_the_programs_and_stays_as_it_was(self):
         before = self.scene.to_toml()
-        for key, value in {"time.rate_hz": -1, "modes.colour": 5, "bodies.moving.mesh": 3, "x[": 1}.items():
+        for key, value in {"time.rate_hz": -1, "x[": 1}.items():  # mistakes.py compares the lines of many
             run = programs.contact(self.file, self.folder, f"{key}={value}")
             with self.assertRaises(ricochet.InputError) as refused:
                 self.scene[key] = value
@@ -240,6 +240,23 @@ class Impact(KernelsTest):
         np.testing.assert_array_equal(result.receivers["mic"].point, [5, 0, 0])
         self.assertAlmostEqual(result.bodies["moving"].mass, 10)
         self.assertAlmostEqual(result.total_force.sum() * 0.01, result.summary["impulse_ns"], places=12)
+
+    def test_in_single_precision_is_the_same_up_to_its_round_off(self):
+        double, single = (
+            ricochet.impact(self.scene.changed({"time.precision": p})) for p in ("double", "single")
+        )
+        self.assertEqual([one.summary["precision"] for one in (double, single)], ["double", "single"])
+        impulse = double.summary["impulse_ns"]
+        # 1e-6: ten times the round-off of a single-precision number.
+        self.assertAlmostEqual(single.summary["impulse_ns"], impulse, delta=1e-6 * impulse)
+        exits = [one.summary["exit_velocity"]["resting"][0] for one in (double, single)]
+        self.assertAlmostEqual(*exits, delta=1e-6)
+        # 2e-3: round-off 6e-8 of displacements of 10 m, for thirty modes, divided by the flexibility of a step, 0.01 m/N.
+        first = slice(0, 500)
+        difference = abs(single.force[first] - double.force[first]).max()
+        self.assertLess(difference, 2e-3 * double.force.max())
+        self.assertGreater(difference, 0)
+        self.assertLess(single.summary["energy_drift"], 1e-12)
 
     def test_lets_other_threads_run(self):
         self.scene.set({"time.rate_hz": 5000, "output.every": 1000, "output.snapshot_every": 0})
@@ -401,11 +418,6 @@ class Simulation(KernelsTest):
         self.assertIsNone(simulation.step_block(1).tangential_force)
         self.assertEqual(simulation.energy.friction, 0)
 
-    def test_of_rods_with_friction_is_refused(self):
-        rough = self.scene.changed({"contact.friction": 0.3})
-        with self.assertRaisesRegex(ricochet.InputError, "bodies.moving is a rod"):
-            ricochet.Simulation(rough, self.kernels)
-
     def test_is_interrupted_between_blocks(self):
         simulation = ricochet.Simulation(self.scene)
         threading.Timer(0.2, _thread.interrupt_main).start()
@@ -453,12 +465,6 @@ class SlidingBox(ProgramTest):
         result = ricochet.impact(self.scene)
         # Round-off: the two sums add in another order.
         np.testing.assert_allclose(block.total_force, result.total_force[1:], rtol=1e-14)
-
-    def test_is_carried_along_by_a_belt(self):
-        changes = {"bodies.box.velocity": [0, 0, 0], "obstacles.floor.velocity": [1, 0, 0]}
-        simulation = ricochet.Simulation(self.scene.changed(changes), pickups=[])
-        simulation.step_block(400)
-        self.assertAlmostEqual(simulation.mean_velocity("box")[0], 0.3 * 9.81 * 0.1, delta=0.01)
 
     def test_follows_the_history_of_an_obstacle(self):
         (self.folder / "pull.csv").write_text("t, factor\n0, 0\n0.05, 1\n")

@@ -4,12 +4,11 @@ add_program_test(verification estimates FIRST LONG)
 add_program_test(verification oracle_test)
 add_program_test(verification peers_test)
 add_program_test(verification extremes FIRST LONG)
-add_program_test(verification uzawa)
 add_program_test(verification verify)
 
 # Each short case of the validation manual is a separate test, which computes the case again. Those that take more than a few
 # seconds run with scripts/test --long only.
-set(quick bars falling_mass rods rods_analytic sphere two_balls)
+set(quick bars belt falling_mass rods rods_analytic sphere two_balls)
 file(GLOB cases CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/verification/cases/*.py)
 foreach(file ${cases})
   file(STRINGS ${file} short REGEX "^LONG = False")
