@@ -5,7 +5,6 @@ import json
 import pathlib
 import re
 import shutil
-import subprocess
 import tempfile
 import tomllib
 import unittest
@@ -14,7 +13,7 @@ import h5py
 import numpy as np
 
 import pages
-from programs import BIN
+from programs import BIN, Command, Run
 
 PAGES = sorted(
     path for glob in ("*.md", "docs/**/*.md", "benchmarks/*.md") for path in pages.SOURCE.glob(glob)
@@ -118,9 +117,7 @@ def keys_of(table, prefix=()):
 
 class Keys(unittest.TestCase):
     def setUp(self):
-        text = subprocess.run(
-            [BIN / "ricochet-contact", "--keys"], capture_output=True, text=True, check=True
-        ).stdout
+        text = Run([BIN / "ricochet-contact", "--keys"]).out
         self.known, section = set(), ""
         for line in text.splitlines():
             if found := re.match(r"## `\[+([^]]+)\]+`", line):
@@ -185,22 +182,14 @@ class Surfaces(unittest.TestCase):
         with tempfile.TemporaryDirectory(prefix="ricochet-page-") as name:
             folder = pathlib.Path(name)
             (folder / "sheet.geo").write_text('SetFactory("OpenCASCADE");\nRectangle(1) = {0, 0, 0, 1, 1};\n')
-            done = subprocess.run(
-                [BIN / "ricochet", "surfaces", folder / "sheet.geo"],
-                cwd="/",
-                capture_output=True,
-                text=True,
-                check=True,
-            )
-            self.assertEqual(done.stdout.splitlines()[-1], str(folder / "sheet.geo-surfaces.png"))
+            done = Command("surfaces", folder / "sheet.geo")
+            self.assertEqual(done.out.splitlines()[-1], str(folder / "sheet.geo-surfaces.png"))
             self.assertTrue((folder / "sheet.geo-surfaces.png").is_file())
 
     def test_of_what_is_no_drawing_are_refused_in_one_line(self):
-        done = subprocess.run(
-            [BIN / "ricochet", "surfaces", "none.step"], capture_output=True, text=True, check=False
-        )
+        done = Command("surfaces", "none.step")
         self.assertEqual(
-            (done.returncode, done.stderr),
+            (done.status, done.err),
             (2, "ricochet surfaces: none.step: there is no such file: name a .step, .brep, .geo or .msh\n"),
         )
 

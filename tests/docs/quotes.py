@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Every --set in a help text or on a page survives bash and zsh: values with characters of the shell are in quotes."""
 
+import functools
 import re
 import shutil
-import subprocess
 import unittest
 
-from programs import BIN, SOURCE
+from programs import BIN, SOURCE, Command, Run
 
 # A setting in quotes, or up to a blank or the end of inline code.
 SETTING = re.compile(r"""--set[ =]('[^']*'|"[^"]*"|[^\s`)]+)""")
@@ -21,13 +21,13 @@ def unquoted(text):
     return [setting for setting in settings if setting[0] not in "'\"" and SPECIAL.search(setting)]
 
 
+@functools.cache
 def texts():
-    """Help texts and pages, by name."""
-    for words in (*(["ricochet", verb] for verb in VERBS), ["ricochet-contact"], ["ricochet-kernel"]):
-        command = [BIN / words[0], *words[1:], "--help"]
-        yield " ".join(words), subprocess.run(command, capture_output=True, text=True, check=True).stdout
-    for path in [*SOURCE.glob("*.md"), *SOURCE.glob("docs/**/*.md"), *SOURCE.glob("benchmarks/*.md")]:
-        yield path.relative_to(SOURCE), path.read_text().partition(MISTAKES)[0]
+    """(name, text) of help texts and pages."""
+    found = [(f"ricochet {verb}", Command(verb, "--help").out) for verb in VERBS]
+    found += [(name, Run([BIN / name, "--help"]).out) for name in ("ricochet-contact", "ricochet-kernel")]
+    pages = [*SOURCE.glob("*.md"), *SOURCE.glob("docs/**/*.md"), *SOURCE.glob("benchmarks/*.md")]
+    return found + [(path.relative_to(SOURCE), path.read_text().partition(MISTAKES)[0]) for path in pages]
 
 
 class Quotes(unittest.TestCase):
@@ -46,10 +46,9 @@ class Quotes(unittest.TestCase):
     def test_zsh_passes_each_example_on(self):
         settings = sorted({setting for _, text in texts() for setting in SETTING.findall(text)})
         script = "\n".join(f"print -r -- {setting} || exit 1" for setting in settings if "KEY" not in setting)
-        done = subprocess.run(["zsh", "-f", "-c", script], capture_output=True, text=True, check=False)
-        self.assertEqual((done.returncode, done.stderr), (0, ""))
-        refused = subprocess.run(["zsh", "-f", "-c", "print a.b=[0,1]"], capture_output=True, check=False)
-        self.assertEqual(refused.returncode, 1)
+        done = Run(["zsh", "-f", "-c", script])
+        self.assertEqual((done.status, done.err), (0, ""))
+        self.assertEqual(Run(["zsh", "-f", "-c", "print a.b=[0,1]"]).status, 1)
 
 
 if __name__ == "__main__":

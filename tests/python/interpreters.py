@@ -4,11 +4,10 @@
 import glob
 import os
 import pathlib
-import subprocess
 import sys
 import unittest
 
-from programs import BIN, SOURCE, ProgramTest
+from programs import BIN, SOURCE, ProgramTest, Run
 from ricochet import interpreter
 
 PACKAGE = f"{SOURCE}/python:{BIN.parent}/python"
@@ -18,9 +17,7 @@ OTHERS = glob.glob(os.path.expanduser("~/.pyenv/versions/*/bin/python3")) + glob
 class Interpreters(ProgramTest):
     def call(self, *command, **variables):
         found = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
-        return subprocess.run(
-            list(map(str, command)), env=found | variables, capture_output=True, text=True, check=False
-        )
+        return Run(command, env=found | variables)
 
     def test_the_command_and_scripts_use_their_own_whatever_the_environment_names(self):
         broken = self.folder / "broken"
@@ -45,25 +42,23 @@ class Interpreters(ProgramTest):
             [SOURCE / "scripts/mutants", "--help"],
         ):
             done = self.call(*command, **other)
-            self.assertEqual((done.returncode, done.stderr), (0, ""), command)
+            self.assertEqual((done.status, done.err), (0, ""), command)
         done = self.call(SOURCE / "scripts/bench", "--help", **other)
         if (SOURCE / "build/python").is_dir():
-            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            self.assertEqual((done.status, done.err), (0, ""))
         else:
-            self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
-            self.assertIn("run scripts/build first", done.stderr)
+            self.assertEqual((done.status, done.err.count("\n")), (2, 1), done.err)
+            self.assertIn("run scripts/build first", done.err)
 
     def test_one_without_packages_is_refused_in_one_line(self):
         done = self.call("/usr/bin/python3", "-S", "-m", "ricochet", "--version", PYTHONPATH=PACKAGE)
-        self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
+        self.assertEqual((done.status, done.err.count("\n")), (2, 1), done.err)
         self.assertRegex(
-            done.stderr,
+            done.err,
             r"^ricochet: /usr/bin/python3 is Python 3\.\d+ without numpy, .*: use /usr/bin/python3",
         )
         done = self.call("/usr/bin/python3", "-S", "-c", "import ricochet", PYTHONPATH=PACKAGE)
-        self.assertRegex(
-            done.stderr.splitlines()[-1], "^ImportError: .* without numpy, h5py, matplotlib: use "
-        )
+        self.assertRegex(done.err.splitlines()[-1], "^ImportError: .* without numpy, h5py, matplotlib: use ")
 
     def test_a_module_of_another_version_is_named(self):
         (self.folder / "_core.cpython-399-x86_64-linux-gnu.so").write_text("")
@@ -77,8 +72,8 @@ class Interpreters(ProgramTest):
     def test_real_ones_are_refused_in_one_line(self):
         for other in OTHERS:
             done = self.call(other, "-m", "ricochet", "--version", PYTHONPATH=PACKAGE)
-            self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
-            self.assertRegex(done.stderr, f"^ricochet: {other} is Python 3.*: use /usr/bin/python3")
+            self.assertEqual((done.status, done.err.count("\n")), (2, 1), done.err)
+            self.assertRegex(done.err, f"^ricochet: {other} is Python 3.*: use /usr/bin/python3")
 
 
 if __name__ == "__main__":

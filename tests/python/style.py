@@ -4,10 +4,9 @@ its own."""
 
 import shutil
 import subprocess
-import tempfile
 import unittest
 
-from programs import SOURCE
+from programs import BIN, SOURCE
 
 PYTHON = SOURCE / "python"
 OTHERS = [SOURCE / name for name in ("benchmarks", "tests", "scripts/coverage", "scripts/fuzz")]
@@ -27,8 +26,7 @@ class Style(unittest.TestCase):
         self.check("flake8", "--config", ".flake8", "ricochet", *OTHERS)
 
     def test_types_agree(self):
-        with tempfile.TemporaryDirectory(prefix="ricochet-mypy-") as cache:
-            self.check("mypy", "--cache-dir", cache, "ricochet")
+        self.check("mypy", "--cache-dir", BIN.parent / "mypy", "ricochet")
 
 
 if __name__ == "__main__":
