@@ -2,11 +2,8 @@
 """The box of boxes.py, from its own mesh and from its matrices: the common base of the tests of imported bodies and of exports
 to other programs."""
 
-import pathlib
-import tempfile
-
 from boxes import MATERIAL, Box, listed, matrix_market
-from programs import BIN, ProgramTest, Run, kernel
+from programs import Command, ProgramTest, kernel
 
 SCENE = """
 title = "Box"
@@ -32,9 +29,7 @@ duration = 1.5
 class BoxTest(ProgramTest):
     @classmethod
     def setUpClass(cls):
-        scope = tempfile.TemporaryDirectory(prefix="ricochet-box-")
-        cls.addClassCleanup(scope.cleanup)
-        cls.all = pathlib.Path(scope.name)
+        cls.all = cls.shared_folder()
         cls.box = Box()
         cls.stiffness, cls.mass = cls.box.matrices()
         texts = {
@@ -52,25 +47,12 @@ class BoxTest(ProgramTest):
         }
         for name, text in texts.items():
             (cls.all / name).write_text(text)
-        run = Run(
-            [
-                BIN / "ricochet",
-                "import",
-                "matrices",
-                *(cls.all / name for name in ("K.mtx", "M.mtx", "nodes.txt")),
-                "--surface",
-                f"foot={cls.all / 'foot.txt'}",
-                "--surface",
-                f"top={cls.all / 'top.txt'}",
-                "--out",
-                cls.all / "box.h5",
-            ]
-        )
+        cls.matrices = [cls.all / name for name in ("K.mtx", "M.mtx", "nodes.txt")]
+        surfaces = [
+            word for name in ("foot", "top") for word in ("--surface", f"{name}={cls.all / name}.txt")
+        ]
+        run = Command("import", "matrices", *cls.matrices, *surfaces, "--out", cls.all / "box.h5")
         assert run.status == 0, run.err
         for name in ("own", "imported"):
             run = kernel(cls.all / f"{name}.toml", cls.all / name)
             assert run.status == 0, run.err
-
-    def one(self, out):
-        (path,) = pathlib.Path(out).glob("*.kernel.h5")
-        return path

@@ -1,24 +1,20 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The solver for the K and M of other programs: the example with files of PETSc, and options in place of calls."""
-import subprocess
-import tempfile
 import unittest
-from pathlib import Path
 
 import eps_matrices
 from eps_matrices import exact
+from programs import ProgramTest, Run
 from ricochet import programs
 
 
-class Example(unittest.TestCase):
+class Example(ProgramTest):
     def eigenvalues(self, ranks, *options, program=programs.BIN / "eigenpairs"):
         """Eigenvalues that the example, or another program, prints"""
-        with tempfile.TemporaryDirectory() as folder:
-            eps_matrices.write(Path(folder))
-            files = ("-k", f"{folder}/K.petsc", "-m", f"{folder}/M.petsc")
-            command = [*programs.mpirun(ranks), program, *files, *options]
-            done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=True)
-        return [float(line) for line in done.stdout.splitlines() if line.strip().replace(".", "").isdigit()]
+        eps_matrices.write(self.folder)
+        files = ("-k", self.folder / "K.petsc", "-m", self.folder / "M.petsc")
+        done = self.succeed(Run([*programs.mpirun(ranks), program, *files, *options]))
+        return [float(line) for line in done.out.splitlines() if line.strip().replace(".", "").isdigit()]
 
     def check(self, found, numbers):
         self.assertEqual(len(found), len(numbers))
@@ -41,9 +37,9 @@ class Example(unittest.TestCase):
         ):
             for ranks in (1, 2):
                 command = [*programs.mpirun(ranks), programs.BIN / "eigenpairs", word]
-                run = subprocess.run(list(map(str, command)), capture_output=True, text=True)
-                self.assertEqual(run.returncode, status)
-                said = run.stderr if status else run.stdout
+                run = Run(command)
+                self.assertEqual(run.status, status)
+                said = run.err if status else run.out
                 self.assertEqual(said.count(part), 1, said)
 
     def test_is_an_option_of_programs_that_are_linked_with_slepc_alone(self):
@@ -51,19 +47,12 @@ class Example(unittest.TestCase):
         alone = "\n".join(
             line for line in source.splitlines() if "EPSRicochet" not in line and "EPSSetType" not in line
         )
-        flags = subprocess.run(
-            ["pkg-config", "--cflags", "--libs", "slepc", "petsc", "mpi-c"],
-            capture_output=True,
-            text=True,
-            check=True,
-        ).stdout.split()
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "alone.c"
-            path.write_text(alone.replace("<ricochet/eps.h>", "<slepceps.h>"))
-            subprocess.run(["cc", path, *flags, "-o", f"{folder}/alone"], check=True)
-            library = programs.BIN.parent / "src/libricochet-eps.so"
-            options = ("-dll_append", library, "-eps_type", "ricochet", "-eps_nev", "5")
-            self.check(self.eigenvalues(2, *options, program=f"{folder}/alone"), range(1, 6))
+        flags = Run(["pkg-config", "--cflags", "--libs", "slepc", "petsc", "mpi-c"]).out.split()
+        path = self.write("alone.c", alone.replace("<ricochet/eps.h>", "<slepceps.h>"))
+        self.succeed(Run(["cc", path, *flags, "-o", self.folder / "alone"]))
+        library = programs.BIN.parent / "src/libricochet-eps.so"
+        options = ("-dll_append", library, "-eps_type", "ricochet", "-eps_nev", "5")
+        self.check(self.eigenvalues(2, *options, program=self.folder / "alone"), range(1, 6))
 
 
 if __name__ == "__main__":

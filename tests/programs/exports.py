@@ -3,7 +3,6 @@
 
 import re
 import shutil
-import subprocess
 import unittest
 
 import h5py
@@ -11,7 +10,7 @@ import numpy as np
 
 from box_test import BoxTest
 from boxes import dense
-from programs import BIN, Run, kernel, settings
+from programs import BIN, Command, Run, kernel, settings
 
 try:
     import siconos.numerics as siconos
@@ -26,22 +25,9 @@ class Exports(BoxTest):
         @param out  folder of the kernel; None: the one without friction
         """
         out = out or self.all / "imported"
-        self.succeed(
-            Run(
-                [
-                    BIN / "ricochet-contact",
-                    self.all / "imported.toml",
-                    "--out",
-                    out,
-                    "--quiet",
-                    "--fclib",
-                    self.folder / "fclib",
-                    "--fclib-every",
-                    every,
-                    *settings(sets),
-                ]
-            )
-        )
+        words = ["--fclib", self.folder / "fclib", "--fclib-every", every, *settings(sets)]
+        scene = self.all / "imported.toml"
+        self.succeed(Run([BIN / "ricochet-contact", scene, "--out", out, "--quiet", *words]))
         with h5py.File(out / "box.result.h5") as file:
             forces = dict(zip(np.rint(file["contact/time"][:] * 40).astype(int), file["contact/force"][:]))
         return sorted((self.folder / "fclib").glob("*.hdf5")), forces
@@ -182,24 +168,14 @@ class Exports(BoxTest):
                 self.assertEqual(len(coefficients) > 10, len(friction[0]) > 20)
 
     def test_only_problems_of_one_step_and_all_points_are_written(self):
-        run = Run(
-            [
-                BIN / "ricochet-contact",
-                self.all / "imported.toml",
-                "--out",
-                self.all / "imported",
-                "--set",
-                "contact.scheme=impulse",
-                "--fclib",
-                self.folder / "fclib",
-            ]
-        )
-        self.assertEqual(run.status, 2)
-        self.assertIn("--fclib: only contact.scheme", run.err)
+        words = ["--set", "contact.scheme=impulse", "--fclib", self.folder / "fclib"]
+        scene = self.all / "imported.toml"
+        run = Run([BIN / "ricochet-contact", scene, "--out", self.all / "imported", *words])
+        self.refused(run, "--fclib: only contact.scheme")
         self.assertFalse((self.folder / "fclib").exists())
 
     def faust(self, *arguments):
-        return Run([BIN / "ricochet", "export", "--faust", *arguments])
+        return Command("export", "--faust", *arguments)
 
     @unittest.skipUnless(shutil.which("faust"), "Faust is not installed: scripts/setup --tests")
     def test_faust_plays_the_modes_of_the_body(self):
@@ -210,11 +186,10 @@ class Exports(BoxTest):
         ).out
         self.assertEqual(text.splitlines()[0], 'declare name "box";')
         self.write("box.dsp", text)
-        subprocess.run(
-            ["faust", "-lang", "cpp", "-cn", "Body", "box.dsp", "-o", "body.hpp"], cwd=self.folder, check=True
-        )
+        words = ["-lang", "cpp", "-cn", "Body", "box.dsp", "-o", "body.hpp"]
+        self.succeed(Run(["faust", *words], cwd=self.folder))
         self.write("main.cpp", PLAYER)
-        subprocess.run(["g++", "-O0", "main.cpp", "-o", "player"], cwd=self.folder, check=True)
+        self.succeed(Run(["g++", "-O0", "main.cpp", "-o", "player"], cwd=self.folder))
         heard = np.loadtxt(Run([self.folder / "player", rate, count]).out.splitlines())
         with h5py.File(file) as kernel_file:
             omega, decay = kernel_file["modes/angular_frequency"][6:], kernel_file["modes/decay_rate"][6:]
@@ -246,8 +221,8 @@ class Exports(BoxTest):
             ("is not a direction", "1:w", []),
         ):
             run = self.faust(file, "--excite", excite, "--receive", 1, *more)
-            self.assertEqual((run.status, run.out), (2, ""))
-            self.assertIn(words, run.err)
+            self.refused(run, words)
+            self.assertEqual(run.out, "")
 
     def test_damaged_kernels_make_no_model(self):
         def version(file):
@@ -274,8 +249,8 @@ class Exports(BoxTest):
                     change(file)
             with self.subTest(words):
                 run = self.faust(path, "--excite", 3, "--receive", place)
-                self.assertEqual((run.status, run.out, run.err.count("\n")), (2, "", 1), run.err)
-                self.assertIn(words, run.err)
+                self.refused(run, words)
+                self.assertEqual(run.out, "")
 
 
 PLAYER = """

@@ -3,22 +3,19 @@
 any characters."""
 
 import contextlib
-import gc
-import io
 import json
 import os
 import pathlib
+import resource
 import shutil
-import subprocess
-import tempfile
 import unittest
 
 import h5py
 import numpy as np
 
-from programs import BIN, MESHES, SOURCE, ProgramTest, Run, contact, settings
+from programs import BIN, MESHES, Command, ProgramTest, Run, impact, limited
 
-from ricochet import cli, files
+from ricochet import files
 
 TITLE = "a $x^$ 日本語 😀"  # not a formula, and with characters that no font has
 # Waves cross the rods of 10 m in 1 ms: few rows and a short sound.
@@ -39,31 +36,22 @@ SCENE = MESHES / "two-rods/two-rods.toml"
 OBSTACLE = '[obstacles.floor]\npoint = [0,0,0]\n[contact]\nscheme = "compliant"\n'
 
 
-def as_nobody(command):
-    """Runs the command as a user who may not read protected files."""
-    lead = ["setpriv", "--reuid", "65534", "--regid", "65534", "--clear-groups"] if os.geteuid() == 0 else []
-    with tempfile.TemporaryDirectory() as home:  # matplotlib prints a warning without a home folder
-        pathlib.Path(home).chmod(0o777)
-        return subprocess.run(
-            [*lead, *map(str, command)],
-            capture_output=True,
-            text=True,
-            check=False,
-            env=os.environ | {"MPLCONFIGDIR": home},
-        )
+@contextlib.contextmanager
+def as_nobody():
+    """This process may not read protected files."""
+    before = os.geteuid()
+    os.seteuid(65534 if before == 0 else before)
+    try:
+        yield
+    finally:
+        os.seteuid(before)
 
 
 class Files(ProgramTest):
     @classmethod
     def setUpClass(cls):
-        scope = tempfile.TemporaryDirectory(prefix="ricochet-files-")
-        cls.addClassCleanup(scope.cleanup)
-        cls.all = pathlib.Path(scope.name)
-        for run in (
-            Run([BIN / "ricochet-kernel", SCENE, "--out", cls.all, "--quiet", *settings(SETS)]),
-            contact(SCENE, cls.all, *SETS),
-        ):
-            assert run.status == 0, run.err
+        cls.all = cls.shared_folder()
+        impact(SCENE, cls.all, *SETS)
 
     def setUp(self):
         super().setUp()
@@ -73,19 +61,14 @@ class Files(ProgramTest):
         self.out.chmod(0o755)
         self.result, self.summary_path = self.out / "rods.result.h5", self.out / "rods.summary.json"
 
-    def done(self, name, *arguments):
-        """Returns the status and the output on stderr."""
-        said = io.StringIO()
-        with contextlib.redirect_stderr(said), contextlib.redirect_stdout(io.StringIO()):
-            status = cli.main([name, str(self.result), *map(str, arguments)])
-        gc.collect()  # closes the files
-        return status, said.getvalue()
+    def drawn(self, name):
+        run = self.succeed(Command(name, self.result))
+        self.assertEqual(run.err, "")
 
-    def refused(self, words, name="report"):
-        status, said = self.done(name)
-        self.assertEqual((status, said.count("\n"), "Traceback" in said), (2, 1, False), said)
-        self.assertIn(words, said)
-        self.assertLess(len(said), 500)
+    def refuses(self, words, name="report"):
+        run = Command(name, self.result)
+        self.refused(run, words)
+        self.assertLess(len(run.err), 500)
 
     def test_damaged_results_are_refused_in_one_line_or_drawn(self):
         good, summary = self.result.read_bytes(), self.summary_path.read_text()
@@ -164,14 +147,14 @@ class Files(ProgramTest):
                 change(file)
             with self.subTest(name):
                 if words is None:
-                    self.assertEqual(self.done("report"), (0, ""))
+                    self.drawn("report")
                 else:
-                    self.refused(words)
+                    self.refuses(words)
         self.result.write_bytes(good)
         with h5py.File(self.result, "r+") as file:
             cut(0, "snapshots/time", "snapshots/moving", "snapshots/resting")(file)
             scene("[contact]\nbetween = [[1],[2]]")(file)
-        self.refused(foreign, "plot")
+        self.refuses(foreign, "plot")
         self.result.write_bytes(good)
 
         table = json.loads(summary)
@@ -189,11 +172,9 @@ class Files(ProgramTest):
         ]:
             self.summary_path.write_bytes(b"\xff" if text is None else text.encode())
             with self.subTest(name):
-                self.refused(words)
+                self.refuses(words)
 
     def test_what_may_not_be_read_is_not_called_missing(self):
-        if as_nobody(["test", "-x", BIN / "ricochet"]).returncode:
-            self.skipTest(f"another user can't read {SOURCE}")
         closed = [
             self.result,
             self.summary_path,
@@ -211,20 +192,20 @@ class Files(ProgramTest):
         self.out.chmod(0o755)
 
     def reads(self, path, name):
-        done = as_nobody([BIN / "ricochet", name, self.result])
-        self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
-        self.assertIn(f"{path.name}: cannot be read (Permission denied)", done.stderr)
+        with as_nobody():
+            run = Command(name, self.result)
+        self.refused(run, f"{path.name}: cannot be read (Permission denied)")
 
     def test_a_run_with_only_its_start_is_told_from_bodies_at_rest(self):
-        self.succeed(contact(SCENE, self.out, *SETS, "output.every=100000"))
+        impact(SCENE, self.out, *SETS, "output.every=100000")
         for name in ("plot", "report"):
-            self.refused("output.every is 100000", name)
+            self.refuses("output.every is 100000", name)
 
     def test_pictures_and_pages_of_any_title_are_whole_or_as_they_were(self):
         with h5py.File(self.result, "r+") as file:
             file.attrs["title"] = TITLE
-        self.assertEqual(self.done("plot"), (0, ""))
-        self.assertEqual(self.done("report"), (0, ""))
+        self.drawn("plot")
+        self.drawn("report")
         made = sorted([*self.out.glob("*.png"), *self.out.glob("*.html")])
         self.assertEqual(len(made), 4)
         for path in made:
@@ -235,20 +216,14 @@ class Files(ProgramTest):
             ["report", self.result],
             ["surfaces", drawing, "--out", self.out],
         ):
-            command = [BIN / "ricochet", *command]
-            run = Run(["prlimit", "--fsize=4096", *command])
-            self.assertEqual((run.status, run.err.count("\n")), (2, 1), run.err)
-            self.assertIn("cannot be written (File too large)", run.err)
+            with limited(resource.RLIMIT_FSIZE, 4096):
+                run = Command(*command)
+            self.refused(run, "cannot be written (File too large)")
             self.assertEqual(list(self.out.glob("*.partial")), [])
         self.assertEqual({path.read_text() for path in made}, {"earlier"})
-        full = subprocess.run(
-            f"exec '{command[0]}' surfaces '{drawing}' --out '{self.out}' > /dev/full",
-            shell=True,
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        self.assertEqual((full.returncode, full.stderr.count("\n")), (1, 1), full.stderr)
+        with open("/dev/full", "w") as full:
+            run = Run([BIN / "ricochet", *command], stdout=full)
+        self.refused(run, status=1)
 
     def test_what_killed_writers_left_goes_and_what_living_ones_write_stays(self):
         left, living, other = (

@@ -53,7 +53,7 @@ class Memory(ProgramTest):
     def test_of_steps_with_friction_is_stated_with_their_rows(self):
         """324 points with three rows each: a matrix has 7.2 MiB."""
         self.write("box.msh", Box(size=(1.0, 0.7, 0.1), cells=(17, 17, 2)).gmsh())
-        sets = ["contact.friction=0.3", "time.duration=5e-4"]
+        sets = ["contact.friction=0.3", "contact.gap=2e-5", "time.duration=1e-4"]
         self.compare(kernel(self.scene, self.out, *sets, quiet=False))
         self.assertGreater(self.compare(contact(self.scene, self.out, *sets, quiet=False)), 200)
 

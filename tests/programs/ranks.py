@@ -10,7 +10,7 @@ from programs import ProgramTest, displacement_kernel, kernel, static_responses
 
 GEO = """
 SetFactory("Built-in");
-Point(1) = {0, 0, 0, 0.5}; Point(2) = {1.1, 0, 0, 0.5}; Point(3) = {1.0, 1.3, 0, 0.5}; Point(4) = {0, 1, 0, 0.5};
+Point(1) = {0, 0, 0, 0.7}; Point(2) = {1.1, 0, 0, 0.7}; Point(3) = {1.0, 1.3, 0, 0.7}; Point(4) = {0, 1, 0, 0.7};
 Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1};
 Curve Loop(1) = {1:4}; Plane Surface(1) = {1};
 block[] = Extrude {0, 0, 0.7} { Surface{1}; };

@@ -12,7 +12,18 @@ import unittest
 import h5py
 import numpy as np
 
-from programs import BIN, SOURCE, Run, contact, displacement_kernel, kernel, settings
+from programs import (
+    BIN,
+    SOURCE,
+    Command,
+    Run,
+    contact,
+    displacement_kernel,
+    impact,
+    kernel,
+    limited,
+    settings,
+)
 from robust_test import Robust
 
 from ricochet.errors import InputError
@@ -47,7 +58,7 @@ class Signals(Robust):
         return process
 
     def test_a_run_that_is_told_to_end_leaves_nothing_and_says_by_what_it_ended(self):
-        self.succeed(kernel(self.scene, self.out, ranks=1))
+        self.kernels()
         for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
             process = self.run_that_writes()
             process.send_signal(number)
@@ -56,7 +67,7 @@ class Signals(Robust):
         self.assertEqual(list(self.out.glob("errors.*")), [])
 
     def test_what_a_killed_run_left_goes_at_the_next_and_what_a_live_one_writes_stays(self):
-        self.succeed(kernel(self.scene, self.out, ranks=1))
+        self.kernels()
         dead = self.run_that_writes()
         dead.kill()
         dead.wait()
@@ -102,7 +113,7 @@ class Signals(Robust):
 
 class Places(Robust):
     def test_a_full_disk_is_said_in_one_line_and_nothing_is_left(self):
-        self.succeed(kernel(self.scene, self.out, ranks=1))
+        self.kernels()
         self.succeed(contact(self.scene, self.out))
         before = {path.name: path.read_bytes() for path in self.out.iterdir()}
         for limit in (0, 1000, 20_000):  # no bytes, too few for a header, too few for the rows
@@ -121,7 +132,6 @@ class Places(Robust):
 
     @unittest.skipUnless(os.geteuid() == 0, "mounts")
     def test_what_does_not_fit_is_refused_before_the_first_step(self):
-        self.succeed(kernel(self.scene, self.folder / "kernels", ranks=1))
         self.out.mkdir()
         mounted = subprocess.run(
             ["mount", "-t", "tmpfs", "-o", "size=1m", "none", self.out], capture_output=True
@@ -129,8 +139,7 @@ class Places(Robust):
         if mounted.returncode != 0:
             self.skipTest("this machine does not let mount")
         self.addCleanup(subprocess.run, ["umount", self.out])
-        for path in (self.folder / "kernels").iterdir():
-            (self.out / path.name).write_bytes(path.read_bytes())
+        self.kernels()
         self.refused(
             contact(self.scene, self.out, "time.rate_hz=1e5"), "errors.result.h5", "MB are needed", "are free"
         )
@@ -150,7 +159,7 @@ class Places(Robust):
         self.succeed(kernel(self.scene, self.out, ranks=1))  # all kernels exist, so nothing is written
 
     def test_a_folder_that_is_a_file_is_refused_by_all(self):
-        self.succeed(kernel(self.scene, self.out, ranks=1))
+        self.kernels()
         file = self.write("file", "")
         self.refused(kernel(self.scene, file, ranks=1), "file: cannot create this folder")
         (path,) = self.out.glob("a-*.kernel.h5")
@@ -158,24 +167,13 @@ class Places(Robust):
             Run([BIN / "ricochet-recast", path, "--young-factor", "2", "--out", file]),
             "file: cannot create this folder",
         )
-        self.refused(
-            Run([BIN / "ricochet", "sweep", self.write("study.toml", STUDY), "--out", file]),
-            "sweep: ",
-            "file",
-        )
+        self.refused(Command("sweep", self.write("study.toml", STUDY), "--out", file), "sweep: ", "file")
 
     def test_output_that_goes_nowhere_is_no_success(self):
         for option in ("--dry-run", "--batch"):
             with open("/dev/full", "w") as full:
-                done = subprocess.run(
-                    [BIN / "ricochet-contact", self.scene, option],
-                    input="{}\n{}\n",
-                    stdout=full,
-                    stderr=subprocess.PIPE,
-                    text=True,
-                )
-            self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1))
-            self.assertIn("standard output", done.stderr)
+                run = Run([BIN / "ricochet-contact", self.scene, option], input="{}\n{}\n", stdout=full)
+            self.refused(run, "standard output", status=1)
 
     def test_requests_that_are_none_are_answered_and_the_next_ones_too(self):
         requests = [
@@ -186,14 +184,10 @@ class Places(Robust):
             '{"set": ["modes.cuont=3"]}',
             "{}",
         ]
-        done = subprocess.run(
-            [BIN / "ricochet-contact", self.scene, "--batch", "--out", self.out],
-            input="\n".join(requests),
-            capture_output=True,
-            text=True,
-        )
-        answers = [json.loads(line) for line in done.stdout.splitlines()]
-        self.assertEqual((done.returncode, [answer["status"] for answer in answers]), (0, [2] * 6))
+        command = [BIN / "ricochet-contact", self.scene, "--batch", "--out", self.out]
+        done = self.succeed(Run(command, input="\n".join(requests)))
+        answers = [json.loads(line) for line in done.out.splitlines()]
+        self.assertEqual([answer["status"] for answer in answers], [2] * 6)
         for answer, word in zip(
             answers, ("JSON object", "JSON object", "nested", "list of texts", "cuont", "no kernel")
         ):
@@ -208,9 +202,9 @@ class Early(Robust):
             ["bodies.b.mesh=none.geo", "none.geo"],
             ['output.receiver=[{name="far",body="b",at=[0,9,0]}]', "far", "off bodies.b"],
         ):
-            self.refused(kernel(self.scene, self.out, fault, ranks=1), *fragments)
             self.refused(self.check("--set", fault), *fragments)
             self.assertEqual(list(self.out.glob("*")) if self.out.exists() else [], [])
+        self.refused(kernel(self.scene, self.out, fault), *fragments)
         self.refused(self.check("--set", "modes.count=100"), "modes.count = 100")
 
     def check(self, *more):
@@ -258,8 +252,8 @@ class Files(Robust):
             self.assertLess(np.abs(one - other).max(), 1e-8 * np.abs(one).max())
 
     def test_memory_is_not_taken_on_the_word_of_a_file_or_scene(self):
-        self.succeed(kernel(self.scene, self.out, ranks=1))
-        (path,) = self.out.glob("a-*.kernel.h5")
+        self.kernels()
+        path = self.one(self.out, "a-*.kernel.h5")
         whole = path.read_bytes()
         command = [BIN / "ricochet-contact", self.scene, "--out", self.out, "--quiet"]
         with h5py.File(path, "r+") as file:
@@ -280,9 +274,8 @@ class Files(Robust):
         self.assertEqual(run.err.count("\n"), 1)
 
     def test_results_made_to_harm_are_refused_by_what_draws_them(self):
-        self.succeed(kernel(self.scene, self.out, ranks=1))
-        self.succeed(contact(self.scene, self.out))
-        (path,) = self.out.glob("*.result.h5")
+        self.kernels()
+        path = impact(self.scene, self.out).path
         whole = path.read_bytes()
         History(path)
         for name in ("time", "energy/kinetic", "contact/time", "contact/force", "bodies/a/velocity"):
@@ -306,26 +299,18 @@ class Files(Robust):
 
 
 class Sweeps(Robust):
+    def words(self):
+        return ["sweep", self.study, "--ranks", "1", "--jobs", "1", "--out", self.out]
+
     def sweep(self, *more):
-        return [
-            BIN / "ricochet",
-            "sweep",
-            self.study,
-            "--ranks",
-            "1",
-            "--jobs",
-            "1",
-            "--out",
-            self.out,
-            *more,
-        ]
+        return Command(*self.words(), *more)
 
     def test_one_that_is_told_to_end_has_its_tables_written_and_two_at_once_are_refused(self):
         self.study = self.write("study.toml", STUDY + '[set]\n"time.rate_hz" = 4e5\n')
-        first = self.start(*self.sweep())
+        first = self.start(BIN / "ricochet", *self.words())
         journal = self.out / "many.sweep.jsonl"
         self.until(lambda: journal.exists() and journal.stat().st_size)
-        self.refused(Run(["env", f"RICOCHET_BIN={BIN}", *self.sweep()]), "many.sweep.jsonl", "another sweep")
+        self.refused(self.sweep(), "many.sweep.jsonl", "another sweep")
         first.terminate()
         self.assertIn("the same command resumes", first.communicate(timeout=60)[1])
         self.assertEqual(first.returncode, 128 + signal.SIGTERM)
@@ -339,20 +324,20 @@ class Sweeps(Robust):
         # Within the journal or the tables; within the histories, and within the file that collects them.
         for keep, limits in ("", (1000, 8_000, 30_000)), ('keep = ["force"]\n', (60_000, 150_000)):
             self.study = self.write("study.toml", keep + STUDY)
-            run = ["env", f"RICOCHET_BIN={BIN}", *self.sweep()]
-            self.succeed(Run([*run, "--kernels"]))
+            self.succeed(self.sweep("--kernels"))
             for limit in limits:
-                self.refused(self.limited(resource.RLIMIT_FSIZE, limit, *run), "sweep: ", "File too large")
+                with limited(resource.RLIMIT_FSIZE, limit):
+                    run = self.sweep()
+                self.refused(run, "sweep: ", "File too large")
                 self.assertEqual(self.left(), [])
-            self.succeed(Run(run))
+            self.succeed(self.sweep())
             with h5py.File(self.out / "many.sweep.h5") as file:
                 self.assertTrue((file["status"][:] == 0).all())
                 self.assertEqual(len(file.get("histories", ())), 40 * bool(keep))
 
     def test_lines_of_the_journal_that_a_disk_spoilt_are_run_again(self):
         self.study = self.write("study.toml", STUDY)
-        run = ["env", f"RICOCHET_BIN={BIN}", *self.sweep()]
-        self.succeed(Run(run))
+        self.succeed(self.sweep())
         journal = self.out / "many.sweep.jsonl"
         lines = journal.read_bytes().splitlines(keepends=True)
         lines[3], lines[5], lines[7], lines[9] = (
@@ -362,7 +347,7 @@ class Sweeps(Robust):
             b"\xff\xfe{\n",
         )
         journal.write_bytes(b"".join(lines) + b'{"key": "half')
-        self.succeed(Run(run))
+        self.succeed(self.sweep())
         with h5py.File(self.out / "many.sweep.h5") as file:
             self.assertTrue((file["status"][:] == 0).all())
         keys = [json.loads(line)["key"] for line in journal.read_bytes().splitlines()[10:]]
@@ -371,20 +356,8 @@ class Sweeps(Robust):
 
 class Kills(unittest.TestCase):
     def test_programs_killed_at_random_moments_leave_nothing_partial_and_go_on(self):
-        run = Run(
-            [
-                "env",
-                f"RICOCHET_BIN={BIN}",
-                SOURCE / "scripts/verify",
-                "--kills",
-                "--count",
-                "10",
-                "--seed",
-                "3",
-                "--only",
-                "ricochet-contact",
-            ]
-        )
+        words = ["--kills", "--count", "5", "--seed", "3", "--only", "ricochet-contact"]
+        run = Run([SOURCE / "scripts/verify", *words])
         self.assertEqual(run.status, 0, run.out + run.err)
 
 

@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 
 from motion import BLOCK, BLOCKS, SINGLE, read_xdmf
-from programs import ProgramTest, contact, kernel
+from programs import ProgramTest, impact
 from ricochet.pages.motion import motion_of
 from ricochet.pictures.history import History
 from ricochet.pictures.skins import skins_of
@@ -36,15 +36,14 @@ class Skins(ProgramTest):
     def run_blocks(self, *sets):
         """The history of a run, its skins and the times of the snapshots."""
         out = self.folder / "out"
-        self.succeed(contact(self.folder / "blocks.toml", out, *sets))
-        history = History(out / "blocks.result.h5")
+        history = History(impact(self.folder / "blocks.toml", out, *sets).path)
         return (history, *skins_of(history, out))
 
     def setUp(self):
         super().setUp()
         self.write("block.geo", BLOCK)
         self.write("ramp.csv", "0,0\n0.03,1\n0.05,0.5\n")
-        self.succeed(kernel(self.write("blocks.toml", LINEAR), self.folder / "out"))
+        self.write("blocks.toml", LINEAR)
 
     def at_the_points(self, history, skin, k):
         """Displacements of the skin of body a along the normals at the contact points, as means over their patches, of

@@ -7,7 +7,7 @@ import h5py
 import numpy as np
 import scenes
 
-from programs import ProgramTest, contact, kernel
+from programs import ProgramTest, impact
 
 SIDE, DENSITY = 1.0, 2.0
 MASS, INERTIA = DENSITY * SIDE**3, DENSITY * SIDE**5 / 6  # a cube, about any axis through its centre
@@ -37,21 +37,18 @@ def moment(points, forces):
 class Spin(ProgramTest):
     def run_scene(self, text):
         self.write("cube.geo", CUBE)
-        self.write("scene.toml", text)
         out = self.folder / "out"
-        self.succeed(kernel(self.folder / "scene.toml", out))
-        self.succeed(contact(self.folder / "scene.toml", out))
-        (path,) = out.glob("*.result.h5")
-        with h5py.File(path) as file:
-            found = {name: file[name][:] for name in ("time", "contact/time", "contact/force")}
-            found |= {name: file[f"contact/{name}"][:] for name in ("point_a", "normal")}
-            for body in file["bodies"]:
-                (path,) = out.glob(f"{body}-*.kernel.h5")
-                with h5py.File(path) as of_body:
-                    found[body, "node"] = of_body["surface/node"][:]
-                    found[body, "centroid"] = of_body["surface/centroid"][:]
-                for of in ("momentum", "angular_momentum"):
-                    found[body, of] = file[f"bodies/{body}/{of}"][:]
+        result = impact(self.write("scene.toml", text), out)
+        found = {"time": result.time, "contact/time": result.contact_time, "contact/force": result.force}
+        found |= {"point_a": result.point_a, "normal": result.normal}
+        for body, motion in result.bodies.items():
+            with h5py.File(self.one(out, f"{body}-*.kernel.h5")) as of_body:
+                found[body, "node"] = of_body["surface/node"][:]
+                found[body, "centroid"] = of_body["surface/centroid"][:]
+            found[body, "momentum"], found[body, "angular_momentum"] = (
+                motion.momentum,
+                motion.angular_momentum,
+            )
         return found
 
     def at_start(self, found, body, centre, velocity, spin):
