@@ -67,14 +67,16 @@ ContactLaw::ContactLaw(Index rows, const SolveOptions& solver, bool springs)
       friction_of_(static_cast<std::size_t>(rows), -1),
       euler_(static_cast<int>(rows), solver, false, springs),
       mean_(static_cast<int>(rows), solver, false, springs) {
-  for (Vector* x : {&free, &start, &force_, &end_, &u_, &yielded_, &rest_, &end_rest_}) x->setZero(rows);
+  for (Vector* x : {&free, &start, &force_, &end_, &u_, &yielded_, &now_.R, &now_.M, &before_.R, &before_.M,
+                    &after_.R, &after_.M})
+    x->setZero(rows);
   position_.assign(static_cast<std::size_t>(rows), -1);
   trials_.resize(1);
   next_.resize(1);
   credit_.assign(1, 0);
   Island& p = problem_;
   for (Vector* x : {&p.free, &p.start, &p.rest, &p.gap, &p.belt, &p.before, &p.now, &p.force, &p.end, &p.u,
-                    &p.end_rest, &p.in_modes, &p.right})
+                    &p.end_rest, &p.in_modes, &p.right, &p.in_modes_now, &p.in_modes_before, &p.end_in_modes})
     x->setZero(rows);
   for (std::vector<int>* x : {&rows_, &p.held, &p.last, &p.pair, &p.law})
     x->reserve(static_cast<std::size_t>(rows));
@@ -108,7 +110,7 @@ ContactLaw::ContactLaw(const Model& model, const StepOptions& options)
 }
 
 void ContactLaw::hold(std::span<const int> rows) noexcept {
-  knows_rest_ = false;
+  knows_products_ = false;
   if (std::equal(rows.begin(), rows.end(), rows_.begin(), rows_.end())) return;
   for (const int row : rows_) position_[row] = -1;
   rows_.assign(rows.begin(), rows.end());
@@ -117,7 +119,7 @@ void ContactLaw::hold(std::span<const int> rows) noexcept {
 }
 
 void ContactLaw::change_matrices() noexcept {
-  knows_rest_ = false;
+  knows_products_ = false;
   problem_.last.clear();
   euler_.reset();
   mean_.reset();
@@ -125,15 +127,21 @@ void ContactLaw::change_matrices() noexcept {
 
 StepTrial ContactLaw::solve(const StepMatrices& matrices, const MeanForce& before, Slip* slip) noexcept {
   const Index k = std::ssize(rows_);
-  if (!knows_rest_) {
-    rest_.head(k).setZero();
-    for (Index j = 0; j < k && matrices.R.size() > 0; ++j)
-      if (const double force = before.end()(rows_[j]); force != 0)
-        rest_.head(k) += force * matrices.R.col(j).head(k);
+  if (!knows_products_) {
+    const auto product = [&](const Symmetric& matrix, const Vector& forces, Vector& out) {
+      out.head(k).setZero();
+      if (matrix.size() == 0) return;
+      simd::ColumnSum sum(static_cast<std::size_t>(k), out.data());
+      for (Index j = 0; j < k; ++j)
+        if (const double force = forces(rows_[j]); force != 0) sum.subtract(matrix.col(j).data(), -force);
+    };
+    product(matrices.R, before.end(), now_.R);
+    product(matrices.M, before.end(), now_.M);
+    product(matrices.M, before.before(), before_.M);
   }
-  knows_rest_ = true;
+  knows_products_ = true;
   if (slip != nullptr) slip->begin_trial();
-  for (Vector* x : {&force_, &end_, &end_rest_, &yielded_}) x->head(k).setZero();
+  for (Vector* x : {&force_, &end_, &yielded_, &after_.R, &after_.M}) x->head(k).setZero();
   islands_.separate();
   for (std::optional<StepTrial>& trial : trials_) trial.reset();
   for (int pair = 0; pair < islands_.pairs(); ++pair) {
@@ -171,9 +179,10 @@ bool ContactLaw::merge_at_closed_points(const StepMatrices& matrices, const Mean
   for (Index i = 0; i < k; ++i) {
     const int pair = before.pair_of_row()[rows_[i]];
     if (islands_.of(pair) >= 0) continue;
-    end_rest_(i) = matrices.R.size() > 0 ? matrices.R.row(i).head(k).dot(end_.head(k)) : 0;
-    yielded_(i) = end_rest_(i);
-    u_(i) = free(i) - matrices.M.row(i).head(k).dot(force_.head(k)) - end_rest_(i);
+    after_.R(i) = matrices.R.size() > 0 ? matrices.R.row(i).head(k).dot(end_.head(k)) : 0;
+    after_.M(i) = matrices.M.row(i).head(k).dot(end_.head(k));
+    yielded_(i) = after_.R(i);
+    u_(i) = free(i) - matrices.M.row(i).head(k).dot(force_.head(k)) - after_.R(i);
     if (u_(i) <= gap_(rows_[i])) continue;
     if (islands_.joins(pair)) continue;  // another point has just closed
     trials_[islands_.of_a(pair)].reset();
@@ -255,7 +264,8 @@ void ContactLaw::store_forces() noexcept {
     force_(at) = p.force(k);
     end_(at) = p.end(k);
     u_(at) = p.u(k);
-    end_rest_(at) = yielded_(at) = p.end_rest(k);
+    after_.R(at) = yielded_(at) = p.end_rest(k);
+    after_.M(at) = p.end_in_modes(k);
     if (!springs_.empty() && p.end(k) > 0 && p.springs[k].bulge > 0)
       yielded_(at) += p.springs[k].displacement(p.end(k));
   }
@@ -283,7 +293,9 @@ void ContactLaw::gather(const MeanForce& before, const Slip* slip) noexcept {
     const int at = p.held[k], row = rows_[at];
     p.free(k) = free(at);
     p.start(k) = start(at);
-    p.rest(k) = rest_(at);
+    p.rest(k) = now_.R(at);
+    p.in_modes_now(k) = now_.M(at);
+    p.in_modes_before(k) = before_.M(at);
     p.gap(k) = gap_(row);
     p.belt(k) = slip != nullptr && row >= contacts_ ? slip->belt()(row) : 0;
     p.now(k) = before.end()(row);
@@ -365,7 +377,8 @@ StepTrial ContactLaw::attempt(const StepMatrices& matrices, const MeanWeights& w
   const bool euler = weights == backward_euler;
   const Symmetric& S = euler ? matrices.S : matrices.S_mean;
   p.force.head(n) = weights.start * p.now.head(n) + weights.before * p.before.head(n);
-  multiply(matrices.M, p.force, n, p.in_modes);  // M h
+  p.in_modes.head(n) =
+      weights.start * p.in_modes_now.head(n) + weights.before * p.in_modes_before.head(n);  // M h
   p.u.head(n) = p.free.head(n) - p.in_modes.head(n);
   p.end.head(n).setZero();
   StepTrial out;
@@ -394,7 +407,9 @@ StepTrial ContactLaw::attempt(const StepMatrices& matrices, const MeanWeights& w
     multiply(matrices.R, p.end, n, p.end_rest);
   else
     p.end_rest.head(n).setZero();
-  p.in_modes.head(n) += p.right.head(n) - p.end_rest.head(n);  // M p̄
+  p.end_in_modes.head(n) = p.right.head(n) - p.end_rest.head(n);
+  p.in_modes.head(n) += p.end_in_modes.head(n);  // M p̄
+  if (!euler) p.end_in_modes.head(n) /= conserving_mean.end;
   account(friction, slip, out);
   return out;
 }
@@ -416,7 +431,12 @@ void ContactLaw::share_bank(int island, double bank) noexcept {
 }
 
 void ContactLaw::accept(MeanForce& mean, const Vector& end) noexcept {
-  rest_.swap(end_rest_);
+  before_.M.swap(now_.M);
+  now_.M.swap(after_.M);
+  now_.R.swap(after_.R);
+  // Where the history restarts, the force before is not the one of the step before.
+  if (std::any_of(next_.begin(), next_.end(), [](const MeanForce::Pair& pair) { return pair.restarts; }))
+    knows_products_ = false;
   mean.advance(end, next_);
 }
 

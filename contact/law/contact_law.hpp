@@ -88,7 +88,7 @@ class ContactLaw {
     Eigen::Index size = 0;
     std::vector<int> held, last;  ///< positions; those of the problem that was solved before
     Vector free, start, rest, gap, belt, before, now;
-    Vector force, end, u, end_rest, in_modes, right;
+    Vector in_modes_now, in_modes_before, force, end, u, end_rest, in_modes, end_in_modes, right;
     std::vector<int> pair, law;
     std::vector<PatchSpring> springs;
     std::vector<FrictionContact> contacts;
@@ -116,8 +116,13 @@ class ContactLaw {
   ContactSolver euler_, mean_;    ///< of S, of S_mean
 
   std::vector<int> rows_, position_;  ///< held rows; position of each row
-  bool knows_rest_ = false;
-  Vector force_, end_, u_, yielded_, rest_, end_rest_;  ///< rest: R p
+  /// Displacements by the forces at an instant, by position [m].
+  struct Products {
+    Vector R, M;  ///< R p, M p
+  };
+  bool knows_products_ = false;
+  Products now_, before_, after_;  ///< of before, R p is not used
+  Vector force_, end_, u_, yielded_;
 
   Islands islands_{1, {{0, -1}}};
   std::vector<std::optional<StepTrial>> trials_;  ///< of islands that are solved
