@@ -13,14 +13,15 @@
 namespace ricochet::kernels {
 namespace {
 
-/// Factors of the stiffness and the mass of a body.
+/// Factors of the properties of a body.
 struct Growth {
-  double stiffness, mass;
+  double stiffness, mass, length, area;
 };
 
 Growth growth(const Similarity& f) {
-  if (f.area) return {f.young * *f.area / f.scale, f.density * *f.area * f.scale};
-  return {f.young * f.scale, f.density * f.scale * f.scale * f.scale};
+  const double s = f.scale;
+  if (f.area) return {f.young * *f.area / s, f.density * *f.area * s, s, *f.area};
+  return {f.young * s, f.density * s * s * s, s, s * s};
 }
 
 template <class Range>
@@ -100,6 +101,70 @@ void contract(std::vector<T>& matrix, std::size_t width, const Factors& by) {
   matrix = std::move(sums);
 }
 
+// Similar bodies. Each structure is decomposed into all its members, so that a new member must get its factor
+// here; otherwise this does not compile.
+
+void rescale(Modes& modes, double frequency, const Damping& damping) {
+  auto& [basis, omega, decay, residual, certificate] = modes;
+  multiply(omega, frequency);
+  decay = decay_rates(damping, omega);
+  auto& [below, upto_hz, by_inertia, shift, modes_below, found, left_out, complete, orthonormality, error] =
+      certificate;
+  upto_hz *= frequency;
+  multiply(shift, frequency * frequency);
+}
+
+void rescale(Surface& surface, const Growth& by) {
+  auto& [components, direction, node, centroid, bulge, group, normal, area, corners, element, element_normal,
+         shape, flexibility, normal_residual, whole] = surface;
+  const auto rescale_geometry = [&](auto& nodes, auto& centroids, auto& bulges, auto& areas) {
+    multiply(nodes, by.length);
+    multiply(centroids, by.length);
+    multiply(bulges, by.length);
+    multiply(areas, by.area);
+  };
+  rescale_geometry(node, centroid, bulge, area);
+  multiply(shape, 1 / std::sqrt(by.mass));
+  multiply(flexibility, 1 / by.stiffness);
+  if (whole) {
+    auto& [all_node, all_centroid, all_bulge, all_normal, all_area, all_corners, all_element,
+           all_element_normal, held] = *whole;
+    rescale_geometry(all_node, all_centroid, all_bulge, all_area);
+  }
+}
+
+void rescale(Loads& loads, const Growth& by) {
+  auto& [body_force, rotation, residual] = loads;
+  multiply(body_force, std::sqrt(by.mass));
+  multiply(rotation, std::sqrt(by.mass) * by.length);
+  multiply(residual, by.mass / by.stiffness);
+}
+
+/// Factor of the force that one unit of the load exerts.
+double unit_force(const Load& load, const Growth& by) { return load.unit == "Pa" ? by.area : 1.0; }
+
+void rescale(Load& load, const Growth& by) {
+  const double force = unit_force(load, by);
+  auto& [name, unit, participation, total, moment, residual] = load;
+  multiply(participation, force / std::sqrt(by.mass));
+  multiply(total, force);
+  multiply(moment, force * by.length);
+  multiply(residual, force / by.stiffness);
+}
+
+/// Rescales mode shapes at points and the displacements of these points under contact forces, gravity and
+/// the `applied` loads.
+template <class Range>
+void rescale_responses(Range& shape, Range& by_contact, Range& by_gravity, Range& by_loads, const Growth& by,
+                       const std::vector<Load>& applied) {
+  multiply(shape, 1 / std::sqrt(by.mass));
+  multiply(by_contact, 1 / by.stiffness);
+  multiply(by_gravity, by.mass / by.stiffness);
+  for (std::size_t j = 0; j < by_loads.size(); ++j)
+    by_loads[j] = static_cast<std::decay_t<decltype(by_loads[j])>>(
+        by_loads[j] * (unit_force(applied[j / 3 % applied.size()], by) / by.stiffness));
+}
+
 }  // namespace
 
 double frequency_factor(const Similarity& factors) {
@@ -108,80 +173,29 @@ double frequency_factor(const Similarity& factors) {
 }
 
 Kernel rescaled(Kernel kernel, const Similarity& factors, const Damping& damping) {
-  const auto [k, m] = growth(factors);
-  const double frequency = frequency_factor(factors), s = factors.scale, root = std::sqrt(m);
-  // Each structure is decomposed into all its members, so a new member must get its factor here; otherwise
-  // this does not compile.
+  const Growth by = growth(factors);
   auto& [body, hash, scene, mesh_sha256, created_by, dofs, elements, order, mass, centre, inertia, supported,
          parts, held_on_lines, outline, modes, surface, loads, applied, motions, receivers, view] = kernel;
-  mass *= m;
-  multiply(centre, s);
-  multiply(inertia, m * s * s);
-  multiply(outline, s);
-  {
-    auto& [basis, omega, decay, residual, certificate] = modes;
-    multiply(omega, frequency);
-    decay = decay_rates(damping, omega);
-    auto& [below, upto_hz, by_inertia, shift, modes_below, found, left_out, complete, orthonormality, error] =
-        certificate;
-    upto_hz *= frequency;
-    multiply(shift, frequency * frequency);
-  }
-  {
-    auto& [components, direction, node, centroid, bulge, group, normal, area, corners, element,
-           element_normal, shape, flexibility, normal_residual, whole] = surface;
-    multiply(node, s);
-    multiply(centroid, s);
-    multiply(bulge, s);
-    multiply(area, factors.area.value_or(s * s));
-    multiply(shape, 1 / root);
-    multiply(flexibility, 1 / k);
-    if (whole) {
-      auto& [all_node, all_centroid, all_bulge, all_normal, all_area, all_corners, all_element,
-             all_element_normal, held] = *whole;
-      multiply(all_node, s);
-      multiply(all_centroid, s);
-      multiply(all_bulge, s);
-      multiply(all_area, factors.area.value_or(s * s));
-    }
-  }
-  auto& [body_force, rotation, body_force_residual] = loads;
-  multiply(body_force, root);
-  multiply(rotation, root * s);
-  multiply(body_force_residual, m / k);
-  const double on_surface = factors.area.value_or(s * s);
-  const auto per_unit = [&](const Load& load) { return load.unit == "Pa" ? on_surface : 1.0; };
-  for (Load& load : applied) {
-    auto& [name, unit, participation, total, moment, residual] = load;
-    const double unit_force = per_unit(load);
-    multiply(participation, unit_force / root);
-    multiply(total, unit_force);
-    multiply(moment, unit_force * s);
-    multiply(residual, unit_force / k);
-  }
+  mass *= by.mass;
+  multiply(centre, by.length);
+  multiply(inertia, by.mass * by.length * by.length);
+  multiply(outline, by.length);
+  rescale(modes, frequency_factor(factors), damping);
+  rescale(surface, by);
+  rescale(loads, by);
+  for (Load& load : applied) rescale(load, by);
   for (auto& [name, participation, residual, momentum] : motions) {
-    multiply(participation, root);
-    multiply(momentum, m);
+    multiply(participation, std::sqrt(by.mass));
+    multiply(momentum, by.mass);
   }
-  const auto loads_per_unit = [&, &applied = applied, by = k](auto& by_loads) {
-    for (std::size_t j = 0; j < by_loads.size(); ++j)
-      by_loads[j] = static_cast<std::decay_t<decltype(by_loads[j])>>(
-          by_loads[j] * (per_unit(applied[j / 3 % applied.size()]) / by));
-  };
   for (auto& [name, point, shape, by_contact, by_gravity, by_loads, by_motions] : receivers) {
-    multiply(point, s);
-    multiply(shape, 1 / root);
-    multiply(by_contact, 1 / k);
-    multiply(by_gravity, m / k);
-    loads_per_unit(by_loads);
+    multiply(point, by.length);
+    rescale_responses(shape, by_contact, by_gravity, by_loads, by, applied);
   }
   if (view) {
     auto& [node, corners, element, shape, by_contact, by_gravity, by_loads, by_motions] = *view;
-    multiply(node, s);
-    multiply(shape, 1 / root);
-    multiply(by_contact, 1 / k);
-    multiply(by_gravity, m / k);
-    loads_per_unit(by_loads);
+    multiply(node, by.length);
+    rescale_responses(shape, by_contact, by_gravity, by_loads, by, applied);
   }
   return kernel;
 }
