@@ -12,7 +12,7 @@
 namespace ricochet::contact {
 namespace {
 
-/// Coefficient of one mode in the kernels at each step: its motion after a unit impulse, or after a unit
+/// Coefficient of one mode in the responses at each step: its motion after a unit impulse, or after a unit
 /// force over the first step.
 struct Series {
   double stiffness, q, v;
@@ -24,23 +24,10 @@ struct Series {
   }
 };
 
-}  // namespace
-
-Table table_from_modes(const Model& given, const StepOptions& options, std::int64_t steps) {
-  const std::shared_ptr<const Model> folded = fold(borrowed(given), options);
-  const Model& model = *folded;
-  const bool compliant = options.scheme == Scheme::compliant;
-  const Eigen::Index N = model.omega.size(), m = model.gap.size();
-  // A mean rate needs one more sample and one more instant.
-  const int more = !compliant && options.admittance == Admittance::difference ? 1 : 0;
-  const std::int64_t L = std::max<std::int64_t>(2, steps + more), K = steps + 1 + more;
-  Table table;
-  table.step = options.step;
-  table.gap = model.gap;
-  if (model.bulge.size() > 0) table.gap += model.bulge;  // no springs
-  table.area = model.area;
-
-  // The motion without contact is that of the same bodies out of reach of each other.
+/// Samples the motion without contact at K instants, and the velocities that impulses need.
+void sample_free_motion(const Model& model, const StepOptions& options, std::int64_t K, Table& table) {
+  const Eigen::Index m = model.gap.size();
+  // Without contact, the bodies move as if they were too far apart to touch.
   Model apart = model;
   apart.gap.setConstant(1e300);
   const std::unique_ptr<Stepper> motion =
@@ -50,12 +37,18 @@ Table table_from_modes(const Model& given, const StepOptions& options, std::int6
       throw SolverError(base::format("the free motion stops being finite at t = {:.6g} s", motion->time()));
     const Vector &u = motion->displacement(), rate = model.B * motion->modal()->v;
     table.free.insert(table.free.end(), u.data(), u.data() + m);
-    if (!compliant) table.free_velocity.insert(table.free_velocity.end(), rate.data(), rate.data() + m);
+    if (options.scheme != Scheme::compliant)
+      table.free_velocity.insert(table.free_velocity.end(), rate.data(), rate.data() + m);
   }
+}
 
+/// Samples L responses: S for the compliant scheme, otherwise N and Ṅ.
+void sample_responses(const Model& model, const StepOptions& options, std::int64_t L, Table& table) {
+  const bool compliant = options.scheme == Scheme::compliant;
+  const Eigen::Index m = model.gap.size();
   std::vector<Series> series;
   std::vector<Eigen::Index> column;
-  for (Eigen::Index n = 0; n < N; ++n) {
+  for (Eigen::Index n = 0; n < model.omega.size(); ++n) {
     const double stiffness = model.omega(n) * model.omega(n);
     if (model.B.col(n).isZero(0)) continue;
     const ModeStep by = mode_step(model.omega(n), model.decay(n), options.step);
@@ -71,9 +64,9 @@ Table table_from_modes(const Model& given, const StepOptions& options, std::int6
     to.insert(to.end(), sample.data(), sample.data() + m * m);
   };
   const std::size_t size = L * m * m;
-  for (std::vector<double>* kernel :
+  for (std::vector<double>* response :
        compliant ? std::vector{&table.flexibility} : std::vector{&table.displacement, &table.velocity})
-    kernel->reserve(size);
+    response->reserve(size);
   if (compliant && !model.R.isZero(0)) table.residual.assign(model.R.data(), model.R.data() + m * m);
   for (std::int64_t l = 0; l < L; ++l) {
     if (compliant) {
@@ -84,20 +77,42 @@ Table table_from_modes(const Model& given, const StepOptions& options, std::int6
     }
     for (Series& s : series) s.advance();
   }
+}
 
+/// The bodies without supports.
+std::vector<FreeBody> free_bodies(const Model& model) {
+  std::vector<FreeBody> bodies;
   for (std::size_t k = 0; k < model.bodies.size(); ++k) {
     const Bodies::Block& block = model.bodies[k];
     if (block.supported) continue;
     FreeBody body{block.name, block.mass,
                   block.momentum * model.v0.segment(block.first_mode, block.modes) / block.mass,
-                  block.weight / block.mass, Matrix::Zero(m, 3)};
+                  block.weight / block.mass, Matrix::Zero(model.gap.size(), 3)};
     for (const Model::PairBlock& pair : model.pairs)
       for (const auto& [side, sign] : {std::pair{pair.a, -1.0}, std::pair{pair.b, 1.0}})
         if (side == static_cast<int>(k))
           body.push.middleRows(pair.first_point, pair.points) =
               sign * model.normal.middleRows(pair.first_point, pair.points);
-    table.bodies.push_back(body);
+    bodies.push_back(body);
   }
+  return bodies;
+}
+
+}  // namespace
+
+Table table_from_modes(const Model& given, const StepOptions& options, std::int64_t steps) {
+  const std::shared_ptr<const Model> folded = fold(borrowed(given), options);
+  const Model& model = *folded;
+  // A mean rate needs one more sample and one more instant.
+  const int more = options.scheme != Scheme::compliant && options.admittance == Admittance::difference;
+  Table table;
+  table.step = options.step;
+  table.gap = model.gap;
+  if (model.bulge.size() > 0) table.gap += model.bulge;  // no springs
+  table.area = model.area;
+  sample_free_motion(model, options, steps + 1 + more, table);
+  sample_responses(model, options, std::max<std::int64_t>(2, steps + more), table);
+  table.bodies = free_bodies(model);
   return table;
 }
 
