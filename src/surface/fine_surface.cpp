@@ -45,36 +45,80 @@ Vector3d surface_vector(int nodes, const double* gradient, const Position& posit
   return along_u.cross(along_v);
 }
 
-/// Adds the hats of one block of surface facets. The lattice divides the reference facet into p² equal cells,
-/// each with its own quadrature points.
-void add_facets(const Block& block, FineSurface& fine) {
-  const auto reference = mesh::reference_element(block.gmsh_type);
-  const auto lattice = mesh::lattice_of(reference);
-  const int p = reference.order, n = reference.nodes;
+/// Hats and shape functions at the quadrature points of one cell.
+struct CellValues {
+  std::vector<std::array<double, 4>> hat;
+  mesh::Basis basis;
+};
+
+/// Quadrature over facets of one type. The lattice divides the reference facet into p² equal cells, each with
+/// its own quadrature points.
+struct FacetRule {
+  mesh::ReferenceElement reference;
+  mesh::Lattice lattice = mesh::lattice_of(reference);
   // The integrand is hat × shape function × surface measure, of degree 1 + p + 2(p − 1).
-  const auto rule = mesh::quadrature_of(reference.family, 3 * p + 1);
-  struct CellTable {
-    std::vector<std::array<double, 4>> hat;
-    mesh::Basis basis;
-  };
-  std::vector<CellTable> tables;
+  mesh::Quadrature rule = mesh::quadrature_of(reference.family, 3 * reference.order + 1);
+  std::vector<CellValues> cells{};
+};
+
+FacetRule facet_rule(int gmsh_type) {
+  FacetRule facets{mesh::reference_element(gmsh_type)};
+  const auto& [reference, lattice, rule, cells] = facets;
   for (const auto& cell : lattice.cells) {
-    CellTable table;
+    CellValues values;
     std::vector<double> local;
     for (std::size_t q = 0; q < rule.size(); ++q) {
-      table.hat.push_back(hats(lattice.corners, rule.local[3 * q], rule.local[3 * q + 1]));
+      values.hat.push_back(hats(lattice.corners, rule.local[3 * q], rule.local[3 * q + 1]));
       std::array<double, 2> at{};
       for (int k = 0; k < lattice.corners; ++k)
         for (int d = 0; d < 2; ++d)
-          at[d] += table.hat.back()[k] * reference.node[2 * static_cast<std::size_t>(cell[k]) + d];
+          at[d] += values.hat.back()[k] * reference.node[2 * static_cast<std::size_t>(cell[k]) + d];
       local.insert(local.end(), {at[0], at[1], 0});
     }
-    table.basis = mesh::basis_at(reference, local);
-    tables.push_back(std::move(table));
+    values.basis = mesh::basis_at(reference, local);
+    facets.cells.push_back(std::move(values));
   }
-  const mesh::Basis at_nodes = mesh::basis_at(reference, local_nodes(reference));
-  const double share = 1.0 / (static_cast<double>(p) * p);
-  const std::vector<int> triangles = lattice.triangles();
+  return facets;
+}
+
+/// Adds the integrals of the hats of facet e, whose first part is `first`.
+/// @param position  of node a of the facet
+template <class Position>
+void add_integrals(const FacetRule& facets, const Block& block, std::size_t e, std::size_t first,
+                   const Position& position, FineSurface& fine) {
+  const auto& [reference, lattice, rule, cells] = facets;
+  const int n = reference.nodes;
+  const std::int64_t* nodes = &block.node[e * static_cast<std::size_t>(n)];
+  const double share = 1.0 / (static_cast<double>(reference.order) * reference.order);
+  for (std::size_t t = 0; t < cells.size(); ++t)
+    for (std::size_t q = 0; q < rule.size(); ++q) {
+      const std::size_t row = q * static_cast<std::size_t>(n);
+      const double* shape = &cells[t].basis.value[row];
+      const Vector3d normal =
+          surface_vector(n, &cells[t].basis.gradient[row * 3], position) * rule.weight[q] * share;
+      const double measure = normal.norm();
+      Vector3d x = Vector3d::Zero();
+      for (int a = 0; a < n; ++a) x += shape[a] * position(a);
+      for (int k = 0; k < lattice.corners; ++k) {
+        const auto corner = static_cast<std::size_t>(lattice.cells[t][static_cast<std::size_t>(k)]);
+        const auto vertex = static_cast<std::size_t>(nodes[corner]);
+        const double w = cells[t].hat[q][static_cast<std::size_t>(k)];
+        fine.area[vertex] += w * measure;
+        fine.normal[vertex] += w * normal;
+        fine.group[vertex] = block.label[e];
+        fine.part[first + corner].area += w * measure;
+        fine.part[first + corner].moment += w * measure * x;
+        for (int a = 0; a < n; ++a) fine.load[vertex][nodes[a]] += w * measure * shape[a];
+      }
+    }
+}
+
+/// Adds the facets of one block of a surface.
+void add_facets(const Block& block, FineSurface& fine) {
+  const FacetRule facets = facet_rule(block.gmsh_type);
+  const int n = facets.reference.nodes;
+  const mesh::Basis at_nodes = mesh::basis_at(facets.reference, local_nodes(facets.reference));
+  const std::vector<int> triangles = facets.lattice.triangles();
   for (std::size_t e = 0; e < block.size(); ++e) {
     const std::int64_t* nodes = &block.node[e * static_cast<std::size_t>(n)];
     const auto position = [&](int a) -> const Vector3d& {
@@ -89,29 +133,7 @@ void add_facets(const Block& block, FineSurface& fine) {
            .facet = fine.facet.size(),
            .sheet = first + static_cast<std::size_t>(a)});
     fine.facet.push_back({&block, e, first});
-    for (std::size_t t = 0; t < lattice.cells.size(); ++t)
-      for (std::size_t q = 0; q < rule.size(); ++q) {
-        const std::size_t row = q * static_cast<std::size_t>(n);
-        const Vector3d normal =
-            surface_vector(n, &tables[t].basis.gradient[row * 3], position) * rule.weight[q] * share;
-        const double measure = normal.norm();
-        Vector3d x = Vector3d::Zero();
-        for (int a = 0; a < n; ++a)
-          x += tables[t].basis.value[row + static_cast<std::size_t>(a)] * position(a);
-        for (int k = 0; k < lattice.corners; ++k) {
-          const auto corner = static_cast<std::size_t>(lattice.cells[t][static_cast<std::size_t>(k)]);
-          const auto vertex = static_cast<std::size_t>(nodes[corner]);
-          const double w = tables[t].hat[q][static_cast<std::size_t>(k)];
-          fine.area[vertex] += w * measure;
-          fine.normal[vertex] += w * normal;
-          fine.group[vertex] = block.label[e];
-          fine.part[first + corner].area += w * measure;
-          fine.part[first + corner].moment += w * measure * x;
-          for (int a = 0; a < n; ++a)
-            fine.load[vertex][nodes[a]] +=
-                w * measure * tables[t].basis.value[row + static_cast<std::size_t>(a)];
-        }
-      }
+    add_integrals(facets, block, e, first, position, fine);
     for (int k : triangles) {
       fine.simplex.push_back(nodes[k]);
       fine.simplex_part.push_back(first + static_cast<std::size_t>(k));
