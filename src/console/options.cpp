@@ -5,6 +5,7 @@
 
 #include <cstdio>
 #include <sstream>
+#include <vector>
 
 #include "src/console/cli.hpp"
 
@@ -39,15 +40,19 @@ CLI::Validator above_zero() {
       "> 0");
 }
 
-Parsed parse(const Program& program, int argc, const char* const* argv, bool speak) {
-  Options options;
+namespace {
+
+/// The texts of options whose values are paths or part of an override.
+struct Texts {
   std::string scene, out, accuracy, fclib;
-  CLI::App app{program.purpose, program.name};
+};
+
+void add_scene_options(CLI::App& app, const Program& program, Options& options, Texts& texts) {
   app.set_version_flag("--version", program.name + " " RICOCHET_VERSION);
   app.add_flag_callback(
-      "--keys", [&] { throw CLI::CallForVersion(program.keys, 0); },
+      "--keys", [&program] { throw CLI::CallForVersion(program.keys, 0); },
       "Print the reference of all keys of a scene and stop");
-  app.add_option("SCENE", scene, "Scene file (TOML)")->required();
+  app.add_option("SCENE", texts.scene, "Scene file (TOML)")->required();
   // Each option takes its one value verbatim, because vectors contain commas and brackets.
   app.add_option(
          "--set", options.overrides,
@@ -58,51 +63,71 @@ Parsed parse(const Program& program, int argc, const char* const* argv, bool spe
       ->expected(1)
       ->allow_extra_args(false);
   app.add_option(
-         "--accuracy", accuracy,
+         "--accuracy", texts.accuracy,
          "Relative error allowed in the main results: chooses the settings that the scene leaves open, "
          "and estimates errors; like --set accuracy=X")
       ->type_name("X");
-  app.add_option("--out", out, "Folder of kernels and results (default: out/ beside the scene)")
+  app.add_option("--out", texts.out, "Folder of kernels and results (default: out/ beside the scene)")
       ->type_name("DIR");
   app.add_flag("--dry-run", options.dry_run, "Print the resolved scene and stop");
   app.add_flag("--quiet", options.quiet, "No progress, no table");
-  if (program.impacts) {
-    CLI::Option* vtk =
-        app.add_flag("--vtk", options.vtk,
-                     "Write the motion for ParaView: <title>.motion.xdmf, about 200 frames, or one "
-                     "every output.vtk_every steps");
-    app.add_flag("--batch", options.batch, "Answer requests on standard input, a line of JSON each")
-        ->excludes(vtk);
-    app.add_option("--fclib", fclib,
-                   "Write the complementarity problems of steps into this folder, for FCLIB")
-        ->type_name("DIR");
-    app.add_option("--fclib-every", options.fclib_every, "Write every N-th step with contact (default: 1)")
-        ->type_name("N")
-        ->check(above_zero());
-  }
-  if (!program.impacts) {
-    CLI::Option* check = app.add_flag(
-        "--check", options.check,
-        "Check scene, meshes, groups, loads and receivers of the kernels that are missing, and stop");
-    app.add_flag(
-           "--verify", options.verify,
-           "Count the modes of the stored kernels again with K and M, and stop: status 1 if a count differs")
-        ->excludes(check);
-  }
+}
+
+void add_impact_options(CLI::App& app, Options& options, Texts& texts) {
+  CLI::Option* vtk =
+      app.add_flag("--vtk", options.vtk,
+                   "Write the motion for ParaView: <title>.motion.xdmf, about 200 frames, or one "
+                   "every output.vtk_every steps");
+  app.add_flag("--batch", options.batch, "Answer requests on standard input, a line of JSON each")
+      ->excludes(vtk);
+  app.add_option("--fclib", texts.fclib,
+                 "Write the complementarity problems of steps into this folder, for FCLIB")
+      ->type_name("DIR");
+  app.add_option("--fclib-every", options.fclib_every, "Write every N-th step with contact (default: 1)")
+      ->type_name("N")
+      ->check(above_zero());
+}
+
+void add_kernel_options(CLI::App& app, Options& options) {
+  CLI::Option* check = app.add_flag(
+      "--check", options.check,
+      "Check scene, meshes, groups, loads and receivers of the kernels that are missing, and stop");
+  app.add_flag(
+         "--verify", options.verify,
+         "Count the modes of the stored kernels again with K and M, and stop: status 1 if a count differs")
+      ->excludes(check);
+}
+
+/// The options of other commands, with these commands.
+Elsewhere elsewhere_of(const Program& program) {
   Elsewhere elsewhere{{"-n", "ricochet kernel, modes and run"},
                       {"--ranks", "ricochet kernel, modes and run"}};
-  const std::string other = program.impacts ? "ricochet kernel" : "ricochet impact";
-  for (const char* option : {"--check", "--verify"})
-    if (program.impacts) elsewhere[option] = other;
-  for (const char* option : {"--vtk", "--batch", "--fclib", "--fclib-every"})
-    if (!program.impacts) elsewhere[option] = other;
+  const std::vector<const char*> of_others =
+      program.impacts ? std::vector{"--check", "--verify"}
+                      : std::vector{"--vtk", "--batch", "--fclib", "--fclib-every"};
+  for (const char* option : of_others)
+    elsewhere[option] = program.impacts ? "ricochet kernel" : "ricochet impact";
+  return elsewhere;
+}
+
+}  // namespace
+
+Parsed parse(const Program& program, int argc, const char* const* argv, bool speak) {
+  Options options;
+  Texts texts;
+  CLI::App app{program.purpose, program.name};
+  add_scene_options(app, program, options, texts);
+  if (program.impacts)
+    add_impact_options(app, options, texts);
+  else
+    add_kernel_options(app, options);
   app.footer("Examples:\n" + program.examples);
-  if (const auto status = status_of_parsing(app, argc, argv, speak, elsewhere))
+  if (const auto status = status_of_parsing(app, argc, argv, speak, elsewhere_of(program)))
     return {std::nullopt, *status};
-  if (!accuracy.empty()) options.overrides.push_back("accuracy=" + accuracy);
-  options.scene = scene;
-  options.fclib = fclib;
-  options.out = out.empty() ? options.scene.parent_path() / "out" : std::filesystem::path(out);
+  if (!texts.accuracy.empty()) options.overrides.push_back("accuracy=" + texts.accuracy);
+  options.scene = texts.scene;
+  options.fclib = texts.fclib;
+  options.out = texts.out.empty() ? options.scene.parent_path() / "out" : std::filesystem::path(texts.out);
   return {options, 0};
 }
 
