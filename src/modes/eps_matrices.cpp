@@ -47,22 +47,22 @@ PetscInt block_of(Mat matrix) {
   return block;
 }
 
-}  // namespace
+/// Blocks of the upper triangle of K and M in the rows of this rank of the team.
+struct Pattern {
+  PetscInt block = 1, first = 0, end = 0, total = 0;  ///< size of a block; range and number of the rows
+  std::vector<std::vector<PetscInt>> columns{};  ///< block columns of each block row, from the diagonal on
 
-Pair paired(const parallel::Teams& teams, Mat given_stiffness, Mat given_mass, double origin) {
-  const RedundantRows stiffness(teams, given_stiffness), mass(teams, given_mass);
-  const bool blocked = block_of(given_stiffness) == 3 && (given_mass == nullptr || block_of(given_mass) == 3);
-  const PetscInt block = blocked ? 3 : 1;
-  PetscInt first = 0, behind = 0, total = 0;
-  check(MatGetOwnershipRange(stiffness.matrix(), &first, &behind));
-  check(MatGetSize(stiffness.matrix(), &total, nullptr));
+  PetscInt block_row(std::size_t i) const { return first / block + static_cast<PetscInt>(i); }
+};
 
-  // Block columns of each block row, from the diagonal on.
-  std::vector<std::vector<PetscInt>> columns(static_cast<std::size_t>((behind - first) / block));
-  std::vector<PetscInt> own(columns.size(), 0), of_others(columns.size(), 0);
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    const PetscInt row = first / block + static_cast<PetscInt>(i);
-    std::vector<PetscInt>& here = columns[i];
+Pattern pattern_of(const RedundantRows& stiffness, const RedundantRows& mass, PetscInt block) {
+  Pattern pattern{block};
+  check(MatGetOwnershipRange(stiffness.matrix(), &pattern.first, &pattern.end));
+  check(MatGetSize(stiffness.matrix(), &pattern.total, nullptr));
+  pattern.columns.resize(static_cast<std::size_t>((pattern.end - pattern.first) / block));
+  for (std::size_t i = 0; i < pattern.columns.size(); ++i) {
+    const PetscInt row = pattern.block_row(i);
+    std::vector<PetscInt>& here = pattern.columns[i];
     here.push_back(row);
     for (PetscInt r = row * block; r < (row + 1) * block; ++r)
       for (const RedundantRows* matrix : {&stiffness, &mass})
@@ -71,34 +71,55 @@ Pair paired(const parallel::Teams& teams, Mat given_stiffness, Mat given_mass, d
         });
     std::ranges::sort(here);
     here.erase(std::unique(here.begin(), here.end()), here.end());
-    for (const PetscInt column : here) ++(column < behind / block ? own : of_others)[i];
   }
+  return pattern;
+}
 
-  Pair pair;
-  for (parallel::Matrix* made : {&pair.stiffness, &pair.mass}) {
-    check(MatCreateSBAIJ(teams.team(), block, behind - first, behind - first, total, total, 0, own.data(), 0,
-                         of_others.data(), made->out()));
-    check(MatSetOption(*made, MAT_IGNORE_LOWER_TRIANGULAR, PETSC_TRUE));
-  }
+/// Collective on the team.
+parallel::Matrix empty_matrix(const Pattern& pattern, MPI_Comm team) {
+  const auto& [block, first, end, total, columns] = pattern;
+  std::vector<PetscInt> own(columns.size(), 0), of_others(columns.size(), 0);
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    for (const PetscInt column : columns[i]) ++(column < end / block ? own : of_others)[i];
+  parallel::Matrix matrix;
+  check(MatCreateSBAIJ(team, block, end - first, end - first, total, total, 0, own.data(), 0,
+                       of_others.data(), matrix.out()));
+  check(MatSetOption(matrix, MAT_IGNORE_LOWER_TRIANGULAR, PETSC_TRUE));
+  return matrix;
+}
+
+/// Where the values of one block row contain an entry: row by row, in the order of the block columns. Empty
+/// below the diagonal.
+/// @param r  row within the block row
+std::optional<std::size_t> place_of(PetscInt r, PetscInt column, PetscInt block,
+                                    const std::vector<PetscInt>& columns) {
+  const auto at = std::ranges::lower_bound(columns, column / block);
+  if (at == columns.end() || *at != column / block) return {};
+  const auto width = static_cast<std::size_t>(block) * columns.size();
+  return static_cast<std::size_t>(r) * width +
+         static_cast<std::size_t>((at - columns.begin()) * block + column % block);
+}
+
+}  // namespace
+
+Pair paired(const parallel::Teams& teams, Mat given_stiffness, Mat given_mass, double origin) {
+  const RedundantRows stiffness(teams, given_stiffness), mass(teams, given_mass);
+  const bool blocked = block_of(given_stiffness) == 3 && (given_mass == nullptr || block_of(given_mass) == 3);
+  const Pattern pattern = pattern_of(stiffness, mass, blocked ? 3 : 1);
+  const PetscInt block = pattern.block;
+  Pair pair{empty_matrix(pattern, teams.team()), empty_matrix(pattern, teams.team())};
   std::vector<double> of_stiffness, of_mass;
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    const PetscInt row = first / block + static_cast<PetscInt>(i);
-    const std::vector<PetscInt>& here = columns[i];
-    const std::size_t width = here.size() * static_cast<std::size_t>(block);
-    of_stiffness.assign(static_cast<std::size_t>(block) * width, 0);
+  for (std::size_t i = 0; i < pattern.columns.size(); ++i) {
+    const PetscInt row = pattern.block_row(i);
+    const std::vector<PetscInt>& here = pattern.columns[i];
+    of_stiffness.assign(static_cast<std::size_t>(block * block) * here.size(), 0);
     of_mass.assign(of_stiffness.size(), 0);
     for (PetscInt r = 0; r < block; ++r) {
-      const auto place = [&](PetscInt column) -> std::optional<std::size_t> {
-        const auto at = std::ranges::lower_bound(here, column / block);
-        if (at == here.end() || *at != column / block) return {};  // below the diagonal
-        return static_cast<std::size_t>(r) * width +
-               static_cast<std::size_t>((at - here.begin()) * block + column % block);
-      };
       stiffness.each(row * block + r, [&](PetscInt column, double value) {
-        if (const auto at = place(column)) of_stiffness[*at] += value;
+        if (const auto at = place_of(r, column, block, here)) of_stiffness[*at] += value;
       });
       mass.each(row * block + r, [&](PetscInt column, double value) {
-        if (const auto at = place(column)) {
+        if (const auto at = place_of(r, column, block, here)) {
           of_mass[*at] += value;
           of_stiffness[*at] -= origin * value;
         }
@@ -108,9 +129,9 @@ Pair paired(const parallel::Teams& teams, Mat given_stiffness, Mat given_mass, d
     check(MatSetValuesBlocked(pair.stiffness, 1, &row, n, here.data(), of_stiffness.data(), INSERT_VALUES));
     check(MatSetValuesBlocked(pair.mass, 1, &row, n, here.data(), of_mass.data(), INSERT_VALUES));
   }
-  for (Mat made : {static_cast<Mat>(pair.stiffness), static_cast<Mat>(pair.mass)}) {
-    check(MatAssemblyBegin(made, MAT_FINAL_ASSEMBLY));
-    check(MatAssemblyEnd(made, MAT_FINAL_ASSEMBLY));
+  for (Mat matrix : {static_cast<Mat>(pair.stiffness), static_cast<Mat>(pair.mass)}) {
+    check(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));
+    check(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));
   }
   return pair;
 }
