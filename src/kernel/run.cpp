@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <iostream>
+#include <optional>
 #include <utility>
 
 #include "base/atomic_file.hpp"
@@ -50,10 +51,90 @@ std::filesystem::path checkpoint_of(std::filesystem::path kernel) {
   return kernel.replace_extension().replace_extension(".slices");
 }
 
-void forget(const std::filesystem::path& checkpoint) {
-  std::error_code ignored;
-  std::filesystem::remove_all(checkpoint, ignored);
-}
+/// The kernels of a closed scene: those in the folder, and those that are missing. All member functions are
+/// collective.
+class Kernels {
+ public:
+  Kernels(const scene::Scene& scene, const console::Options& options, MPI_Comm comm,
+          console::Console& console)
+      : scene_(scene), folder_(options.out), comm_(comm), console_(console), meshes_(comm, console) {
+    parallel::on_all_ranks(comm, [&] {
+      for (const scene::Body& body : scene.bodies) requests_.push_back(scene::kernel_request(scene, body));
+    });
+    needs_ = needs_of(scene, requests_, folder_, meshes_, comm, console);
+  }
+
+  std::size_t size() const { return requests_.size(); }
+
+  /// Checks the bodies from the k-th on whose kernels must be computed.
+  void check_missing(std::size_t from) {
+    for (std::size_t k = from; k < size(); ++k) {
+      const auto alike = [&](const scene::KernelRequest& other) {
+        return other.hash == requests_[k].hash || scene::similarity(other, requests_[k]);
+      };
+      const auto earlier = requests_.begin() + static_cast<std::ptrdiff_t>(k);
+      if (std::none_of(requests_.begin(), earlier, alike) && stored(k).empty())
+        check_body(requests_[k], meshes_, comm_, console_);
+    }
+  }
+
+  /// Derives or computes the k-th kernel unless it is there.
+  /// @param report  whether to report the body of a computed kernel
+  /// @param before_computing  called before modes are computed
+  /// @return the file written, if any
+  template <class Task>
+  std::optional<std::filesystem::path> complete(std::size_t k, bool report, const Task& before_computing) {
+    const std::string& name = requests_[k].body.name;
+    if (const std::string there = stored(k); !there.empty()) {
+      if (!scene_.bodies[k].copy_of.empty()) return {};
+      forget(checkpoint_of(there));
+      console_.say(fmt::format("{}: already there: {}", name, there));
+      return {};
+    }
+    scene::KernelRequest request = limited_to(requests_[k], needs_[k]);
+    std::filesystem::path path = scene::kernel_path(folder_, request);
+    parallel::on_first_rank(comm_, [&] { base::check_place(path); });
+    const std::string from = derive_if_possible(request, folder_, path, comm_, console_);
+    if (from.empty()) {
+      request = limited_to(requests_[k], worth_computing(requests_, needs_, k));
+      path = scene::kernel_path(folder_, request);
+      before_computing();
+      const kernels::Kernel kernel = compute(request, checkpoint_of(path), meshes_, comm_, console_);
+      parallel::on_first_rank(comm_, [&] { kernels::write(kernel, path); });
+      if (first() && report) report_body(request.body, kernel, console_);
+    }
+    forget(checkpoint_of(path));
+    console_.say(fmt::format("{}: {}{}", name, from, path.string()));
+    return path;
+  }
+
+ private:
+  bool first() const { return parallel::rank_of(comm_) == 0; }
+
+  /// The file of the k-th kernel; empty if there is none.
+  std::string stored(std::size_t k) const {
+    std::string found;
+    if (first())
+      for (const store::KernelFile& file : store::kernel_files(folder_, requests_[k]))
+        if (found.empty() && file.holds(needs_[k].points, needs_[k].normals)) found = file.path.string();
+    parallel::broadcast(comm_, found);
+    return found;
+  }
+
+  /// Removes the finished slices of a kernel that is complete.
+  void forget(const std::filesystem::path& checkpoint) const {
+    std::error_code ignored;
+    if (first()) std::filesystem::remove_all(checkpoint, ignored);
+  }
+
+  const scene::Scene& scene_;
+  std::filesystem::path folder_;
+  MPI_Comm comm_;
+  console::Console& console_;
+  OpenedMeshes meshes_;
+  std::vector<scene::KernelRequest> requests_;
+  std::vector<Need> needs_;
+};
 
 /// Computes the kernels of a closed scene that are not there yet. Collective.
 /// @param check  whether to check all bodies before the first one is computed
@@ -61,66 +142,19 @@ void forget(const std::filesystem::path& checkpoint) {
 std::vector<std::filesystem::path> compute_kernels(const scene::Scene& scene, bool check,
                                                    const console::Options& options, MPI_Comm comm,
                                                    console::Console& console) {
-  const bool first = parallel::rank_of(comm) == 0;
-  std::vector<scene::KernelRequest> requests;
-  parallel::on_all_ranks(comm, [&] {
-    for (const scene::Body& body : scene.bodies) requests.push_back(scene::kernel_request(scene, body));
-  });
-  OpenedMeshes meshes(comm, console);
-  const std::vector<Need> needs = needs_of(scene, requests, options.out, meshes, comm, console);
-  const auto stored = [&](std::size_t k) {
-    std::string found;
-    if (first)
-      for (const store::KernelFile& file : store::kernel_files(options.out, requests[k]))
-        if (found.empty() && file.holds(needs[k].points, needs[k].normals)) found = file.path.string();
-    parallel::broadcast(comm, found);
-    return found;
-  };
-  const auto check_missing = [&](std::size_t from) {
-    for (std::size_t k = from; k < scene.bodies.size(); ++k) {
-      const auto alike = [&](const scene::KernelRequest& other) {
-        return other.hash == requests[k].hash || scene::similarity(other, requests[k]);
-      };
-      const auto earlier = requests.begin() + static_cast<std::ptrdiff_t>(k);
-      if (std::none_of(requests.begin(), earlier, alike) && stored(k).empty())
-        check_body(requests[k], meshes, comm, console);
-    }
-  };
+  Kernels all(scene, options, comm, console);
   std::vector<std::filesystem::path> written;
   if (options.check) {
-    check_missing(0);
+    all.check_missing(0);
     return written;
   }
-  // Errors of later bodies are reported early.
-  auto check_later = [&, checked = !check](std::size_t k) mutable {
-    if (!std::exchange(checked, true)) check_missing(k + 1);
-  };
-  for (std::size_t k = 0; k < requests.size(); ++k) {
-    scene::KernelRequest request = limited_to(requests[k], needs[k]);
-    const std::string there = stored(k);
-    if (!there.empty() && !scene.bodies[k].copy_of.empty()) continue;
-    if (!there.empty()) {
-      if (first) forget(checkpoint_of(there));
-      console.say(fmt::format("{}: already there: {}", request.body.name, there));
-      continue;
-    }
-    std::filesystem::path path = scene::kernel_path(options.out, request);
-    parallel::on_first_rank(comm, [&] { base::check_place(path); });
-    const std::string from = derive_if_possible(request, options.out, path, comm, console);
-    if (from.empty()) {
-      request = limited_to(requests[k], worth_computing(requests, needs, k));
-      path = scene::kernel_path(options.out, request);
-    }
-    const std::filesystem::path checkpoint = checkpoint_of(path);
-    if (from.empty()) {
-      check_later(k);
-      const kernels::Kernel kernel = compute(request, checkpoint, meshes, comm, console);
-      parallel::on_first_rank(comm, [&] { kernels::write(kernel, path); });
-      if (first && check) report_body(request.body, kernel, console);
-    }
-    written.push_back(path);
-    if (first) forget(checkpoint);
-    console.say(fmt::format("{}: {}{}", request.body.name, from, path.string()));
+  bool checked = !check;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const auto path = all.complete(k, check, [&] {
+      // Errors of later bodies are reported early.
+      if (!std::exchange(checked, true)) all.check_missing(k + 1);
+    });
+    if (path) written.push_back(*path);
   }
   return written;
 }
