@@ -146,7 +146,7 @@ void Reader::check_storage(const Id& dataset, const std::string& name, std::size
                      to_string(found), bytes_));
   if (!data_is_inside(dataset.get(), element, bound))
     fail(fmt::format(
-        "dataset \"{}\" keeps its data in another file, or behind a filter that is not HDF5's own.", name));
+        "dataset \"{}\" keeps its data in another file, or uses a filter that is not HDF5's own.", name));
 }
 
 void Reader::check_shape(const std::string& dataset, const Shape& expected) const {

@@ -59,7 +59,7 @@ scene::KernelRequest read_request(const Options& options) {
       throw InputError(fmt::format("{}: {} needs modes.count", options.scene, options.solver));
     if (options.solver == "slicing" && !options.upto_hz) throw InputError("slicing needs --upto-hz");
     if (options.solver == "calculix-input" && options.deck.empty())
-      throw InputError("calculix-input needs the name of the file to write, behind the body");
+      throw InputError("calculix-input needs the name of the file to write, after the body");
   } catch (const InputError& error) {
     complaint = error.what();
   }

@@ -212,8 +212,8 @@ Kernel truncated_to_band(Kernel kernel, Hertz band) {
   certificate.count_found = static_cast<std::int64_t>(kernel.modes.size());
   if (certificate.complete) certificate.count_by_inertia = certificate.count_found;
   const double end = std::pow(RadPerSecond(band).value, 2);
-  const auto behind = std::ranges::lower_bound(certificate.shift, end) - certificate.shift.begin();
-  certificate.shift.resize(static_cast<std::size_t>(behind));
+  const auto below = std::ranges::lower_bound(certificate.shift, end) - certificate.shift.begin();
+  certificate.shift.resize(static_cast<std::size_t>(below));
   certificate.modes_below.resize(certificate.shift.size());
   certificate.flexibility_error = 0;
   return kernel;

@@ -19,7 +19,7 @@ inline constexpr std::int64_t kVersion = 2;
 inline constexpr const char* kTractionUnit = "kg^-1/2 m^2";
 inline constexpr const char* kForceUnit = "kg^-1/2";
 
-/// Attribute of the residual flexibility that is held along the normals, and its value.
+/// Attribute of the residual flexibility that is stored along the normals, and its value.
 inline constexpr const char* kComponents = "components";
 inline constexpr const char* kNormal = "normal";
 
@@ -37,7 +37,7 @@ inline Shape over_components(const Surface& surface, Shape front, const Shape& b
   return joined(front, back);
 }
 
-/// The same for static corrections, which may be held along the normals alone.
+/// The same for static corrections, which may be stored along the normals alone.
 inline Shape over_residual(const Surface& surface, Shape front, const Shape& back = {}) {
   if (surface.residual_components() > 1) front.push_back(3);
   return joined(front, back);

@@ -168,8 +168,9 @@ void validate_components(const Surface& surface, const Validator& check) {
   if (surface.direction.has_value() != (surface.components == 1))
     check.fail_dataset("/surface/shape", "must have a direction if and only if it has one component.");
   if (surface.normal_residual && (surface.components != 3 || surface.residual_flexibility.empty()))
-    check.fail_dataset("/surface/residual_flexibility",
-                       "cannot be held along the normals if it is missing or if the kernel has a direction.");
+    check.fail_dataset(
+        "/surface/residual_flexibility",
+        "cannot be stored along the normals if it is missing or if the kernel has a direction.");
   if (surface.direction) check.unit("attribute \"direction\" of \"/surface/shape\"", *surface.direction);
 }
 

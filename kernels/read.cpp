@@ -102,7 +102,7 @@ class KernelReader {
   const hdf5::Reader& file_;
 };
 
-/// Whether the static correction is held along the normals alone.
+/// Whether the static correction is stored along the normals alone.
 bool has_normal_residual(const hdf5::Reader& file) {
   const std::string name = "/surface/residual_flexibility";
   if (!file.exists(name) || !file.has_attribute(name, kComponents)) return false;

@@ -40,7 +40,7 @@ class MotionSource {
 
   /// Null with a table: deformation, energies and receivers are unknown.
   const Model* modes() const { return table_ ? nullptr : places_; }
-  /// The points, bodies and modes behind the responses. Null if unknown, with a table from a file.
+  /// The points, bodies and modes that the responses represent. Null if unknown, with a table from a file.
   const Model* places() const { return places_; }
 
   Vector initial_state() const;

@@ -39,7 +39,7 @@ class Decimator {
   std::vector<double> filter_;  ///< h_j for j = 0 … half_
   std::vector<double> slope_, out_;
   std::vector<double> held_;          ///< (rows, columns) the latest rows and continuations
-  std::int64_t first_ = 0, end_ = 0;  ///< numbers of the first row in held_, and behind the last one
+  std::int64_t first_ = 0, end_ = 0;  ///< numbers of the first row in held_, and after the last one
   std::int64_t next_ = 0;             ///< number of the next output
 };
 

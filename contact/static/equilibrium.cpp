@@ -5,7 +5,7 @@
 
 #include "base/format.hpp"
 #include "contact/complementarity/contact_solver.hpp"
-#include "contact/static/held.hpp"
+#include "contact/static/balance.hpp"
 #include "contact/static/load_path.hpp"
 #include "ricochet/error.hpp"
 
@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::MatrixXd;
 
-// times most_imbalance: check_held measures it at other forces, body by body
+// times most_imbalance: check_balance measures it at other forces, body by body
 constexpr double stalled_factor = 10;
 constexpr double inexact = 1e-9;  // violation of Coulomb's law, relative, that an answer may have
 constexpr double unfelt = 1e-12;  // a rigid mode moves no point if it moves all by less than this share
@@ -160,7 +160,7 @@ class Balance {
       }
       before = imbalance;
     }
-    refuse_unheld(model_, statics_.rigid, left);
+    refuse_unbalanced(model_, statics_.rigid, left);
   }
 
  private:
@@ -206,7 +206,7 @@ class Rest {
   }
 
   void check(const LoadCase& loads) const {
-    check_held(model_, statics_.rigid, loads.load(statics_.rigid.mode));
+    check_balance(model_, statics_.rigid, loads.load(statics_.rigid.mode));
   }
 
   void begin(const LoadCase& loads) { now_.displacement = loads.s; }

@@ -3,7 +3,7 @@
 //
 // Every array is row-major, with its shape beside it:
 //   N modes, M candidate points, c components (3, or 1 if the scene fixes a contact direction),
-//   r components of the static correction (c, or 1 if it is held along the normals of the candidates),
+//   r components of the static correction (c, or 1 if it is stored along the normals of the candidates),
 //   T surface elements of k corners, V nodes and E elements of the visualisation surface.
 // SI units. Geometry is in the body's own frame: the mesh after `scale`, before rotation and translation.
 #pragma once

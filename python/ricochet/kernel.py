@@ -126,7 +126,7 @@ class Kernel:
     residual_flexibility: Floats | None = of_core(
         "residual_flexibility",
         "(cM,cM) R, the static flexibility of all that the modes leave out [m/N], index c·i + component; "
-        "(M,M) if it is held along the normals; "
+        "(M,M) if it is stored along the normals; "
         "None where the scene does without",
     )
 

@@ -3,7 +3,7 @@
 //
 //   K = ∫ Bᵀ D B dV,  M = ∫ ρ Nᵀ N dV       (rods: ∫ E A N'ᵀN' dx, ∫ ρ A NᵀN dx)
 //
-// Rows are global node × components + component. A held component keeps its row, with a positive diagonal
+// Rows are global node × components + component. A fixed component keeps its row, with a positive diagonal
 // entry in K and zeros in M. Its eigenvalue is infinite, so that no count below a shift includes it.
 #pragma once
 
@@ -19,10 +19,10 @@ struct Body {
   parallel::Matrix stiffness;  ///< SBAIJ, block size = components
   parallel::Matrix mass;       ///< same pattern
   /// (local rows, 6): M without supports times the rigid motions e_x, e_y, e_z, e_x × x, e_y × x, e_z × x;
-  /// held rows are zero.
+  /// fixed rows are zero.
   Eigen::MatrixXd rigid_load;
   std::int64_t local_rows = 0, total_rows = 0;
-  std::int64_t free_rows = 0;       ///< rows that no support holds
+  std::int64_t free_rows = 0;       ///< rows that no support fixes
   double total_mass = 0;            ///< [kg]
   Vector3 centre{};                 ///< [m]
   std::array<double, 9> inertia{};  ///< about the centre [kg m²]

@@ -21,8 +21,8 @@ Eigen::RowVectorXd Imposing::row(std::size_t local_node, int component) const {
   if (!mesh_.is_fixed(local_node, component)) return values;
   for (std::size_t s = 0; s < moved_.size(); ++s) {
     if (!mesh_.is_moved(local_node, s)) continue;
-    for (const char held : moved_[s]) {
-      const int k = held - 'x';
+    for (const char axis : moved_[s]) {
+      const int k = axis - 'x';
       if (mesh_.dim == 3 && k != component) continue;
       values[static_cast<Eigen::Index>(3 * s) + k] =
           mesh_.dim == 3 ? 1 : mesh_.axis[static_cast<std::size_t>(k)];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Forcing by moving supports: the coupling between free and held rows, which supports remove from K and M.
+// Forcing by moving supports: the coupling between free and fixed rows, which supports remove from K and M.
 #pragma once
 
 #include <Eigen/Dense>
@@ -11,12 +11,12 @@
 namespace ricochet::elasticity {
 
 /// Forcing by S supports. Each has three columns, for unit displacements along x, y and z of the body. A
-/// column is 0 if the support does not hold that component. Indices: f for free rows, s for held rows.
+/// column is 0 if the support does not hold that component. Indices: f for free rows, s for fixed rows.
 struct Imposed {
-  Eigen::MatrixXd shape;     ///< (local rows, 3S) E: displacement of held rows; free rows 0
-  Eigen::MatrixXd force;     ///< (local rows, 3S) −K_fs E [N/m]; held rows 0
-  Eigen::MatrixXd inertia;   ///< (local rows, 3S) M_fs E [kg]; held rows 0
-  Eigen::MatrixXd momentum;  ///< (3,3S) e_iᵀ M E over held rows, the same on every rank [kg]
+  Eigen::MatrixXd shape;     ///< (local rows, 3S) E: displacement of fixed rows; free rows 0
+  Eigen::MatrixXd force;     ///< (local rows, 3S) −K_fs E [N/m]; fixed rows 0
+  Eigen::MatrixXd inertia;   ///< (local rows, 3S) M_fs E [kg]; fixed rows 0
+  Eigen::MatrixXd momentum;  ///< (3,3S) e_iᵀ M E over fixed rows, the same on every rank [kg]
 };
 
 using ElementMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;

@@ -60,7 +60,7 @@ Rows read_rows(const Reader& file, const std::string& name, std::int64_t rows) {
     matrix.for_each(i, [&](std::int64_t j, double value) {
       if (j <= last || j >= rows)
         file.fail(
-            fmt::format("dataset \"{}/column\" has {} behind {} in row {}: columns must ascend and be below "
+            fmt::format("dataset \"{}/column\" has {} after {} in row {}: columns must ascend and be below "
                         "{}.",
                         name, j, last, i, rows));
       if (!std::isfinite(value)) file.fail(fmt::format("\"{}\" holds {} in row {}.", name, value, i));
@@ -95,7 +95,7 @@ std::vector<char> absent_rows(const Reader& file, const Rows& stiffness, const R
     if (k < 0 || (k == 0 && m != 0))
       file.fail(
           fmt::format("\"/stiffness\" has {:.6g} on its diagonal in row {} (node {}, {}): must be "
-                      "positive, or 0 like the mass if the displacement is held.",
+                      "positive, or 0 like the mass if the displacement is fixed.",
                       k, i, i / 3, "xyz"[i % 3]));
     if (m < 0 || (m == 0 && k != 0))
       file.fail(
@@ -108,7 +108,8 @@ std::vector<char> absent_rows(const Reader& file, const Rows& stiffness, const R
 }
 
 /// Returns the index of the connected part of each node. Parts are ordered by their first nodes. Nodes
-/// without any row are held; if there are such nodes, the body must have only one part, to which they belong.
+/// without any row are fixed; if there are such nodes, the body must have only one part, to which they
+/// belong.
 std::vector<std::int64_t> connected(const Reader& file, const Rows& stiffness,
                                     const std::vector<char>& absent) {
   std::vector<std::int64_t> part(static_cast<std::size_t>(stiffness.size() / 3), 0);
@@ -162,8 +163,10 @@ Rows share_out(const Rows& whole, const Mesh& mesh) {
 struct Nodes {
   std::vector<double> position;     ///< (n,3)
   std::vector<std::int64_t> fixed;  ///< (n) as in Mesh
-  Eigen::MatrixXd imposed;          ///< (3n,3S) displacements that moving supports impose on held rows
-  bool held(std::int64_t row) const { return (fixed[static_cast<std::size_t>(row / 3)] >> (row % 3)) & 1; }
+  Eigen::MatrixXd imposed;          ///< (3n,3S) displacements that moving supports impose on fixed rows
+  bool is_fixed(std::int64_t row) const {
+    return (fixed[static_cast<std::size_t>(row / 3)] >> (row % 3)) & 1;
+  }
   double x(std::int64_t row, int k) const { return position[static_cast<std::size_t>(row / 3 * 3 + k)]; }
 };
 
@@ -214,7 +217,7 @@ void fill(const Mesh& mesh, const Nodes& nodes, const Rows& stiffness, const Row
         (which == 0 ? stiffness : mass).for_each(3 * own + k, [&](std::int64_t j, double value) {
           if (j / 3 < node) return;
           Block& block = blocks.try_emplace(j / 3).first->second[which];
-          if (!nodes.held(3 * node + k) && !nodes.held(j))
+          if (!nodes.is_fixed(3 * node + k) && !nodes.is_fixed(j))
             block[static_cast<std::size_t>(3 * k + j % 3)] = value;
         });
     const auto row = static_cast<PetscInt>(node);
@@ -239,14 +242,14 @@ Sums sum_up(const Mesh& mesh, const Nodes& nodes, const Rows& stiffness, const R
   for (std::int64_t own = 0; own < body.local_rows; ++own) {
     const std::int64_t i = 3 * mesh.first_node + own;
     const auto d = static_cast<int>(i % 3);
-    const bool held = nodes.held(i);
+    const bool is_fixed = nodes.is_fixed(i);
     Eigen::RowVector<double, 6> load = Eigen::RowVector<double, 6>::Zero();
     mass.for_each(own, [&](std::int64_t j, double value) {
       const auto e = static_cast<int>(j % 3);
       const Vector3 x{nodes.x(j, 0), nodes.x(j, 1), nodes.x(j, 2)};
       for (int k = 0; k < 6; ++k) load[k] += value * rigid_value(mesh, k, x, e);
-      if (held) return;
-      if (nodes.held(j)) body.imposed.inertia.row(own) += value * nodes.imposed.row(j);
+      if (is_fixed) return;
+      if (nodes.is_fixed(j)) body.imposed.inertia.row(own) += value * nodes.imposed.row(j);
     });
     mass.for_each(own, [&](std::int64_t j, double value) {
       if (j % 3 != d) return;
@@ -260,10 +263,10 @@ Sums sum_up(const Mesh& mesh, const Nodes& nodes, const Rows& stiffness, const R
     stiffness.for_each(own, [&](std::int64_t j, double value) {
       if (i == j) sums.stiffest = std::max(sums.stiffest, value);
       if (j % 3 == d) sums.stretch[static_cast<std::size_t>(d)] += value * nodes.x(i, d) * nodes.x(j, d);
-      if (!held && nodes.held(j)) body.imposed.force.row(own) -= value * nodes.imposed.row(j);
+      if (!is_fixed && nodes.is_fixed(j)) body.imposed.force.row(own) -= value * nodes.imposed.row(j);
     });
     body.imposed.shape.row(own) = nodes.imposed.row(i);
-    if (held)
+    if (is_fixed)
       body.imposed.momentum += load.head<3>().transpose() * nodes.imposed.row(i);
     else
       body.rigid_load.row(own) = load;

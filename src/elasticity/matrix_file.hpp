@@ -7,7 +7,7 @@
 namespace ricochet::elasticity {
 
 /// Reads the matrices of a body file (docs/interchange.md). `mesh` comes from read_body_file and may be
-/// distributed over any number of ranks. Displacements without a row are marked as held in `mesh`, and its
+/// distributed over any number of ranks. Displacements without a row are marked as fixed in `mesh`, and its
 /// connected parts are set to those of the stiffness. Mass, centre and inertia are computed from the mass
 /// matrix, and the wave speed from uniform stretch.
 ///

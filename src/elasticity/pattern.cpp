@@ -68,19 +68,19 @@ void finish_inertia(MPI_Comm comm, std::array<double, 10>& moments, Body& body) 
 
 void finish_rows(const mesh::Mesh& mesh, double stiffest, Body& body) {
   const int c = mesh.components();
-  // Any positive value serves on the diagonal of held rows; the largest diagonal entry preserves the
+  // Any positive value serves on the diagonal of fixed rows; the largest diagonal entry preserves the
   // conditioning.
   stiffest = parallel::largest(mesh.comm, stiffest);
-  std::int64_t held = 0;
+  std::int64_t fixed = 0;
   mesh.for_each_owned([&](std::size_t i, std::int64_t) {
     for (int k = 0; k < c; ++k)
       if (mesh.is_fixed(i, k)) {
         const auto row = static_cast<PetscInt>(mesh.node[i] * c + k);
         parallel::check(MatSetValue(body.stiffness, row, row, stiffest > 0 ? stiffest : 1.0, ADD_VALUES));
-        ++held;
+        ++fixed;
       }
   });
-  body.free_rows = body.total_rows - parallel::sum(mesh.comm, held);
+  body.free_rows = body.total_rows - parallel::sum(mesh.comm, fixed);
   for (Mat matrix : {static_cast<Mat>(body.stiffness), static_cast<Mat>(body.mass)}) {
     parallel::check(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));
     parallel::check(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));

@@ -23,7 +23,7 @@ void append_row(Pattern& pattern, const mesh::Mesh& mesh, const std::vector<std:
 /// Creates an SBAIJ matrix that is preallocated for the pattern. Collective.
 parallel::Matrix create(const mesh::Mesh& mesh, const Pattern& pattern);
 
-/// Sets the diagonal of held rows, counts free rows into `free_rows`, and assembles both matrices.
+/// Sets the diagonal of fixed rows, counts free rows into `free_rows`, and assembles both matrices.
 /// Collective.
 /// @param stiffest  largest diagonal entry on this rank; 0 if there is none
 void finish_rows(const mesh::Mesh& mesh, double stiffest, Body& body);

@@ -72,7 +72,7 @@ std::vector<double> outline_of(const Mesh& mesh) {
 
 std::int64_t held_on_lines(const Mesh& mesh) {
   if (mesh.dim != 3 || mesh.total_elements == 0) return 0;
-  // Per component: number of nodes that supports hold, and number of faces with all corners held.
+  // Per component: number of fixed nodes, and number of faces with all corners fixed.
   std::array<double, 6> found{};
   mesh.for_each_owned([&](std::size_t i, std::int64_t) {
     for (int c = 0; c < 3; ++c) found[c] += mesh.is_fixed(i, c) ? 1 : 0;
@@ -82,10 +82,10 @@ std::int64_t held_on_lines(const Mesh& mesh) {
     const auto faces = outward_faces(element.family);
     for (std::size_t at = 0; at < block.node.size(); at += block.nodes_per_element)
       for (int c = 0; c < 3; ++c) {
-        const auto held = [&](int corner) {
+        const auto fixed = [&](int corner) {
           return mesh.is_fixed(static_cast<std::size_t>(block.node[at + corner]), c);
         };
-        for (const auto& face : faces) found[3 + c] += std::ranges::all_of(face, held) ? 1 : 0;
+        for (const auto& face : faces) found[3 + c] += std::ranges::all_of(face, fixed) ? 1 : 0;
       }
   }
   parallel::sum(mesh.comm, found.data(), found.size());

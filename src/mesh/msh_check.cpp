@@ -269,7 +269,7 @@ class Check {
     const std::int64_t blocks = count("the number of blocks"), all = count("the number of elements");
     count("the lowest tag");
     count("the highest tag");
-    std::int64_t held = 0;
+    std::int64_t counted = 0;
     for (std::int64_t b = 0; b < blocks; ++b) {
       const int dim = number("a dimension", 0, 3);
       entity("an entity's tag");
@@ -280,9 +280,9 @@ class Check {
         tag("an element's tag");
         for (int k = 0; k < type.nodes; ++k) element_node<std::uint64_t>();
       }
-      held += n;
+      counted += n;
     }
-    if (held != all) in_.fail("the number of elements differs from that of the blocks");
+    if (counted != all) in_.fail("the number of elements differs from that of the blocks");
   }
 
   /// Checks the tags of one element.
@@ -303,11 +303,11 @@ class Check {
   void old_elements() {
     const std::int64_t n = line_count("the number of elements");
     skip_to_numbers();
-    for (std::int64_t held = 0; held < n;) {
+    for (std::int64_t counted = 0; counted < n;) {
       int type = 0, in_block = 1;
       if (binary_) {
         type = number("an element's type", 1, largest_int);
-        in_block = number("the number of elements", 1, n - held);
+        in_block = number("the number of elements", 1, n - counted);
       } else {
         number("an element's number", 1, largest_int);
         type = number("an element's type", 1, largest_int);
@@ -318,7 +318,7 @@ class Check {
         old_tags(tags, n);
         for (int k = 0; k < nodes; ++k) element_node<std::int32_t>();
       }
-      held += in_block;
+      counted += in_block;
     }
   }
 

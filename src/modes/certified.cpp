@@ -21,7 +21,7 @@ struct Place {
 std::vector<Place> places_of(const Search& found) {
   std::vector<Place> places;
   for (std::size_t s = 0; s < found.slices.size(); ++s)
-    for (std::size_t k = found.share[s].first; k < found.share[s].behind; ++k)
+    for (std::size_t k = found.share[s].first; k < found.share[s].end; ++k)
       places.push_back({found.slices[s].lambda[k], s});
   std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) { return a.lambda < b.lambda; });
   return places;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Search, certificate and repair: the engine behind compute_modes and the solver "ricochet" of SLEPc.
+// Search, certificate and repair: the engine of compute_modes and of the solver "ricochet" of SLEPc.
 #pragma once
 
 #include "src/modes/checkpoint.hpp"

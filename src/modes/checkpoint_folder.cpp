@@ -175,9 +175,9 @@ std::vector<Checkpoint::Found> CheckpointFolder::slices() const {
   std::vector<Found> found;
   OrderedRows rows(operators_);
   for (std::size_t at = 0; at < names.size();) {
-    const std::size_t behind = names.find('\n', at);
-    const std::filesystem::path path = folder_ / names.substr(at, behind - at);
-    at = behind + 1;
+    const std::size_t end = names.find('\n', at);
+    const std::filesystem::path path = folder_ / names.substr(at, end - at);
+    at = end + 1;
     Found next;
     next.team = static_cast<int>(found.size()) % teams_.count();
     const bool holds = teams_.mine() == next.team;

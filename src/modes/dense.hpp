@@ -14,7 +14,7 @@ bool dense_is_faster(std::int64_t rows, std::int64_t modes);
 inline constexpr std::int64_t most_dense_rows = 5000;
 
 /// Computes the elastic modes in `wanted` from M x = θ (K − σM) x with θ = 1/(λ − σ) on the first rank of the
-/// team. About a σ < 0 near zero, the right-hand matrix is positive definite, even with held rows, and the
+/// team. About a σ < 0 near zero, the right-hand matrix is positive definite, even with fixed rows, and the
 /// lowest modes, for which round-off in K matters most, have the largest θ. Rigid modes are deflated.
 /// Collective on the team. Throws SolverError if LAPACK breaks down.
 Converged dense_modes(const Operators& operators, const Entries& entries, const Interval& wanted);

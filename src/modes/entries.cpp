@@ -10,19 +10,19 @@ namespace ricochet::modes {
 using parallel::check;
 
 Entries::Entries(Mat stiffness_matrix, Mat mass_matrix) {
-  PetscInt begin = 0, behind = 0, total = 0, nodal = 1;
-  check(MatGetOwnershipRange(stiffness_matrix, &begin, &behind));
+  PetscInt begin = 0, end = 0, total = 0, nodal = 1;
+  check(MatGetOwnershipRange(stiffness_matrix, &begin, &end));
   check(MatGetSize(stiffness_matrix, &total, nullptr));
   check(MatGetBlockSize(stiffness_matrix, &nodal));
   rows = total;
-  local_rows = behind - begin;
+  local_rows = end - begin;
   first = begin;
   block = static_cast<int>(nodal);
   for (Mat matrix : {stiffness_matrix, mass_matrix}) {
     const bool is_mass = matrix == mass_matrix;
     std::vector<double>& value = is_mass ? mass : stiffness;
     check(MatGetRowUpperTriangular(matrix));
-    for (PetscInt i = begin; i < behind; ++i) {
+    for (PetscInt i = begin; i < end; ++i) {
       PetscInt n = 0;
       const PetscInt* columns = nullptr;
       const double* entry = nullptr;

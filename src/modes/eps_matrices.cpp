@@ -170,8 +170,8 @@ Eigen::MatrixXd TeamRows::to_all(const Eigen::MatrixXd& mine, const std::vector<
   // The rows that a rank has in its team, and another one among all.
   const auto common = [&](std::size_t in_team, std::size_t among_all) {
     const PetscInt first = std::max(of_team_[in_team], given_[among_all]),
-                   behind = std::min(of_team_[in_team + 1], given_[among_all + 1]);
-    return std::pair<Eigen::Index, Eigen::Index>(first, std::max<Eigen::Index>(behind - first, 0));
+                   end = std::min(of_team_[in_team + 1], given_[among_all + 1]);
+    return std::pair<Eigen::Index, Eigen::Index>(first, std::max<Eigen::Index>(end - first, 0));
   };
   Eigen::MatrixXd columns(given_[rank + 1] - given_[rank], all);
   const auto most =

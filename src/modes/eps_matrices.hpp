@@ -45,7 +45,7 @@ class TeamRows {
 
  private:
   const parallel::Teams& teams_;
-  std::vector<PetscInt> given_, of_team_;  ///< first row of each rank, and behind the last
+  std::vector<PetscInt> given_, of_team_;  ///< first row of each rank, and after the last
 };
 
 }  // namespace ricochet::modes

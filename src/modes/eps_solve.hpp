@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Modes by SLEPc's EPS: by the engine of Ricochet or by another of its types, behind the same certificate.
+// Modes by SLEPc's EPS: by the engine of Ricochet or by another of its types, under the same certificate.
 #pragma once
 
 #include <string>

@@ -86,13 +86,14 @@ void Factorisation::factor(double sigma) {
   below_ = mumps_->infog(12);
 }
 
-void Factorisation::factor_on_springs(std::span<const std::int64_t> held) {
+void Factorisation::factor_on_springs(std::span<const std::int64_t> on_springs) {
   factored_ = false;
   DMUMPS_STRUC_C& id = mumps_->id();
   (parallel::size_of(comm_) == 1 ? id.a : id.a_loc) = shifted_.data();
   for (std::size_t k = 0; k < shifted_.size(); ++k) {
     const int row = entries_.row[k];
-    const bool spring = row == entries_.column[k] && std::ranges::find(held, row - 1) != held.end();
+    const bool spring =
+        row == entries_.column[k] && std::ranges::find(on_springs, row - 1) != on_springs.end();
     shifted_[k] = (spring ? 2 : 1) * entries_.stiffness[k];
   }
   factored_ = mumps_->factor(factor_task);

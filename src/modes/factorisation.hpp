@@ -38,8 +38,8 @@ class Factorisation {
 
   /// Factors K with a spring as stiff as its diagonal at each of the given rows, like static_flexibility.
   /// Collective. Throws SolverError like `factor`.
-  /// @param held  global rows, the same on every rank
-  void factor_on_springs(std::span<const std::int64_t> held);
+  /// @param on_springs  global rows, the same on every rank
+  void factor_on_springs(std::span<const std::int64_t> on_springs);
 
   double sigma() const { return sigma_; }  ///< shift of the factors
 

@@ -44,7 +44,7 @@ class Basis {
   /// B: coupling of the last inner block with the next one, (columns of the next, columns of the last).
   auto coupling() const { return t_.block(inner_, last_, size_ - inner_, inner_ - last_); }
   /// (MQ⁺)ᵀ(MQ⁺) of the next block, for residuals in the 2-norm.
-  const MatrixXd& behind_momentum() const { return behind_momentum_; }
+  const MatrixXd& next_momentum() const { return next_momentum_; }
   /// Smallest 2-norm of M times a basis vector; scale of the residuals.
   double momentum() const { return typical_momentum_; }
 
@@ -108,9 +108,9 @@ class Basis {
     both.rightCols(kept) = momentum;
     momentum_ = std::move(both);
     size_ += kept;
-    behind_momentum_ = inner(operators_.comm, momentum, momentum);
+    next_momentum_ = inner(operators_.comm, momentum, momentum);
     for (Index j = 0; j < kept; ++j) {
-      const double norm = std::sqrt(behind_momentum_(j, j));
+      const double norm = std::sqrt(next_momentum_(j, j));
       typical_momentum_ = typical_momentum_ > 0 ? std::min(typical_momentum_, norm) : norm;
     }
   }
@@ -126,7 +126,7 @@ class Basis {
   Factorisation& factor_;
   MatrixXd q_, t_;
   MatrixXd momentum_;  ///< M times the last two blocks
-  MatrixXd behind_momentum_;
+  MatrixXd next_momentum_;
   Index inner_ = 0, size_ = 0, last_ = 0, previous_ = 0;
   double typical_momentum_ = 0;
 };
@@ -134,7 +134,7 @@ class Basis {
 /// The current state of the projected problem.
 struct Ritz {
   VectorXd theta, lambda, residual;  ///< sorted by λ; residual relative to ‖Kx‖
-  MatrixXd vector, behind;           ///< s, and B s / θ
+  MatrixXd vector, next;             ///< s, and B s / θ: parts in the inner blocks and in the next one
 };
 
 Ritz ritz_of(MPI_Comm comm, const Basis& basis, double sigma) {
@@ -149,9 +149,9 @@ Ritz ritz_of(MPI_Comm comm, const Basis& basis, double sigma) {
   ritz.theta = theta(order);
   ritz.lambda = (sigma + ritz.theta.array().inverse()).matrix();
   ritz.vector = vectors(Eigen::all, order);
-  ritz.behind = basis.coupling() * ritz.vector.bottomRows(basis.coupling().cols()) *
-                ritz.theta.cwiseInverse().asDiagonal();
-  ritz.residual = (ritz.behind.cwiseProduct(basis.behind_momentum() * ritz.behind).colwise().sum().cwiseAbs())
+  ritz.next = basis.coupling() * ritz.vector.bottomRows(basis.coupling().cols()) *
+              ritz.theta.cwiseInverse().asDiagonal();
+  ritz.residual = (ritz.next.cwiseProduct(basis.next_momentum() * ritz.next).colwise().sum().cwiseAbs())
                       .cwiseSqrt()
                       .transpose();
   ritz.residual.array() /= ritz.theta.array().abs() * ritz.lambda.array().abs() * basis.momentum();
@@ -167,16 +167,16 @@ double worst_inside(const Ritz& ritz, const Interval& interval) {
   return worst;
 }
 
-/// The converged Ritz values about the shift, without a gap: the range [first, behind), and the interval that
+/// The converged Ritz values about the shift, without a gap: the range [first, end), and the interval that
 /// it covers.
-struct Reach {
-  Index first = 0, behind = 0;
+struct ConvergedRange {
+  Index first = 0, end = 0;
   Interval covered;
   bool complete = false;
 };
 
-Reach reach_of(const Ritz& ritz, double sigma, const Interval& wanted, Index modes_below,
-               const LanczosOptions& options, bool exhausted) {
+ConvergedRange converged_of(const Ritz& ritz, double sigma, const Interval& wanted, Index modes_below,
+                            const LanczosOptions& options, bool exhausted) {
   // The bound leaves a margin, because residuals are only estimated here. They are verified at the end.
   const double bound = 0.7 * options.tolerance;
   // The next Ritz value outside must have appeared, to this accuracy; otherwise, one inside might still be
@@ -188,23 +188,23 @@ Reach reach_of(const Ritz& ritz, double sigma, const Interval& wanted, Index mod
   const Index m = ritz.lambda.size();
   const auto start = static_cast<Index>(std::lower_bound(ritz.lambda.begin(), ritz.lambda.end(), sigma) -
                                         ritz.lambda.begin());
-  Reach reach{start, start, {sigma, sigma}, false};
-  while (reach.behind < m && ritz.residual[reach.behind] <= bound && ritz.lambda[reach.behind] <= wanted.to)
-    ++reach.behind;
-  while (reach.first > 0 && ritz.residual[reach.first - 1] <= bound &&
-         ritz.lambda[reach.first - 1] >= wanted.from)
-    --reach.first;
-  const bool right = exhausted || (reach.behind < m && ritz.lambda[reach.behind] > wanted.to &&
-                                   relative(reach.behind) <= shown);
+  ConvergedRange range{start, start, {sigma, sigma}, false};
+  while (range.end < m && ritz.residual[range.end] <= bound && ritz.lambda[range.end] <= wanted.to)
+    ++range.end;
+  while (range.first > 0 && ritz.residual[range.first - 1] <= bound &&
+         ritz.lambda[range.first - 1] >= wanted.from)
+    --range.first;
+  const bool right =
+      exhausted || (range.end < m && ritz.lambda[range.end] > wanted.to && relative(range.end) <= shown);
   // If the interval extends to zero, the inertia gives the number of modes.
   const bool left = wanted.from <= 0
-                        ? start - reach.first == modes_below
-                        : exhausted || (reach.first > 0 && ritz.lambda[reach.first - 1] < wanted.from &&
-                                        relative(reach.first - 1) <= shown);
-  reach.covered.to = right ? wanted.to : reach.behind > start ? ritz.lambda[reach.behind - 1] : sigma;
-  reach.covered.from = left ? wanted.from : reach.first < start ? ritz.lambda[reach.first] : sigma;
-  reach.complete = left && right;
-  return reach;
+                        ? start - range.first == modes_below
+                        : exhausted || (range.first > 0 && ritz.lambda[range.first - 1] < wanted.from &&
+                                        relative(range.first - 1) <= shown);
+  range.covered.to = right ? wanted.to : range.end > start ? ritz.lambda[range.end - 1] : sigma;
+  range.covered.from = left ? wanted.from : range.first < start ? ritz.lambda[range.first] : sigma;
+  range.complete = left && right;
+  return range;
 }
 
 }  // namespace
@@ -221,7 +221,7 @@ Converged lanczos(const Operators& operators, Factorisation& factor, const Inter
   const double sigma = factor.sigma();
   Basis basis(operators, factor, options);
   Ritz ritz;
-  Reach reach;
+  ConvergedRange range;
   // Solving the projected problem costs as much as a step. It is skipped until the residuals can be small
   // enough, judging by the rate between the last two solutions.
   Index next_look = 6 * options.block, looked = 0;
@@ -231,9 +231,10 @@ Converged lanczos(const Operators& operators, Factorisation& factor, const Inter
     const bool last = basis.exhausted() || basis.size() + options.block > basis.vectors().cols();
     if (!last && basis.inner_size() < next_look) continue;
     ritz = ritz_of(operators.comm, basis, sigma);
-    reach = reach_of(ritz, sigma, wanted, factor.below() - operators.below_zero, options, basis.exhausted());
-    if (progress) progress(reach.behind - reach.first, 0);
-    if (reach.complete || last) break;
+    range =
+        converged_of(ritz, sigma, wanted, factor.below() - operators.below_zero, options, basis.exhausted());
+    if (progress) progress(range.end - range.first, 0);
+    if (range.complete || last) break;
     const double before = std::exchange(worst, worst_inside(ritz, wanted));
     const Index m = basis.inner_size();
     double wait = 0.15 * static_cast<double>(m);
@@ -244,13 +245,13 @@ Converged lanczos(const Operators& operators, Factorisation& factor, const Inter
     next_look = m + std::max<Index>(1, static_cast<Index>(wait));
   }
   Converged found;
-  found.covered = reach.covered;
-  const Index n = reach.behind - reach.first;
-  found.lambda = ritz.lambda.segment(reach.first, n);
-  const Index m = basis.inner_size(), behind = basis.size() - m;
-  const MatrixXd s = ritz.vector.middleCols(reach.first, n), b = ritz.behind.middleCols(reach.first, n);
+  found.covered = range.covered;
+  const Index n = range.end - range.first;
+  found.lambda = ritz.lambda.segment(range.first, n);
+  const Index m = basis.inner_size(), outer = basis.size() - m;
+  const MatrixXd s = ritz.vector.middleCols(range.first, n), b = ritz.next.middleCols(range.first, n);
   found.shape.noalias() = basis.vectors().leftCols(m) * s;
-  found.shape.noalias() += basis.vectors().middleCols(m, behind) * b;
+  found.shape.noalias() += basis.vectors().middleCols(m, outer) * b;
   found.shape *= (1 + b.colwise().squaredNorm().array()).rsqrt().matrix().asDiagonal();
   return found;
 }

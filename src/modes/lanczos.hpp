@@ -15,7 +15,7 @@ struct LanczosOptions {
   double tolerance = 1e-8;    ///< on ‖Kφ − λMφ‖₂ / ‖Kφ‖₂
   Eigen::Index block = 16;    ///< columns of a block; bounds the multiplicity of modes found at once
   Eigen::Index basis = 1200;  ///< largest number of basis vectors
-  std::uint64_t seed = 1;     ///< of the first start vector; the others take the numbers behind it
+  std::uint64_t seed = 1;     ///< of the first start vector; the others take the numbers after it
 };
 
 /// Options of a search for modes that one with `options` has missed: start vectors none of which that search
@@ -30,7 +30,7 @@ struct Converged {
   Eigen::MatrixXd shape;   ///< (local rows, n), M-orthonormal to about the square of the tolerance
 };
 
-/// Computes the elastic modes in `wanted`, as far as the basis reaches. Collective on the team.
+/// Computes the elastic modes in `wanted`, as far as the basis allows. Collective on the team.
 ///
 /// Block Lanczos iteration for (K − σM)⁻¹M, with the σ of the factors, in the inner product of M (Grimes,
 /// Lewis & Simon 1994). Rigid modes are deflated, and each step includes one full orthogonalisation. Take a

@@ -32,7 +32,7 @@ struct Operators {
   /// Number of eigenvalues below zero, or at it, that are not sought: r for a body.
   std::int64_t below_zero;
   Eigen::VectorXd diagonal;       ///< (local rows) of K
-  Eigen::VectorXd mass_diagonal;  ///< (local rows) of M; 0 in held rows
+  Eigen::VectorXd mass_diagonal;  ///< (local rows) of M; 0 in fixed rows
   std::int64_t free_rows;         ///< number of rows with mass, and so of finite eigenvalues
   /// (local rows) number of the row in reading order, independent of the number of ranks
   std::vector<std::int64_t> key;

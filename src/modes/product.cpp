@@ -120,12 +120,12 @@ BlockProduct::BlockProduct(Mat matrix) {
 }
 
 void BlockProduct::take_blocks(Mat matrix) {
-  PetscInt first = 0, behind = 0;
-  check(MatGetOwnershipRange(matrix, &first, &behind));
-  rows_ = static_cast<std::size_t>((behind - first) / block_);
+  PetscInt first = 0, end = 0;
+  check(MatGetOwnershipRange(matrix, &first, &end));
+  rows_ = static_cast<std::size_t>((end - first) / block_);
   start_.assign(1, 0);
   check(MatGetRowUpperTriangular(matrix));
-  for (PetscInt i = first; i < behind; i += block_) {
+  for (PetscInt i = first; i < end; i += block_) {
     for (PetscInt r = 0; r < block_; ++r) {
       PetscInt n = 0;
       const PetscInt* column = nullptr;
@@ -150,15 +150,15 @@ void BlockProduct::take_blocks(Mat matrix) {
 }
 
 std::vector<PetscInt> BlockProduct::number_ghosts(const PetscInt* range, int rank) {
-  const PetscInt first = range[rank] / block_, behind = range[rank + 1] / block_;
+  const PetscInt first = range[rank] / block_, end = range[rank + 1] / block_;
   std::vector<PetscInt> ghost;
   for (const PetscInt column : column_)
-    if (column < first || column >= behind) ghost.push_back(column);
+    if (column < first || column >= end) ghost.push_back(column);
   std::sort(ghost.begin(), ghost.end());
   ghost.erase(std::unique(ghost.begin(), ghost.end()), ghost.end());
   ghosts_ = ghost.size();
   for (PetscInt& column : column_) {
-    const bool own = column >= first && column < behind;
+    const bool own = column >= first && column < end;
     column =
         own ? column - first
             : static_cast<PetscInt>(rows_) +

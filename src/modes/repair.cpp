@@ -15,9 +15,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Consecutive columns [first, behind) of a team.
+/// Consecutive columns [first, end) of a team.
 struct Cluster {
-  Index first, behind;
+  Index first, end;
 };
 
 /// Divides columns into clusters of neighbours. A cluster extends by a margin to both sides, and to the ends
@@ -37,11 +37,10 @@ std::vector<Cluster> clusters_of(const std::vector<Index>& columns, Index begin,
     Cluster here{column, column + 1};
     for (Index k = 0; k < margin || (here.first > begin && same(here.first - 1, here.first)); ++k)
       if (here.first > begin && neighbours(here.first - 1, here.first)) --here.first;
-    for (Index k = 0; k < margin || (here.behind < end && same(here.behind - 1, here.behind)); ++k)
-      if (here.behind < end && neighbours(here.behind - 1, here.behind)) ++here.behind;
-    if (!clusters.empty() && here.first < clusters.back().behind &&
-        here.behind - clusters.back().first <= most)
-      clusters.back().behind = here.behind;
+    for (Index k = 0; k < margin || (here.end < end && same(here.end - 1, here.end)); ++k)
+      if (here.end < end && neighbours(here.end - 1, here.end)) ++here.end;
+    if (!clusters.empty() && here.first < clusters.back().end && here.end - clusters.back().first <= most)
+      clusters.back().end = here.end;
     else
       clusters.push_back(here);
   }
@@ -77,7 +76,7 @@ std::vector<Index> repair(const parallel::Teams& teams, const Operators& operato
   }
   MatrixXd mine = MatrixXd::Zero(2, lambda.size());  // eigenvalues, and 1 for each that is changed
   for (const Cluster& cluster : clusters_of(columns, begin, lambda, set.index)) {
-    const Index n = cluster.behind - cluster.first;
+    const Index n = cluster.end - cluster.first;
     const bool lowest = set.index[static_cast<std::size_t>(cluster.first)] == rigid;
     auto shape = set.shape.middleCols(cluster.first, n);
     auto values = lambda.segment(cluster.first, n);

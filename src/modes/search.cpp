@@ -36,7 +36,7 @@ std::vector<Task> in_order(const std::vector<Task>& ascending, std::size_t teams
 std::vector<double> lambda_of(const std::vector<Slice>& slices, const std::vector<Share>& share) {
   std::vector<double> lambda;
   for (std::size_t s = 0; s < slices.size(); ++s)
-    for (std::size_t k = share[s].first; k < share[s].behind; ++k) lambda.push_back(slices[s].lambda[k]);
+    for (std::size_t k = share[s].first; k < share[s].end; ++k) lambda.push_back(slices[s].lambda[k]);
   std::ranges::sort(lambda);
   return lambda;
 }
@@ -176,7 +176,7 @@ class Searcher {
     }
   }
 
-  /// Places the end behind the modes requested, clear of modes, and counts there. If too few modes are found,
+  /// Places the end above the modes requested, clear of modes, and counts there. If too few modes are found,
   /// the search goes on above them.
   void settle_end() {
     if (request_.up_to) return move_end_off_modes();

@@ -29,7 +29,7 @@ struct Cut {
   Probe at;
 };
 
-/// Cuts a list of eigenvalues behind the number wanted, and counts there. Multiple modes are kept whole.
+/// Cuts a list of eigenvalues after the number wanted, and counts there. Multiple modes are kept whole.
 /// Takes a gap further up if the count disagrees with the list, which shows that a mode is missing unless one
 /// of three gaps agrees. Returns nothing if the list is too short. Collective on all ranks of `teams`.
 /// @param lambda  ascending

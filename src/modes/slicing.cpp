@@ -143,13 +143,13 @@ Stitched stitch(std::int64_t rigid, const std::vector<Slice>& all, const Probe& 
       continue;
     }
     const double split = k == 0 ? 0 : k == slices.size() ? end.sigma : widest_gap(below, above, from, to);
-    const std::size_t first = index(above, split), behind = index(below, split);
+    const std::size_t first = index(above, split), below_end = index(below, split);
     const std::size_t found =
-        (behind - index(below, below.probe.sigma)) + (index(above, above.probe.sigma) - first);
+        (below_end - index(below, below.probe.sigma)) + (index(above, above.probe.sigma) - first);
     if (static_cast<std::int64_t>(found) != above.probe.below - below.probe.below)
       result.missing.push_back(
           {(below.probe.sigma + above.probe.sigma) / 2, {below.probe.sigma, above.probe.sigma}});
-    if (k > 0) result.share[k - 1].behind = behind;
+    if (k > 0) result.share[k - 1].end = below_end;
     if (k < slices.size()) result.share[k].first = first;
   }
   return result;

@@ -58,9 +58,9 @@ double expected_vectors(const CountModel& model, const Interval& interval);
 /// few modes.
 std::vector<Task> plan_shifts(const CountModel& model, double end, std::int64_t modes_per_shift, int teams);
 
-/// Modes that a slice keeps: [first, behind) of Slice::lambda.
+/// Modes that a slice keeps: [first, end) of Slice::lambda.
 struct Share {
-  std::size_t first = 0, behind = 0;
+  std::size_t first = 0, end = 0;
 };
 
 /// The division of the spectrum among the slices, and the gaps that remain.

@@ -25,7 +25,7 @@ double shift_near_zero(Hertz band);
 /// (kernels::flexibility_error). The change is about the error before the block. The error after it is
 /// estimated as the change times its ratio to the previous change.
 ///
-/// @param loads  L (local rows, b) [N], held components 0, the same in every team
+/// @param loads  L (local rows, b) [N], fixed components 0, the same in every team
 /// @param seen   number of leading columns of L that belong to the contact surface
 /// @return the vectors, distributed among the teams; the certificate holds the estimate. Collective on all
 /// ranks.

@@ -8,7 +8,7 @@ namespace ricochet::reduction {
 
 /// The static lift of S moving supports, three columns each, as in elasticity::Imposed.
 struct Lift {
-  /// (local rows, 3S) Ψ: K Ψ = 0 on free rows, the displacement of the support on held rows
+  /// (local rows, 3S) Ψ: K Ψ = 0 on free rows, the displacement of the support on fixed rows
   Eigen::MatrixXd shape;
   Eigen::MatrixXd inertia;  ///< (local rows, 3S) M Ψ on free rows [kg]
 };

@@ -68,10 +68,10 @@ Retained retained(const parallel::Teams& teams, const mesh::Mesh& mesh, const el
 }
 
 /// Responses of selected rows, by solves with K on springs. See residual_response for T and Z.
-void respond(const parallel::Teams& teams, Factorisation& factor, const std::vector<std::int64_t>& held,
+void respond(const parallel::Teams& teams, Factorisation& factor, const std::vector<std::int64_t>& on_springs,
              const ModeSet& modes, const Retained& kept, const Loads& loads, const MatrixXd& t,
              const MatrixXd& z, Rows& field) {
-  factor.factor_on_springs(held);
+  factor.factor_on_springs(on_springs);
   const auto rows = std::ssize(field.row);
   const auto solved = [&](Index columns, const auto& block) {
     MatrixXd value(rows, columns);
@@ -102,7 +102,7 @@ void respond(const parallel::Teams& teams, Factorisation& factor, const std::vec
 MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
                            Factorisation& factor, const ModeSet& modes, const Loads& loads, Rows* field) {
   const Retained kept = retained(teams, mesh, body, modes, loads);
-  const std::vector<std::int64_t> held =
+  const std::vector<std::int64_t> on_springs =
       determinate_rows(mesh.comm, elasticity::rigid_modes(mesh, body), factor.entries().first);
   const Index b = loads.cols(), l = kept.load.cols();
   factor.release();
@@ -110,7 +110,7 @@ MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh& mesh,
   //   Fᵀ Pᵀ G P F = S − T Bᵀ − B Tᵀ + B Z Bᵀ,   S = FᵀGF, T = FᵀGW, Z = WᵀGW, B = FᵀΦ,
   // less B Λ⁻¹ Bᵀ over the other modes. P also removes rigid modes, so that loads are in equilibrium.
   MatrixXd response =
-      BorderedStiffness(teams, factor, held, beside({loads, kept.load.sparseView()})).flexibility();
+      BorderedStiffness(teams, factor, on_springs, beside({loads, kept.load.sparseView()})).flexibility();
   MatrixXd t, z;
   if (parallel::rank_of(teams.world()) == 0) {
     t = response.topRightCorner(b, l);
@@ -128,7 +128,7 @@ MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh& mesh,
     for (auto column : matrix->colwise())  // in parts, because MPI counts with 32 bits
       MPI_Bcast(column.data(), static_cast<int>(column.size()), MPI_DOUBLE, 0, teams.world());
   }
-  if (field != nullptr) respond(teams, factor, held, modes, kept, loads, t, z, *field);
+  if (field != nullptr) respond(teams, factor, on_springs, modes, kept, loads, t, z, *field);
   return response;
 }
 

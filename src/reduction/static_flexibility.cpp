@@ -51,7 +51,7 @@ std::vector<std::int64_t> determinate_rows(MPI_Comm comm, Eigen::MatrixXd rigid,
 }
 
 BorderedStiffness::BorderedStiffness(const parallel::Teams& teams, const modes::Factorisation& factor,
-                                     const std::vector<std::int64_t>& held, const Loads& border)
+                                     const std::vector<std::int64_t>& on_springs, const Loads& border)
     : world_(teams.world()),
       border_(border.cols()),
       mumps_(std::make_unique<modes::Mumps>(teams.world(), modes::Mumps::Symmetry::definite)) {
@@ -63,7 +63,8 @@ BorderedStiffness::BorderedStiffness(const parallel::Teams& teams, const modes::
     value_ = matrix.stiffness;
     // MUMPS adds entries that occur twice.
     for (std::size_t k = 0; k < matrix.row.size(); ++k)
-      if (matrix.row[k] == matrix.column[k] && std::ranges::find(held, matrix.row[k] - 1) != held.end()) {
+      if (matrix.row[k] == matrix.column[k] &&
+          std::ranges::find(on_springs, matrix.row[k] - 1) != on_springs.end()) {
         row_.push_back(matrix.row[k]);
         column_.push_back(matrix.row[k]);
         value_.push_back(matrix.stiffness[k]);

@@ -10,7 +10,7 @@
 
 namespace ricochet::reduction {
 
-/// Loads on the mesh: (local rows, b) [N], held components 0. Loads of patches touch few rows.
+/// Loads on the mesh: (local rows, b) [N], fixed components 0. Loads of patches touch few rows.
 using Loads = Eigen::SparseMatrix<double>;
 
 /// Joins loads side by side. All have the same rows.
@@ -33,10 +33,10 @@ class BorderedStiffness {
  public:
   /// Runs the analysis. Collective on all ranks of `teams`. Throws SolverError if MUMPS breaks down.
   /// @param factor  of the team, for its entries and its order of elimination
-  /// @param held    global rows with springs
+  /// @param on_springs  global rows with springs
   /// @param border  F, (local rows, b), the same in every team
   BorderedStiffness(const parallel::Teams& teams, const modes::Factorisation& factor,
-                    const std::vector<std::int64_t>& held, const Loads& border);
+                    const std::vector<std::int64_t>& on_springs, const Loads& border);
 
   /// Memory that `flexibility` needs on this rank, as estimated by MUMPS, with the result [MiB].
   double expected_mib() const;

@@ -165,8 +165,8 @@ const Section body_keys{
       "physical surface (for a rod: physical point) that may touch, or a list of them. Optional in a scene "
       "without `[contact]`"},
      {"support", Type::strings, "", "`{}`", any(),
-      "physical group (surface, curve, point or volume) = held components, some of `\"xyz\"`, in the axes "
-      "of the mesh (before `rotate_deg`). A rod is held unless all named components are normal to its "
+      "physical group (surface, curve, point or volume) = fixed components, some of `\"xyz\"`, in the axes "
+      "of the mesh (before `rotate_deg`). A rod is fixed unless all named components are normal to its "
       "axis",
       "{ GROUP = \"xyz\" }"}}};
 

@@ -52,7 +52,7 @@ void check_motion(Table& table, const Body& body, const Forcing& motion) {
       table.complain(
           "vector",
           fmt::format("moves \"{}\" along the body's {}, which it does not hold (it holds "
-                      "\"{}\"): add it to bodies.{}.support, or move along a component that is held",
+                      "\"{}\"): add it to bodies.{}.support, or move along a component that is fixed",
                       motion.group, component, support->second, body.name));
   }
 }

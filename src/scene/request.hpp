@@ -25,7 +25,7 @@ struct KernelRequest {
   /// the whole surface. False if they are an explicit choice, which no scene makes; the rest of the surface
   /// is then dropped.
   bool within_reach = false;
-  /// True if the static correction is held along the normals of the candidates alone. A scene decides this
+  /// True if the static correction is stored along the normals of the candidates alone. A scene decides this
   /// with its placement, like `points`.
   bool normal_residual = false;
   /// Whether a pair of the body has friction. The kernel then holds all components. Not part of the hash: it

@@ -38,7 +38,7 @@ struct Scene {
   /// scene leaves open and requests error estimates.
   std::optional<double> accuracy;
   std::vector<Quantity> accuracy_of{Quantity::impulse, Quantity::rebound};
-  /// Sorted by name, with copies of mallets behind; empty with contact.table.
+  /// Sorted by name, then copies of mallets; empty with contact.table.
   std::vector<Body> bodies;
   std::vector<Strike> strikes{};  ///< [[strikes]], already applied to bodies and pairs
   std::vector<Obstacle> obstacles;

@@ -484,7 +484,7 @@ Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& gro
 }
 
 reduction::Loads patch_loads(const mesh::Mesh& mesh, const Patches& patches) {
-  return spread(mesh, patches.weights, patches.geometry.size(), patches.geometry.direction, HeldRows::zero);
+  return spread(mesh, patches.weights, patches.geometry.size(), patches.geometry.direction, FixedRows::zero);
 }
 
 reduction::Loads along_normals(const reduction::Loads& loads, const kernels::Surface& surface) {

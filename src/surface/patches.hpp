@@ -34,7 +34,7 @@ Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& gro
 void restrict_to(Patches& patches, const std::vector<std::int64_t>& points);
 
 /// Returns the loads of the patches: column c·i + k is a unit force on patch i in component k (c = 3), or
-/// along `direction` (c = 1). Held components are 0.
+/// along `direction` (c = 1). Fixed components are 0.
 /// @return (local rows, c M) [N]
 reduction::Loads patch_loads(const mesh::Mesh& mesh, const Patches& patches);
 

@@ -142,8 +142,8 @@ Sources make_sources(const mesh::Mesh& mesh, const scene::KernelRequest& request
     sources.receivers.back().point = place.place;
   }
   for (const std::string& support : asked.moved) sources.motions.push_back({support, {}, {}, {}});
-  sources.load = spread(mesh, at_loads, sources.loads.size(), {}, HeldRows::zero);
-  sources.receiver = spread(mesh, sources.at_receivers, sources.receivers.size(), {}, HeldRows::zero);
+  sources.load = spread(mesh, at_loads, sources.loads.size(), {}, FixedRows::zero);
+  sources.receiver = spread(mesh, sources.at_receivers, sources.receivers.size(), {}, FixedRows::zero);
   return sources;
 }
 

@@ -16,7 +16,7 @@ struct Sources {
   std::vector<kernels::Motion> motions;      ///< names, in the order of mesh::RequestedGroups::moved
   std::vector<kernels::Receiver> receivers;  ///< names and points
   std::vector<Weight> at_receivers;
-  Eigen::MatrixXd load;      ///< (local rows, 3 per load) unit traction or force; held rows 0
+  Eigen::MatrixXd load;      ///< (local rows, 3 per load) unit traction or force; fixed rows 0
   Eigen::MatrixXd receiver;  ///< (local rows, 3 per receiver) unit force at the receiver
   reduction::Lift lift;      ///< of the moving supports; set once the matrices are factored
 };

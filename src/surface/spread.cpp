@@ -19,7 +19,7 @@ double component(const mesh::Mesh& mesh, const std::optional<Vector3>& direction
 
 Eigen::SparseMatrix<double> spread(const mesh::Mesh& mesh, const std::vector<Weight>& weights,
                                    std::size_t places, const std::optional<Vector3>& direction,
-                                   HeldRows held) {
+                                   FixedRows fixed) {
   const int c = mesh.components(), out = direction ? 1 : 3;
   std::vector<Eigen::Triplet<double>> entries;
   for (const Weight& weight : weights) {
@@ -28,7 +28,7 @@ Eigen::SparseMatrix<double> spread(const mesh::Mesh& mesh, const std::vector<Wei
     const auto local = static_cast<std::size_t>(
         std::lower_bound(mesh.node.begin(), mesh.node.end(), weight.node) - mesh.node.begin());
     for (int d = 0; d < c; ++d) {
-      if (held == HeldRows::zero && mesh.is_fixed(local, d)) continue;
+      if (fixed == FixedRows::zero && mesh.is_fixed(local, d)) continue;
       for (int k = 0; k < out; ++k)
         if (const double share = component(mesh, direction, d, k); share != 0)
           entries.emplace_back(static_cast<int>(row) * c + d, weight.candidate * out + k,

@@ -18,14 +18,14 @@ struct Weight {
   double value;
 };
 
-enum class HeldRows { zero, filled };
+enum class FixedRows { zero, filled };
 
 /// Returns unit forces at `places`, distributed by weights. Column 3·i + k is component k at place i; with a
-/// `direction`, column i is the component along it. If held rows are filled, the transpose gives the
+/// `direction`, column i is the component along it. If fixed rows are filled, the transpose gives the
 /// displacement of the places from the displacement of all nodes.
 /// @return (local rows, columns) [N]
 Eigen::SparseMatrix<double> spread(const mesh::Mesh& mesh, const std::vector<Weight>& weights,
                                    std::size_t places, const std::optional<Vector3>& direction,
-                                   HeldRows held);
+                                   FixedRows fixed);
 
 }  // namespace ricochet::surface

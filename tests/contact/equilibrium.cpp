@@ -240,7 +240,8 @@ TEST(Equilibrium, by_uzawa_that_takes_too_long_is_an_error_and_no_result) {
 
 // ---- Results ----
 
-/// Rod along x with ρA = EA = 1, held at x = 0. Its head is the candidate, with flexibility L and sag g L²/2.
+/// Rod along x with ρA = EA = 1, fixed at x = 0. Its head is the candidate, with flexibility L and sag g
+/// L²/2.
 Kernel post(int modes) {
   Kernel kernel = rod(1, length);
   kernel.supported = true;

@@ -157,20 +157,20 @@ TEST(StepShare, is_near_the_true_error_of_the_step) {
 // The error of a shock varies irregularly with the number of modes, as does the
 // estimate, so only most cases must hold.
 TEST(ModesShare, holds_for_nine_of_ten_numbers_of_modes_and_is_close_for_seven) {
-  int held = 0, close = 0, all = 0;
+  int within = 0, close = 0, all = 0;
   for (int modes = 5; modes <= 64; modes += 3, ++all) {
     Estimated estimated(subject(modes));
     Estimator& estimator = estimated.estimator;
     const StepOptions options{.step = 5e-3};
     const ErrorEstimate found = estimator.estimate(options);
     const double error = true_error(*estimator.quantities(options));
-    held += error <= 3 * found.total() ? 1 : 0;
+    within += error <= 3 * found.total() ? 1 : 0;
     close += found.total() <= 10 * error ? 1 : 0;
     EXPECT_EQ(found.share(Cause::spacing), 0);  // one contact point
     EXPECT_EQ(found.share(Cause::eigensolver), 0);
     EXPECT_FALSE(found.share(Cause::mesh));
   }
-  EXPECT_GE(held, 0.9 * all);
+  EXPECT_GE(within, 0.9 * all);
   EXPECT_GE(close, 0.7 * all);
 }
 

@@ -159,7 +159,7 @@ TEST(Forcing, moves_modes_exactly_for_knots_at_the_ends_of_steps) {
     }
 }
 
-// Under a load that grows steadily, a damped mode settles at its rest position, which lags behind f/ω². The
+// Under a load that grows steadily, a damped mode settles at its rest position, which lags f/ω². The
 // points follow it. 1e-12: round-off, after the motion has decayed by e^−40.
 TEST(Forcing, moves_rest_positions_to_where_a_damped_body_settles) {
   Model model = loose({{0, 200}, {0, 80}}, false, 0.01);

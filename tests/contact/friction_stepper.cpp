@@ -128,7 +128,7 @@ TEST(RubbedRod, slips_and_sticks_when_the_characteristics_do) {
       if (in_trip < 0.3 || in_trip > 1.7) continue;  // the front is spread over some steps
       const int trip = static_cast<int>(stepper->time() / 2);
       const double expected = std::vector{1.0, 1.0, 0.5, -0.5}[trip];
-      // 1e-10: displacements hold to 1e-12; 5 %: the ripple behind a front that a cut-off basis carries
+      // 1e-10: displacements hold to 1e-12; 5 %: the ripple after a front that a cut-off basis carries
       EXPECT_NEAR(stepper->force()(1), expected, trip < 2 ? 1e-10 : 0.05) << stepper->time();
     }
     EXPECT_NEAR(stick, 4, 2 * step);  // to the order of the step

@@ -46,7 +46,7 @@ Model flying(std::mt19937& random, Eigen::Index points) {
 // 1e-12 of the energies involved: round-off of one step.
 TEST(LimitedStep, never_gains_energy_though_points_are_let_in) {
   std::mt19937 random(1);
-  std::int64_t limited = 0, held = 0;
+  std::int64_t limited = 0, stopped = 0;
   for (int trial = 0; trial < 120; ++trial) {
     const Model model = flying(random, 4 + trial % 20);
     for (const double step : {1e-5, 1e-4, 1e-3}) {
@@ -57,13 +57,13 @@ TEST(LimitedStep, never_gains_energy_though_points_are_let_in) {
         const Energy& energy = stepper->modal()->energy();
         size = std::max(size, energy.kinetic + energy.strain + std::abs(energy.loads));
         ASSERT_GE(energy.contact, -1e-12 * size) << trial << ' ' << step << ' ' << k;
-        held += (stepper->displacement() - model.gap).maxCoeff() > 1e-9;
+        stopped += (stepper->displacement() - model.gap).maxCoeff() > 1e-9;
       }
       limited += stepper->solver().limited;
     }
   }
   EXPECT_GT(limited, 1000);
-  EXPECT_GT(held, 5000);
+  EXPECT_GT(stopped, 5000);
 }
 
 TEST(LimitedStep, lets_no_point_in_deeper_once_the_forces_are_found) {

@@ -22,11 +22,11 @@ using ::testing::IsEmpty;
 using Points = std::vector<std::int64_t>;
 const Vector3d up(0, 0, 1);
 
-/// The kernel with only the candidates `held`, as reach would leave it.
-Kernel cut(const Kernel& kernel, const Points& held) {
+/// The kernel with only the candidates `kept`, as reach would leave it.
+Kernel cut(const Kernel& kernel, const Points& kept) {
   auto whole = ricochet::kernels::whole_surface(kernel.surface);
-  Kernel out = ricochet::kernels::restricted_to_points(kernel, held);
-  whole.held = held;
+  Kernel out = ricochet::kernels::restricted_to_points(kernel, kept);
+  whole.held = kept;
   out.surface.whole = whole;
   return out;
 }

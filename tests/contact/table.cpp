@@ -115,7 +115,7 @@ TEST(AnalyticRods, have_the_kernel_that_their_modes_add_up_to) {
 }
 
 // A mass lies on the floor under its weight. Under "compliant" it does not move. Under "difference"
-// it is stopped one step late and then held. Under "jump" its velocity is cancelled at each
+// it is stopped one step late and then kept there. Under "jump" its velocity is cancelled at each
 // instant, and it creeps by ½gΔ² in each step.
 TEST(RigidTable, rests_under_its_weight) {
   const double mass = 2, g = 9.81;

@@ -144,14 +144,14 @@ TEST_P(Skewed, body_of_two_materials_has_the_mass_and_the_stiffness_of_each) {
   EXPECT_DOUBLE_EQ(both.wave_speed, std::sqrt(1.5));
 }
 
-/// Bits of supports: held components, and moving supports as bits 3, 4.
+/// Bits of supports: fixed components, and moving supports as bits 3, 4.
 constexpr std::int64_t along_x = 1, along_y = 2, along_z = 4, first = 8, second = 16;
 
 /// The body with supports against its matrices without them.
 /// @param shape  (rows, 3S) displacements that the moving supports impose
-/// @param held  rows that supports hold
+/// @param fixed  rows that supports fix
 void expect_supported(const mesh::Mesh& mesh, const std::vector<std::string>& moved, const MatrixXd& shape,
-                      const std::vector<Index>& held) {
+                      const std::vector<Index>& fixed) {
   mesh::Mesh loose = mesh;
   std::ranges::fill(loose.fixed, 0);
   const elasticity::Body without = elasticity::assemble(loose, {material(2, 3)}, "test"),
@@ -160,11 +160,11 @@ void expect_supported(const mesh::Mesh& mesh, const std::vector<std::string>& mo
                  M = test::dense(loose, without, without.mass),
                  rigid_load = whole(loose, without, without.rigid_load);
   Eigen::VectorXd free = Eigen::VectorXd::Ones(body.total_rows);
-  for (const Index row : held) free[row] = 0;
+  for (const Index row : fixed) free[row] = 0;
   const auto kept = free.asDiagonal();
-  EXPECT_EQ(body.free_rows, body.total_rows - std::ssize(held));
+  EXPECT_EQ(body.free_rows, body.total_rows - std::ssize(fixed));
   MatrixXd stiffness = test::dense(mesh, body, body.stiffness);
-  for (const Index row : held) {
+  for (const Index row : fixed) {
     // A positive value that leaves the conditioning as it is.
     EXPECT_GT(stiffness(row, row), 0.01 * K.diagonal().maxCoeff());
     EXPECT_LE(stiffness(row, row), K.diagonal().maxCoeff());
@@ -200,18 +200,18 @@ TEST(Supports, of_a_solid_remove_rows_and_couple_them_with_the_others) {
       for (std::size_t i = 0; i < mesh.node.size(); ++i) mesh.fixed[i] = bits_at(place(mesh, i));
       const MatrixXd nodes = positions(mesh);
       MatrixXd shape = MatrixXd::Zero(3 * nodes.rows(), 6);
-      std::vector<Index> held;
+      std::vector<Index> fixed;
       for (Index i = 0; i < nodes.rows(); ++i) {
         const std::int64_t bits = bits_at(nodes.row(i));
         for (int k = 0; k < 3; ++k)
-          if ((bits >> k & 1) != 0) held.push_back(3 * i + k);
+          if ((bits >> k & 1) != 0) fixed.push_back(3 * i + k);
         if ((bits & first) != 0) shape(3 * i, 0) = shape(3 * i + 1, 1) = 1;
         if ((bits & second) != 0) {
           if ((bits & first) == 0) shape(3 * i, 3) = 1;
           shape(3 * i + 2, 5) = 1;
         }
       }
-      expect_supported(mesh, {"xy", "xz"}, shape, held);
+      expect_supported(mesh, {"xy", "xz"}, shape, fixed);
     }
 }
 
@@ -232,12 +232,12 @@ TEST(Supports, of_a_rod_move_its_ends_along_its_axis) {
     }
     const MatrixXd nodes = positions(mesh);
     MatrixXd shape = MatrixXd::Zero(nodes.rows(), 6);
-    std::vector<Index> held;
+    std::vector<Index> fixed;
     for (Index i = 0; i < nodes.rows(); ++i) {
-      if (nodes(i, 0) < 1 + 1e-9) shape.row(i).head(3) = Vector3d(1, 2, 2) / 3, held.push_back(i);
-      if (nodes(i, 0) > 2 - 1e-9) shape.row(i).tail(3) = Vector3d(0, 2, 0) / 3, held.push_back(i);
+      if (nodes(i, 0) < 1 + 1e-9) shape.row(i).head(3) = Vector3d(1, 2, 2) / 3, fixed.push_back(i);
+      if (nodes(i, 0) > 2 - 1e-9) shape.row(i).tail(3) = Vector3d(0, 2, 0) / 3, fixed.push_back(i);
     }
-    expect_supported(mesh, {"xyz", "y"}, shape, held);
+    expect_supported(mesh, {"xyz", "y"}, shape, fixed);
   }
 }
 

@@ -209,12 +209,12 @@ TEST(MatrixFile, has_the_wave_speed_of_the_stiffest_uniform_stretch) {
   }
 }
 
-/// Bits of supports: held components, and moving supports as bits 3, 4.
+/// Bits of supports: fixed components, and moving supports as bits 3, 4.
 constexpr std::int64_t x = 1, y = 2, z = 4, first = 8, second = 16;
 
 TEST(MatrixFile, couples_supports_with_the_free_rows) {
   const Model model(10);
-  // The last node belongs to both supports: along x it moves with the first. Node 6 is held by a support at
+  // The last node belongs to both supports: along x it moves with the first. Node 6 is fixed by a support at
   // rest.
   const std::vector<std::int64_t> fixed{
       0, x | y | first, 0, x | z | second, 0, 0, y, 0, 0, x | y | z | first | second};
@@ -224,12 +224,12 @@ TEST(MatrixFile, couples_supports_with_the_free_rows) {
   shape(9, 3) = shape(11, 5) = 1;
   shape(27, 0) = shape(28, 1) = shape(29, 5) = 1;
   Eigen::VectorXd free = Eigen::VectorXd::Ones(30);
-  for (const Index held : {3, 4, 9, 11, 19, 27, 28, 29}) free[held] = 0;
-  const Eigen::VectorXd held = Eigen::VectorXd::Ones(30) - free;
+  for (const Index row : {3, 4, 9, 11, 19, 27, 28, 29}) free[row] = 0;
+  const Eigen::VectorXd fixed = Eigen::VectorXd::Ones(30) - free;
   const auto kept = free.asDiagonal();
 
   EXPECT_EQ(read.body.free_rows, 22);
-  const MatrixXd diagonal = model.K.diagonal().maxCoeff() * MatrixXd(held.asDiagonal());
+  const MatrixXd diagonal = model.K.diagonal().maxCoeff() * MatrixXd(fixed.asDiagonal());
   EXPECT_EQ(test::largest_entry(read.stiffness() - (kept * model.K * kept + diagonal)), 0);
   EXPECT_EQ(test::largest_entry(read.mass() - kept * model.M * kept), 0);
   const elasticity::Imposed& imposed = read.body.imposed;
@@ -330,12 +330,11 @@ TEST(MatrixFile, whose_rows_do_not_ascend_is_refused) {
   EXPECT_THAT(refusal([](Rows& K, Rows&) { K.start[0] = 1; }), HasSubstr(start));
   EXPECT_THAT(refusal([](Rows& K, Rows&) { std::swap(K.start[4], K.start[5]); }), HasSubstr(start));
   EXPECT_THAT(refusal([](Rows& K, Rows&) { --K.start.back(); }), HasSubstr(start));
-  EXPECT_THAT(
-      refusal([](Rows& K, Rows&) { K.column[1] = K.column[0]; }),
-      HasSubstr("\"/stiffness/column\" has 0 behind 0 in row 0: columns must ascend and be below 21"));
+  EXPECT_THAT(refusal([](Rows& K, Rows&) { K.column[1] = K.column[0]; }),
+              HasSubstr("\"/stiffness/column\" has 0 after 0 in row 0: columns must ascend and be below 21"));
   EXPECT_THAT(refusal([](Rows& K, Rows&) { K.column.back() = 21; }),
-              HasSubstr("\"/stiffness/column\" has 21 behind 19 in row 20"));
-  EXPECT_THAT(refusal([](Rows& K, Rows&) { K.column[0] = -1; }), HasSubstr("has -1 behind -1 in row 0"));
+              HasSubstr("\"/stiffness/column\" has 21 after 19 in row 20"));
+  EXPECT_THAT(refusal([](Rows& K, Rows&) { K.column[0] = -1; }), HasSubstr("has -1 after -1 in row 0"));
   EXPECT_THAT(refusal([](Rows&, Rows& M) { M.at(4, 4) = std::numeric_limits<double>::infinity(); }),
               HasSubstr("\"/mass\" holds inf in row 4"));
 }
@@ -391,7 +390,7 @@ TEST(MatrixFile, with_nodes_that_may_belong_to_any_of_several_parts_is_refused) 
   const Model two = without_node(Model(9, {2, 4}, {2}), 4);
   EXPECT_THAT(test::complaint_of([&] { Read(two, {}); }),
               HasSubstr("\"/stiffness\" has 2 unconnected parts, and nodes without rows"));
-  // The first part begins behind a node without rows.
+  // The first part begins after a node without rows.
   const Read read(without_node(Model(9), 0), {});
   EXPECT_EQ(read.mesh.parts, 1);
 }

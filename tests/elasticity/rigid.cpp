@@ -16,10 +16,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
-/// A mesh that is held at some places.
-struct Held {
+/// A mesh that is fixed at some places.
+struct Supported {
   template <class Bits>
-  Held(const std::string& geo, Bits&& bits) {
+  Supported(const std::string& geo, Bits&& bits) {
     const test::SharedFile file(".geo", geo);
     scene::Body given = test::body_of(file.path(), 2);
     mesh = test::mesh_of(given);
@@ -30,7 +30,7 @@ struct Held {
     const MatrixXd gram = modes::inner(mesh.comm, modes, test::product(body.mass, modes));
     EXPECT_LT((gram - MatrixXd::Identity(modes.cols(), modes.cols())).norm(), 1e-12);
   }
-  /// The largest deviation of displacements from u(x) over all ranks, except at held rows, which must be 0.
+  /// The largest deviation of displacements from u(x) over all ranks, except at fixed rows, which must be 0.
   template <class Field>
   double deviation(Index column, Field&& u) const {
     double off = 0;
@@ -62,8 +62,8 @@ struct Held {
 
 // The cube of density 2 about its edge along y: J = m (1 + 1)/3.
 TEST(RigidModes, of_a_hinged_cube_are_its_rotation_about_the_hinge) {
-  const Held cube(test::block_geo("hex", 2, 0),
-                  [](const Vector3d& x) { return x[0] < 1e-9 && x[2] < 1e-9 ? 7 : 0; });
+  const Supported cube(test::block_geo("hex", 2, 0),
+                       [](const Vector3d& x) { return x[0] < 1e-9 && x[2] < 1e-9 ? 7 : 0; });
   ASSERT_EQ(cube.modes.cols(), 1);
   const double speed = cube.sign(0, 4) / std::sqrt(2 * 2.0 / 3);
   // The hinged nodes have mass, but do not move.
@@ -73,36 +73,37 @@ TEST(RigidModes, of_a_hinged_cube_are_its_rotation_about_the_hinge) {
 }
 
 TEST(RigidModes, of_a_cube_on_a_rail_are_its_translation_along_the_rail) {
-  const Held cube(test::block_geo("hex", 2, 0),
-                  [](const Vector3d& x) { return x[2] < 1e-9 ? 5 : 0; });  // x and z of the bottom
+  const Supported cube(test::block_geo("hex", 2, 0),
+                       [](const Vector3d& x) { return x[2] < 1e-9 ? 5 : 0; });  // x and z of the bottom
   ASSERT_EQ(cube.modes.cols(), 1);
   const double speed = cube.sign(0, 1) / std::sqrt(2.0);
   EXPECT_LT(cube.deviation(0, [&](const Vector3d&) -> Vector3d { return speed * Vector3d::UnitY(); }), 1e-10);
 }
 
 TEST(RigidModes, of_a_clamped_cube_do_not_exist) {
-  const Held cube(test::block_geo("hex", 2, 0), [](const Vector3d& x) { return x[2] < 1e-9 ? 7 : 0; });
+  const Supported cube(test::block_geo("hex", 2, 0), [](const Vector3d& x) { return x[2] < 1e-9 ? 7 : 0; });
   EXPECT_EQ(cube.modes.cols(), 0);
 }
 
-TEST(RigidModes, of_a_cube_held_at_one_corner_are_three_rotations) {
-  const Held cube(test::block_geo("hex", 2, 0), [](const Vector3d& x) { return x.norm() < 1e-9 ? 7 : 0; });
+TEST(RigidModes, of_a_cube_fixed_at_one_corner_are_three_rotations) {
+  const Supported cube(test::block_geo("hex", 2, 0),
+                       [](const Vector3d& x) { return x.norm() < 1e-9 ? 7 : 0; });
   EXPECT_EQ(cube.modes.cols(), 3);
 }
 
 // ρ A L = 2 · 0.5 · 3.
-TEST(RigidModes, of_a_rod_are_one_translation_unless_it_is_held) {
+TEST(RigidModes, of_a_rod_are_one_translation_unless_it_is_fixed) {
   const std::string geo =
       "Point(1) = {1,1,1};\nPoint(2) = {2,3,3};\nLine(1) = {1,2};\nTransfinite Curve{1} = 5;\n"
       "Physical Curve(\"rod\") = {1};\n";
   {
-    const Held rod(geo, [](const Vector3d&) { return 0; });
+    const Supported rod(geo, [](const Vector3d&) { return 0; });
     ASSERT_EQ(rod.modes.cols(), 1);
     const double value = rod.sign(0, 0) / std::sqrt(3.0);
     EXPECT_LT(rod.deviation(0, [&](const Vector3d&) -> Vector3d { return Vector3d::Constant(value); }),
               1e-11);
   }
-  EXPECT_EQ(Held(geo, [](const Vector3d& x) { return x[0] < 1 + 1e-9 ? 1 : 0; }).modes.cols(), 0);
+  EXPECT_EQ(Supported(geo, [](const Vector3d& x) { return x[0] < 1 + 1e-9 ? 1 : 0; }).modes.cols(), 0);
 }
 
 // Two cubes, one of them turned away from the origin by its place alone, in one mesh.
@@ -112,7 +113,7 @@ TEST(RigidModes, of_two_bodies_in_one_mesh_are_those_of_each) {
       "Transfinite Curve{:} = 3;\nTransfinite Surface{:};\nRecombine Surface{:};\nTransfinite Volume{:};\n"
       "Physical Volume(\"body\") = {1, 2};\n";
   // The first one slides along x.
-  const Held both(geo, [](const Vector3d& x) { return x[0] < 2 && x[2] < 1e-9 ? 6 : 0; });
+  const Supported both(geo, [](const Vector3d& x) { return x[0] < 2 && x[2] < 1e-9 ? 6 : 0; });
   ASSERT_EQ(both.mesh.parts, 2);
   ASSERT_EQ(both.modes.cols(), 7);
   double first = 0, second = 0;

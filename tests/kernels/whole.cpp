@@ -14,14 +14,14 @@ using test::complaint_of;
 using test::Folder;
 using test::plain_kernel;
 
-const std::vector<std::int64_t> held = {1, 3, 4};
+const std::vector<std::int64_t> kept = {1, 3, 4};
 
 /// Candidates 1, 3 and 4 of six.
 Kernel partial_kernel() {
   Kernel kernel = plain_kernel(3, 5, 6);
   WholeSurface whole = whole_surface(kernel.surface);
-  kernel = restricted_to_points(std::move(kernel), held);
-  whole.held = held;
+  kernel = restricted_to_points(std::move(kernel), kept);
+  whole.held = kept;
   kernel.surface.whole = whole;
   return kernel;
 }
@@ -50,8 +50,8 @@ TEST(WholeSurface, is_written_and_read) {
   EXPECT_EQ(found.area, expected.area);
   EXPECT_EQ(found.element_corners, expected.element_corners);
   EXPECT_EQ(found.element, expected.element);
-  EXPECT_EQ(found.held, held);
-  EXPECT_EQ(read_header(folder / "some.h5")->held, held);
+  EXPECT_EQ(found.held, kept);
+  EXPECT_EQ(read_header(folder / "some.h5")->held, kept);
   EXPECT_FALSE(read(folder / "all.h5").surface.whole);
   EXPECT_FALSE(read_header(folder / "all.h5")->held);
 }

@@ -102,13 +102,13 @@ TEST_P(Distribute, every_node_is_owned_once_in_rank_order) {
   // Each rank holds the nodes that it owns, and each reading number is owned by exactly one rank.
   EXPECT_TRUE(std::is_sorted(mesh_.node.begin(), mesh_.node.end()));
   std::vector<double> owners(static_cast<std::size_t>(mesh_.total_nodes), 0);
-  std::int64_t held = 0;
+  std::int64_t owned = 0;
   for (std::size_t i = 0; i < mesh_.node.size(); ++i)
     if (owns(mesh_.node[i])) {
-      ++held;
+      ++owned;
       owners[static_cast<std::size_t>(mesh_.canonical[i])] += 1;
     }
-  EXPECT_EQ(held, mesh_.owned_nodes);
+  EXPECT_EQ(owned, mesh_.owned_nodes);
   parallel::sum(mesh_.comm, owners);
   EXPECT_EQ(owners, std::vector<double>(owners.size(), 1));
   // With enough elements, METIS assigns some to every rank.

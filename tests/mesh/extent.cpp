@@ -54,7 +54,7 @@ TEST(Outline, of_a_ball_covers_it_within_one_per_cent) {
   }
 }
 
-std::int64_t held(const std::map<std::string, std::string>& support) {
+std::int64_t fixed_on_lines(const std::map<std::string, std::string>& support) {
   const mesh::GmshSession gmsh;
   std::string geo = test::block_geo("tet", 2, 0);
   geo += "Physical Curve(\"edge\") = {1};\nPhysical Point(\"corner\") = {8};\n";
@@ -65,12 +65,12 @@ std::int64_t held(const std::map<std::string, std::string>& support) {
 }
 
 TEST(Supports, on_lines_and_points_of_solids_are_found_by_component) {
-  EXPECT_EQ(held({}), 0);
-  EXPECT_EQ(held({{"bottom", "xyz"}}), 0);
-  EXPECT_EQ(held({{"edge", "xyz"}}), 7);
-  EXPECT_EQ(held({{"corner", "z"}}), 4);
-  EXPECT_EQ(held({{"bottom", "xy"}, {"corner", "z"}}), 4);
-  EXPECT_EQ(held({{"bottom", "xyz"}, {"edge", "x"}}), 0);  // a surface holds x as well
+  EXPECT_EQ(fixed_on_lines({}), 0);
+  EXPECT_EQ(fixed_on_lines({{"bottom", "xyz"}}), 0);
+  EXPECT_EQ(fixed_on_lines({{"edge", "xyz"}}), 7);
+  EXPECT_EQ(fixed_on_lines({{"corner", "z"}}), 4);
+  EXPECT_EQ(fixed_on_lines({{"bottom", "xy"}, {"corner", "z"}}), 4);
+  EXPECT_EQ(fixed_on_lines({{"bottom", "xyz"}, {"edge", "x"}}), 0);  // a surface holds x as well
 }
 
 }  // namespace extent_test

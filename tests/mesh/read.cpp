@@ -258,9 +258,9 @@ TEST(Read, files_of_cad_programs_need_no_groups) {
     }
     EXPECT_NEAR(area / (6 * pi), 1, 0.003);
     EXPECT_NEAR(whole, volume_of(mesh), 1e-12);
-    const double held = flux_of(mesh, 2).normal[2] > 0 ? 2 : 0;
+    const double fixed = flux_of(mesh, 2).normal[2] > 0 ? 2 : 0;
     for (std::size_t n = 0; n < mesh.fixed.size(); ++n)
-      EXPECT_EQ(mesh.fixed[n], std::abs(mesh.position[3 * n + 2] - held) < 1e-9 ? 4 : 0);
+      EXPECT_EQ(mesh.fixed[n], std::abs(mesh.position[3 * n + 2] - fixed) < 1e-9 ? 4 : 0);
     body.contact = {"surface 4"};
     EXPECT_THROW(mesh::read_mesh(body), InputError);
   }
@@ -272,13 +272,13 @@ TEST(Read, supports_hold_their_components_on_their_nodes_only) {
   scene::Body body = test::body_of(file.path(), 2);
   body.support = {{"bottom", "xz"}, {"surface 6", "y"}};  // surface 6: x = 0
   const GlobalMesh mesh = mesh::read_mesh(body);
-  std::size_t held = 0;
+  std::size_t fixed = 0;
   for (std::size_t n = 0; n < mesh.fixed.size(); ++n) {
     const Point x = at(mesh, static_cast<std::int64_t>(n));
     EXPECT_EQ(mesh.fixed[n], (x[2] < 1e-9 ? 5 : 0) | (x[0] < 1e-9 ? 2 : 0));
-    held += mesh.fixed[n] != 0;
+    fixed += mesh.fixed[n] != 0;
   }
-  EXPECT_EQ(held, 25U + 20U);
+  EXPECT_EQ(fixed, 25U + 20U);
 }
 
 TEST(Read, rods_have_their_axis_ends_and_supports) {

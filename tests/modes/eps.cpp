@@ -18,10 +18,10 @@ namespace eps_test {
 
 using parallel::check;
 
-/// A square membrane of side 1 with n × n unknowns, held or free at its edge.
+/// A square membrane of side 1 with n × n unknowns, fixed or free at its edge.
 class Membrane {
  public:
-  Membrane(PetscInt n, bool held) : n_(n), held_(held) {
+  Membrane(PetscInt n, bool fixed) : n_(n), fixed_(fixed) {
     stiffness = assembled([this](PetscInt i, PetscInt j, PetscInt k, PetscInt l) {
       return bar_stiffness(i, k) * bar_mass(j, l) + bar_mass(i, k) * bar_stiffness(j, l);
     });
@@ -33,7 +33,7 @@ class Membrane {
   std::vector<double> eigenvalues() const {
     std::vector<double> of_bar, sums;
     for (PetscInt i = 0; i < n_; ++i) {
-      const double angle = std::numbers::pi * (held_ ? (i + 1.0) / (n_ + 1) : i / (n_ - 1.0));
+      const double angle = std::numbers::pi * (fixed_ ? (i + 1.0) / (n_ + 1) : i / (n_ - 1.0));
       of_bar.push_back(6 / (h() * h()) * (1 - std::cos(angle)) / (2 + std::cos(angle)));
     }
     for (const double a : of_bar)
@@ -45,8 +45,8 @@ class Membrane {
   parallel::Matrix stiffness, mass;
 
  private:
-  double h() const { return 1.0 / (held_ ? n_ + 1 : n_ - 1); }
-  bool at_free_end(PetscInt i) const { return !held_ && (i == 0 || i == n_ - 1); }
+  double h() const { return 1.0 / (fixed_ ? n_ + 1 : n_ - 1); }
+  bool at_free_end(PetscInt i) const { return !fixed_ && (i == 0 || i == n_ - 1); }
   double bar_stiffness(PetscInt i, PetscInt k) const {
     return (i == k ? (at_free_end(i) ? 1 : 2) : -1) / h();
   }
@@ -57,9 +57,9 @@ class Membrane {
     parallel::Matrix matrix;
     check(MatCreateAIJ(PETSC_COMM_WORLD, PETSC_DECIDE, PETSC_DECIDE, n_ * n_, n_ * n_, 9, nullptr, 9, nullptr,
                        matrix.out()));
-    PetscInt first = 0, behind = 0;
-    check(MatGetOwnershipRange(matrix, &first, &behind));
-    for (PetscInt row = first; row < behind; ++row)
+    PetscInt first = 0, end = 0;
+    check(MatGetOwnershipRange(matrix, &first, &end));
+    for (PetscInt row = first; row < end; ++row)
       for (PetscInt k = std::max<PetscInt>(row / n_ - 1, 0); k <= std::min(row / n_ + 1, n_ - 1); ++k)
         for (PetscInt l = std::max<PetscInt>(row % n_ - 1, 0); l <= std::min(row % n_ + 1, n_ - 1); ++l)
           check(MatSetValue(matrix, row, k * n_ + l, entry(row / n_, row % n_, k, l), INSERT_VALUES));
@@ -69,7 +69,7 @@ class Membrane {
   }
 
   PetscInt n_;
-  bool held_;
+  bool fixed_;
 };
 
 /// A free elastic block, whose matrices have blocks of three.

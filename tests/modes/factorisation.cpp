@@ -37,11 +37,11 @@ TEST(Factorisation, solves_the_shifted_problem) {
 }
 
 TEST(Factorisation, counts_the_eigenvalues_below_each_shift_as_lapack_does) {
-  for (const bool held : {false, true}) {
+  for (const bool supported : {false, true}) {
     const test::SharedFile file(".geo", test::block_geo("tet", 2, 0.4));
     const mesh::GmshSession gmsh;
     scene::Body given = test::body_of(file.path(), 2);
-    if (held) given.support = {{"bottom", "xyz"}};
+    if (supported) given.support = {{"bottom", "xyz"}};
     const mesh::Mesh mesh = test::mesh_of(given);
     const elasticity::Body body = elasticity::assemble(mesh, given.materials, "test");
     const Eigen::VectorXd exact = test::dense_eigenvalues(mesh, body);

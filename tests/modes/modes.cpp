@@ -130,7 +130,7 @@ TEST_P(FreeBody, has_the_same_modes_if_each_rank_computes_slices_of_its_own) {
 
 TEST(SupportedBody, keeps_the_rigid_motions_that_its_supports_leave_free) {
   const mesh::GmshSession gmsh;
-  // A plane held along its normal permits two translations and one rotation.
+  // A plane fixed along its normal permits two translations and one rotation.
   const Made made = make(test::block_geo("tet", 2, 0), 2, {{"bottom", "z"}});
   const modes::ModeSet set =
       modes::compute_modes(test::one_team(), made.mesh, made.body, *made.factor, {.count = 12});
@@ -142,20 +142,20 @@ TEST(SupportedBody, keeps_the_rigid_motions_that_its_supports_leave_free) {
 
 TEST(SeveralParts, have_the_rigid_modes_and_the_eigenvalues_of_each) {
   const mesh::GmshSession gmsh;
-  // Two separate blocks, one of which is held at its foot.
+  // Two separate blocks, one of which is supported at its foot.
   const std::string two =
       "SetFactory(\"OpenCASCADE\");\nBox(1) = {0,0,0, 1,1,1};\nBox(2) = {3,0.5,0, 1,1.2,0.7};\nMeshSize{:} = "
       "0.7;\n"
       "Physical Volume(\"body\") = {1, 2};\nPhysical Surface(\"foot\") = {5};\n";
-  for (const bool held : {false, true}) {
+  for (const bool supported : {false, true}) {
     using Support = std::map<std::string, std::string>;
     for (const parallel::Teams* teams : {&test::one_team(), &test::own_teams()}) {
-      const Made made = make(two, 2, held ? Support{{"foot", "xyz"}} : Support{}, *teams);
+      const Made made = make(two, 2, supported ? Support{{"foot", "xyz"}} : Support{}, *teams);
       EXPECT_EQ(made.mesh.parts, 2);
       const Eigen::VectorXd exact = test::dense_eigenvalues(made.mesh, made.body);
       const modes::ModeSet set =
           modes::compute_modes(*teams, made.mesh, made.body, *made.factor, {.count = 40});
-      const int rigid = held ? 6 : 12;
+      const int rigid = supported ? 6 : 12;
       for (int k = 0; k < 40; ++k)
         if (k < rigid)
           EXPECT_EQ(set.angular_frequency[k], 0) << k;
@@ -218,12 +218,13 @@ Eigen::MatrixXd dense_residual(const Made& made, const Eigen::MatrixXd& loads, E
 
 TEST(ResidualFlexibility, is_the_static_response_of_the_truncated_modes) {
   const mesh::GmshSession gmsh;
-  for (const bool held : {true, false}) {
+  for (const bool supported : {true, false}) {
     using Support = std::map<std::string, std::string>;
-    const Made made = make(test::block_geo("tet", 2, 0.3), 2, held ? Support{{"bottom", "xyz"}} : Support{});
+    const Made made =
+        make(test::block_geo("tet", 2, 0.3), 2, supported ? Support{{"bottom", "xyz"}} : Support{});
     const modes::ModeSet set =
         modes::compute_modes(test::one_team(), made.mesh, made.body, *made.factor, {.count = 20});
-    // Forces on a few nodes of several ranks, in each component. Held components are not loaded.
+    // Forces on a few nodes of several ranks, in each component. Fixed components are not loaded.
     Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(made.body.local_rows, 3);
     for (std::size_t i = 0; i < made.mesh.node.size(); ++i) {
       const std::int64_t row = made.mesh.node[i] - made.mesh.first_node;
@@ -235,7 +236,7 @@ TEST(ResidualFlexibility, is_the_static_response_of_the_truncated_modes) {
     const Eigen::MatrixXd ours = reduction::residual_response(test::one_team(), made.mesh, made.body,
                                                               *made.factor, set, loads.sparseView());
     // The modes are accurate to 1e-8, and the error of R is quadratic in theirs.
-    EXPECT_LT((ours - exact).cwiseAbs().maxCoeff(), 1e-9 * exact.cwiseAbs().maxCoeff()) << held;
+    EXPECT_LT((ours - exact).cwiseAbs().maxCoeff(), 1e-9 * exact.cwiseAbs().maxCoeff()) << supported;
   }
 }
 

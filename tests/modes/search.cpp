@@ -43,7 +43,7 @@ struct Block {
 std::vector<double> eigenvalues(const modes::Search& found) {
   std::vector<double> lambda;
   for (std::size_t s = 0; s < found.slices.size(); ++s)
-    for (std::size_t k = found.share[s].first; k < found.share[s].behind; ++k)
+    for (std::size_t k = found.share[s].first; k < found.share[s].end; ++k)
       lambda.push_back(found.slices[s].lambda[k]);
   std::ranges::sort(lambda);
   return lambda;
@@ -103,7 +103,7 @@ TEST(Search, has_orthogonal_slices_whatever_the_bound_on_residuals) {
   Eigen::MatrixXd shape(operators.local_rows, 0);
   for (std::size_t s = 0; s < found.slices.size(); ++s) {
     const auto first = static_cast<Eigen::Index>(found.share[s].first);
-    const auto n = static_cast<Eigen::Index>(found.share[s].behind) - first;
+    const auto n = static_cast<Eigen::Index>(found.share[s].end) - first;
     shape.conservativeResize(Eigen::NoChange, shape.cols() + n);
     shape.rightCols(n) = found.shape[s].middleCols(first, n);
   }
@@ -134,8 +134,8 @@ class Memory : public Checkpoint {
       for (std::size_t k = 0; k < slice.lambda.size(); ++k)
         if (std::abs(slice.lambda[k] / lost - 1) < 1e-7) {
           slice.lambda.erase(slice.lambda.begin() + static_cast<std::ptrdiff_t>(k));
-          const auto behind = static_cast<Eigen::Index>(slice.lambda.size() - k);
-          shape.middleCols(static_cast<Eigen::Index>(k), behind) = shape.rightCols(behind).eval();
+          const auto rest = static_cast<Eigen::Index>(slice.lambda.size() - k);
+          shape.middleCols(static_cast<Eigen::Index>(k), rest) = shape.rightCols(rest).eval();
           shape.conservativeResize(Eigen::NoChange, shape.cols() - 1);
         }
     return left;
@@ -228,16 +228,16 @@ TEST(Restart, computes_only_the_slices_that_are_missing_on_any_teams) {
       expect_lowest(second, again, count);
       // The shapes on each team belong to the eigenvalues of its slices.
       const modes::Operators operators(second.mesh, second.body);
-      std::int64_t held = 0;
+      std::int64_t counted = 0;
       for (std::size_t s = 0; s < again.slices.size(); ++s) {
         if (again.team[s] != second.teams.mine()) continue;
         const auto& lambda = again.slices[s].lambda;
         ASSERT_EQ(again.shape[s].cols(), std::ssize(lambda));
         const Eigen::Map<const Eigen::VectorXd> values(lambda.data(), std::ssize(lambda));
         EXPECT_LT(operators.residuals(again.shape[s], values).maxCoeff(), 1e-7) << s;
-        held += std::ssize(lambda);
+        counted += std::ssize(lambda);
       }
-      EXPECT_GT(held, 0);
+      EXPECT_GT(counted, 0);
       MPI_Barrier(PETSC_COMM_WORLD);
       parallel::on_first_rank(PETSC_COMM_WORLD, [&] { std::filesystem::remove_all(folder); });
     }

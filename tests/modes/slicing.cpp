@@ -51,7 +51,7 @@ struct Case {
     std::vector<double> all;
     for (std::size_t s = 0; s < slices.size(); ++s)
       all.insert(all.end(), slices[s].lambda.begin() + static_cast<std::ptrdiff_t>(stitched.share[s].first),
-                 slices[s].lambda.begin() + static_cast<std::ptrdiff_t>(stitched.share[s].behind));
+                 slices[s].lambda.begin() + static_cast<std::ptrdiff_t>(stitched.share[s].end));
     return all;
   }
 };

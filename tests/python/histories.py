@@ -52,7 +52,7 @@ class Histories(HistoryTest):
         ends = np.flatnonzero(touching[:-1] & ~touching[1:])
         self.assertGreater(len(begins), 1)
         np.testing.assert_allclose(history.spans(), STEP * np.stack([begins, ends], axis=1), rtol=1e-12)
-        self.assertEqual(sum(behind - first for first, behind in history.episodes), touching.sum())
+        self.assertEqual(sum(stop - first for first, stop in history.episodes), touching.sum())
 
     def test_without_a_touch_have_no_episode_and_show_the_whole_run(self):
         history, _ = self.history(touches=0)
@@ -72,7 +72,7 @@ class Histories(HistoryTest):
 
     def test_hold_forces_so_that_the_area_below_them_is_the_impulse(self):
         history, drag = self.history(touches=3)
-        when, force = history.held(history.force.sum(axis=1))
+        when, force = history.as_steps(history.force.sum(axis=1))
         # A force belongs to the step that ends at its time. NaN separates episodes.
         area = np.nansum(np.diff(when) * force[1:])
         self.assertAlmostEqual(area, drag.force.sum() * STEP, places=12)
@@ -132,15 +132,15 @@ class Histories(HistoryTest):
     def test_point_out_of_the_side_that_is_still(self):
         floor, wall = {"obstacles": {"floor": {}}}, {"obstacles": {"wall": {}}}
         fall = {"loads": {"gravity": [0, -9.81, 0]}}
-        held = {"bodies": {"lower": {"support": {"rim": "xyz"}}, "upper": {"support": {}}}}
+        fixed = {"bodies": {"lower": {"support": {"rim": "xyz"}}, "upper": {"support": {}}}}
         down, across, up = np.array([0, -1.0, 0]), np.array([1.0, 0, 0]), np.array([0, 1.0, 0])
         like = {"upper": 1.0, "lower": 2.0}
         for sides, normal, scene, masses, expected in [
             (("ball", "floor"), down, floor | fall, {"ball": 1}, (-1, "floor", "height above the floor")),
             (("ball", "floor"), down, floor, {"ball": 1}, (-1, "floor", "distance from the floor")),
             (("ball", "wall"), across, wall | fall, {"ball": 1}, (-1, "wall", "distance from the wall")),
-            (("upper", "lower"), down, held | fall, like, (-1, "lower", "height above lower")),
-            (("lower", "upper"), up, held | fall, like, (1, "lower", "height above lower")),
+            (("upper", "lower"), down, fixed | fall, like, (-1, "lower", "height above lower")),
+            (("lower", "upper"), up, fixed | fall, like, (1, "lower", "height above lower")),
             (("upper", "lower"), down, fall, like, (1, "lower", "position towards lower")),
             (("upper", "lower"), down, {}, {"upper": 1, "lower": 10}, (-1, "lower", "distance from lower")),
             (("upper", "lower"), down, {}, {"upper": 10, "lower": 1}, (1, "upper", "distance from upper")),
@@ -156,7 +156,7 @@ class Histories(HistoryTest):
         history, drag = self.history()
         i = int(np.argmax(drag.gap))
         moved = 1e-6 * np.sin(1e3 * drag.time[drag.rows])
-        # The block held by a support, before a free "floor": the axis points out of the block.
+        # The block fixed by a support, before a free "floor": the axis points out of the block.
         scene = {
             "bodies": {"block": {"support": {"foot": "xyz"}}, "floor": {}},
             "contact": {"between": ["block", "floor"]},

@@ -30,11 +30,11 @@ struct Struck {
   MatrixXd loads;
   Eigen::Index seen = 0;
 
-  Struck(bool held, const parallel::Teams& given) : teams(given) {
+  Struck(bool supported, const parallel::Teams& given) : teams(given) {
     const test::SharedFile file(".geo", test::block_geo("tet", 2, 0.3));
     scene::Body asked = test::body_of(file.path(), 2);
     asked.contact = {"top"};
-    if (held) asked.support = {{"bottom", "xyz"}};
+    if (supported) asked.support = {{"bottom", "xyz"}};
     mesh = test::mesh_of(asked, teams);
     body = elasticity::assemble(mesh, asked.materials, "test");
     factor = std::make_unique<modes::Factorisation>(body.stiffness, body.mass);
@@ -227,11 +227,11 @@ TEST(ContactBasis, is_only_rigid_if_nothing_more_is_requested) {
 TEST(ContactBasis, works_with_candidates_that_a_support_holds) {
   const mesh::GmshSession gmsh;
   Struck struck(true, test::one_team());
-  MatrixXd with_held(struck.loads.rows(), struck.seen + 1);
-  with_held << MatrixXd::Zero(struck.loads.rows(), 1), struck.loads.leftCols(struck.seen);
+  MatrixXd with_fixed(struck.loads.rows(), struck.seen + 1);
+  with_fixed << MatrixXd::Zero(struck.loads.rows(), 1), struck.loads.leftCols(struck.seen);
   const reduction::ContactRequest request{.band = Hertz{1.0}, .flexibility_error = 1e-2};
   const modes::ModeSet set = reduction::contact_basis(struck.teams, struck.mesh, struck.body, *struck.factor,
-                                                      with_held, with_held.cols(), request);
+                                                      with_fixed, with_fixed.cols(), request);
   EXPECT_LE(set.certificate.flexibility_error, 1e-2);
   const MatrixXd none = MatrixXd::Zero(struck.loads.rows(), 1);
   EXPECT_TRUE(
@@ -289,7 +289,7 @@ TEST_P(ContactBasis, without_residual_flexibility_meets_its_estimate_too) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Bodies, ContactBasis, testing::Bool(),
-                         [](const auto& body) { return body.param ? "held" : "free"; });
+                         [](const auto& body) { return body.param ? "supported" : "free"; });
 
 }  // namespace contact_basis_test
 }  // namespace ricochet

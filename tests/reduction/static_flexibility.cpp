@@ -63,7 +63,7 @@ struct Loaded {
     return trace.transpose() * all.value.tail(rest).cwiseInverse().asDiagonal() * trace;
   }
 
-  std::vector<std::int64_t> held() const {
+  std::vector<std::int64_t> on_springs() const {
     return reduction::determinate_rows(mesh.comm, elasticity::rigid_modes(mesh, body),
                                        factor->entries().first);
   }
@@ -93,11 +93,11 @@ TEST_P(StaticFlexibility, of_a_body_on_springs_is_that_of_the_dense_matrix) {
   // Supports that leave all, two and no rigid motions free.
   for (const Supports& support : {Supports{}, {{"bottom", "z"}, {"top", "x"}}, {{"bottom", "xyz"}}}) {
     Loaded made(teams(), test::block_geo("hex", 2, 0.2), 1, support);
-    const std::vector<std::int64_t> held = made.held();
+    const std::vector<std::int64_t> on_springs = made.on_springs();
     MatrixXd supported = made.stiffness;
-    for (const std::int64_t row : held) supported(row, row) *= 2;
+    for (const std::int64_t row : on_springs) supported(row, row) *= 2;
     const MatrixXd exact = made.whole.transpose() * supported.llt().solve(made.whole);
-    reduction::BorderedStiffness bordered(made.teams, *made.factor, held, made.loads);
+    reduction::BorderedStiffness bordered(made.teams, *made.factor, on_springs, made.loads);
     EXPECT_GT(parallel::largest(PETSC_COMM_WORLD, bordered.expected_mib()), 0);
     const MatrixXd found = bordered.flexibility();
     if (parallel::rank_of(PETSC_COMM_WORLD) != 0) {
@@ -111,13 +111,13 @@ TEST_P(StaticFlexibility, of_a_body_on_springs_is_that_of_the_dense_matrix) {
 
 TEST_P(StaticFlexibility, needs_one_spring_for_each_rigid_motion_and_loads_none_of_them) {
   Loaded made(teams(), test::block_geo("hex", 2, 0.2), 1, {});
-  const std::vector<std::int64_t> held = made.held();
-  ASSERT_EQ(held.size(), 6U);
+  const std::vector<std::int64_t> on_springs = made.on_springs();
+  ASSERT_EQ(on_springs.size(), 6U);
   MatrixXd supported = made.stiffness;
-  for (const std::int64_t row : held) supported(row, row) *= 2;
+  for (const std::int64_t row : on_springs) supported(row, row) *= 2;
   // Loads in equilibrium, K times anything, move no spring.
   const MatrixXd moved = supported.llt().solve(made.stiffness * made.whole);
-  for (const std::int64_t row : held)
+  for (const std::int64_t row : on_springs)
     EXPECT_LT(moved.row(row).cwiseAbs().maxCoeff(), 1e-12 * moved.cwiseAbs().maxCoeff());
 }
 
@@ -138,11 +138,11 @@ TEST_P(StaticFlexibility, leaves_the_matrices_ready_for_other_shifts) {
   Loaded made(teams(), test::block_geo("hex", 2, 0.2), 1, {});
   made.factor->factor(-1.0);
   made.factor->release();
-  made.factor->factor_on_springs(made.held());
+  made.factor->factor_on_springs(made.on_springs());
   const MatrixXd x = made.factor->solve(MatrixXd(made.loads));
   const MatrixXd flexibility = modes::inner(made.mesh.comm, made.loads, x);
   const MatrixXd found =
-      reduction::BorderedStiffness(made.teams, *made.factor, made.held(), made.loads).flexibility();
+      reduction::BorderedStiffness(made.teams, *made.factor, made.on_springs(), made.loads).flexibility();
   if (found.size() > 0) {
     EXPECT_LT(difference(found, flexibility), 1e-12);
   }

@@ -17,7 +17,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-const std::string held =
+const std::string supported =
     changed(smallest, "contact = \"skin\"", "contact = \"skin\"\nsupport = { foot = \"xz\", side = \"y\" }");
 
 const std::string sources = R"(
@@ -56,7 +56,8 @@ at = [0.4, 0.5, -0.6]
 )";
 
 /// The scene with all of these, read in the folder of its history.
-Scene driven_scene(const std::vector<Override>& overrides = {}, const std::string& text = held + sources) {
+Scene driven_scene(const std::vector<Override>& overrides = {},
+                   const std::string& text = supported + sources) {
   const Folder folder;
   folder.write("push.csv", "0, 1\n");
   folder.write("ball.msh", "a mesh");
@@ -64,7 +65,7 @@ Scene driven_scene(const std::vector<Override>& overrides = {}, const std::strin
 }
 
 KernelRequest driven_request(const std::vector<Override>& overrides = {},
-                             const std::string& text = held + sources) {
+                             const std::string& text = supported + sources) {
   const Folder folder;
   folder.write("push.csv", "0, 1\n");
   folder.write("ball.msh", "a mesh");
@@ -120,7 +121,7 @@ TEST(Sources, are_refused_in_one_line) {
       {"loads.motion[0].vector=[0,1,0]",
        "loads.motion[0].vector = [0, 1, 0]: moves \"foot\" along the body's y, which it does not hold (it "
        "holds "
-       "\"xz\"): add it to bodies.ball.support, or move along a component that is held"},
+       "\"xz\"): add it to bodies.ball.support, or move along a component that is fixed"},
       {"loads.motion[0].history=gone.csv",
        "loads.motion[0].history = \"gone.csv\": no such file: give a CSV of times [s] and factors, or leave "
        "it "
@@ -133,12 +134,12 @@ TEST(Sources, are_refused_in_one_line) {
     EXPECT_EQ(complaint_of([&, set = set] { driven_scene({set}); }), std::string("scene.toml: ") + line);
   EXPECT_EQ(
       complaint_of([] {
-        driven_scene({}, held + sources +
+        driven_scene({}, supported + sources +
                              "[[output.receiver]]\nname = \"mic é\"\nbody = \"ball\"\n"
                              "at = [0, 0, 0]\n");
       }),
       "scene.toml: output.receiver[1].name = \"mic é\": another receiver has this name: give each its own");
-  EXPECT_EQ(complaint_of([] { driven_scene({}, changed(held + sources, "at = [0, 0, 0.3]\n", "")); }),
+  EXPECT_EQ(complaint_of([] { driven_scene({}, changed(supported + sources, "at = [0, 0, 0.3]\n", "")); }),
             "scene.toml: loads.point[1].at: is missing: where the force acts, [x, y, z] in world axes");
   EXPECT_EQ(
       complaint_of([] { driven_scene({"bodies.ball.support={}"}); }),
@@ -152,7 +153,7 @@ const std::string belt =
 TEST(MotionsOfObstacles, are_read_and_preserved_beside_those_of_supports) {
   const Folder folder;
   folder.write("push.csv", "0, 1\n");
-  const Scene scene = read(folder.write("scene.toml", held + sources + belt));
+  const Scene scene = read(folder.write("scene.toml", supported + sources + belt));
   ASSERT_EQ(scene.loads.motions.size(), 2U);
   const scene::Forcing& motion = scene.loads.motions[1];
   EXPECT_EQ(motion.obstacle, "floor");
@@ -165,7 +166,7 @@ TEST(MotionsOfObstacles, are_read_and_preserved_beside_those_of_supports) {
 }
 
 TEST(MotionsOfObstacles, do_not_change_kernels) {
-  EXPECT_EQ(driven_request({}, held + sources + belt).hash, driven_request().hash);
+  EXPECT_EQ(driven_request({}, supported + sources + belt).hash, driven_request().hash);
 }
 
 TEST(MotionsOfObstacles, are_refused_in_one_line) {
@@ -183,15 +184,16 @@ TEST(MotionsOfObstacles, are_refused_in_one_line) {
        "obstacle "
        "out"}};
   for (const auto& [set, line] : refusals)
-    EXPECT_EQ(complaint_of([&, set = set] { driven_scene({set}, held + sources + belt); }),
+    EXPECT_EQ(complaint_of([&, set = set] { driven_scene({set}, supported + sources + belt); }),
               std::string("scene.toml: ") + line);
   EXPECT_EQ(
-      complaint_of([] { driven_scene({}, held + sources + belt + belt); }),
+      complaint_of([] { driven_scene({}, supported + sources + belt + belt); }),
       "scene.toml: loads.motion[2].name: obstacles.floor has a load or motion \"floor\" already: give each "
       "its own name");
   EXPECT_EQ(
-      complaint_of(
-          [] { driven_scene({}, held + "[[loads.motion]]\nobstacle = \"floor\"\nvector = [0, 1, 0]\n"); }),
+      complaint_of([] {
+        driven_scene({}, supported + "[[loads.motion]]\nobstacle = \"floor\"\nvector = [0, 1, 0]\n");
+      }),
       "scene.toml: loads.motion[0].history: is missing: without it the obstacle does not move: give a CSV "
       "of times [s] and factors, or obstacles.floor.velocity");
 }
@@ -221,7 +223,7 @@ void expect_same(const std::vector<Forcing>& a, const std::vector<Forcing>& b) {
 TEST(Sources, are_preserved_by_the_resolved_scene) {
   const Folder folder;
   folder.write("push.csv", "0, 1\n");
-  const Scene scene = read(folder.write("scene.toml", held + sources));
+  const Scene scene = read(folder.write("scene.toml", supported + sources));
   EXPECT_THAT(to_toml(scene), HasSubstr("history = \"push.csv\"\n"));
   const Scene back = read(folder.write("resolved.toml", to_toml(scene)));
   expect_same(back.loads.tractions, scene.loads.tractions);
@@ -234,8 +236,8 @@ TEST(Sources, are_preserved_by_the_resolved_scene) {
 }
 
 TEST(KernelHash, does_not_depend_on_sources_if_there_are_none) {
-  EXPECT_THAT(driven_request({}, held).toml, Not(HasSubstr("loads")));
-  const std::string elsewhere = changed(held, "[obstacles.floor]", R"([bodies.plate]
+  EXPECT_THAT(driven_request({}, supported).toml, Not(HasSubstr("loads")));
+  const std::string elsewhere = changed(supported, "[obstacles.floor]", R"([bodies.plate]
 mesh = "ball.msh"
 material = { density = 1000, young = 1e9 }
 contact = "skin"
@@ -250,12 +252,12 @@ between = ["ball", "plate"]
 
 [obstacles.floor])");
   EXPECT_EQ(driven_request({}, changed(elsewhere, "between = [\"ball\", \"floor\"]", "")).hash,
-            driven_request({}, held).hash);
+            driven_request({}, supported).hash);
 }
 
 TEST(KernelHash, depends_on_positions_of_sources_but_not_on_their_values) {
   const std::string hash = driven_request().hash;
-  EXPECT_NE(driven_request({}, held).hash, hash);
+  EXPECT_NE(driven_request({}, supported).hash, hash);
   for (const char* set :
        {"loads.traction[0].group=rim", "loads.traction[1].name=other", "loads.point[0].at=[0,0,1]",
         "output.receiver[0].at=[0,0,0]", "output.receiver[0].name=ear"})
@@ -269,7 +271,7 @@ TEST(KernelHash, depends_on_positions_of_sources_but_not_on_their_values) {
 TEST(KernelRequests, hold_a_support_once_for_any_number_of_histories) {
   const std::string again =
       "[[loads.motion]]\nbody = \"ball\"\ngroup = \"foot\"\nname = \"again\"\nvector = [0, 0, 1]\n";
-  const KernelRequest request = driven_request({}, held + sources + again);
+  const KernelRequest request = driven_request({}, supported + sources + again);
   ASSERT_EQ(request.motions.size(), 1U);
   EXPECT_EQ(request.motions[0].name, "foot");
   EXPECT_EQ(request.hash, driven_request().hash);

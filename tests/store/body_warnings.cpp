@@ -111,7 +111,7 @@ TEST(Warnings, name_parts_that_are_not_joined) {
               ElementsAre(HasSubstr("bracket consists of 2 parts that are not joined, with 12 rigid modes")));
   bracket.kernel.parts = 0;  // a kernel that does not state its parts
   EXPECT_THAT(bracket.warnings(), ElementsAre(HasSubstr("parts that are not joined, with 12 rigid modes")));
-  bracket.kernel.parts = 2;  // held by supports
+  bracket.kernel.parts = 2;  // fixed by supports
   bracket.kernel.modes.angular_frequency.assign(6, 1);
   EXPECT_THAT(bracket.warnings(), ElementsAre(HasSubstr("2 parts that are not joined, with 0 rigid modes")));
 }

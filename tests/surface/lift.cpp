@@ -14,7 +14,7 @@ namespace lift_test {
 
 using namespace test;
 
-/// The block of the tests below. Its bottom moves and its top is held along
+/// The block of the tests below. Its bottom moves and its top is fixed along
 /// z, so that it is sheared and stretched.
 scene::KernelRequest squeezed() {
   scene::KernelRequest request = request_of({"sides"}, {{"bottom", "xyz"}, {"top", "z"}});
@@ -45,22 +45,22 @@ TEST(Lift, of_two_supports_is_that_of_a_dense_solve) {
   const Eigen::Index n = K.rows();
   // Columns: the bottom along x, y and z, and the top along z.
   MatrixXd psi = MatrixXd::Zero(n, 4);
-  Eigen::VectorXd held = Eigen::VectorXd::Zero(n);
+  Eigen::VectorXd fixed = Eigen::VectorXd::Zero(n);
   for (std::size_t i = 0; i < made.mesh.node.size(); ++i) {
     const std::int64_t own = made.mesh.node[i] - made.mesh.first_node;
     if (own < 0 || own >= made.mesh.owned_nodes) continue;
     const double z = made.mesh.position[3 * i + 2];
     for (int k = 0; k < 3; ++k) {
       const Eigen::Index row = 3 * made.mesh.node[i] + k;
-      if (z < 1e-9) psi(row, k) = held[row] = 1;
-      if (z > 1 - 1e-9 && k == 2) psi(row, 3) = held[row] = 1;
+      if (z < 1e-9) psi(row, k) = fixed[row] = 1;
+      if (z > 1 - 1e-9 && k == 2) psi(row, 3) = fixed[row] = 1;
     }
   }
   parallel::sum(PETSC_COMM_WORLD, psi);
-  parallel::sum(PETSC_COMM_WORLD, held);
+  parallel::sum(PETSC_COMM_WORLD, fixed);
   std::vector<Eigen::Index> f;
   for (Eigen::Index i = 0; i < n; ++i)
-    if (held[i] == 0) f.push_back(i);
+    if (fixed[i] == 0) f.push_back(i);
   const MatrixXd pull = K * psi, solved = K(f, f).ldlt().solve(pull(f, Eigen::all));
   for (std::size_t i = 0; i < f.size(); ++i) psi.row(f[i]) -= solved.row(static_cast<Eigen::Index>(i));
   // All modes of the oracle. The kernel contains the lowest of them.
@@ -153,7 +153,7 @@ TEST(Rod, whose_only_support_moves_has_its_participation_in_closed_form) {
 }
 
 // The modes are √(2/(ρAL)) sin(nπx/L), and Ψ = 1 − x/L.
-TEST(Rod, held_at_one_end_and_moved_at_the_other_has_its_participation_in_closed_form) {
+TEST(Rod, fixed_at_one_end_and_moved_at_the_other_has_its_participation_in_closed_form) {
   Made made = rod({{"left", "x"}, {"right", "xyz"}});
   const kernels::Kernel kernel = made.kernel({.count = 6});
   const double mass = 2;
@@ -166,7 +166,7 @@ TEST(Rod, held_at_one_end_and_moved_at_the_other_has_its_participation_in_closed
   }
   EXPECT_NEAR(kernel.motions[0].momentum[0], momentum, 1e-5);
   EXPECT_NEAR(kernel.receivers[0].motion_residual[0], rest, 1e-5);
-  EXPECT_NEAR(kernel.motions[0].residual[0], 0, 1e-12);  // the held end does not move
+  EXPECT_NEAR(kernel.motions[0].residual[0], 0, 1e-12);  // the fixed end does not move
 }
 
 // A node that belongs to both supports moves with one of them, not with both.

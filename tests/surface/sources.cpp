@@ -195,8 +195,8 @@ TEST_P(Column, under_tension_stretches_evenly_when_modes_and_residual_add) {
   const kernels::Receiver &low = kernel_.receivers[0], &foot = kernel_.receivers[1];
   const MatrixXd there = modal(kernel_, rows(low.shape, 3), part) + rows(low.load_residual, 3).leftCols(3);
   EXPECT_LT((there.col(2) - Point(0, 0, 0.25 / young)).norm(), 1e-9);
-  const MatrixXd held = modal(kernel_, rows(foot.shape, 3), part) + rows(foot.load_residual, 3).leftCols(3);
-  EXPECT_LT(held.norm(), 1e-12);
+  const MatrixXd fixed = modal(kernel_, rows(foot.shape, 3), part) + rows(foot.load_residual, 3).leftCols(3);
+  EXPECT_LT(fixed.norm(), 1e-12);
 }
 
 TEST_P(Column, under_its_weight_is_compressed_by_what_stands_above) {

@@ -103,5 +103,5 @@ def run(options: argparse.Namespace) -> None:
         print(f"ricochet import: warning: {warning}", file=sys.stderr)
     supports = f"; nodes {', '.join(body.supports)}" if body.supports else ""
     print(f"{out}: {len(body.node)} nodes; surfaces {', '.join(body.surfaces) or 'none'}{supports}")
-    if held := 3 * len(body.node) - np.unique(body.matrices["stiffness"][0]).size:
-        print(f"{held} displacements have no row: they are held, and their share of the mass is missing")
+    if empty := 3 * len(body.node) - np.unique(body.matrices["stiffness"][0]).size:
+        print(f"{empty} displacements have no row: they are fixed, and their share of the mass is missing")

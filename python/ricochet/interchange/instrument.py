@@ -134,8 +134,8 @@ class Striking:
         still = {"velocity": [0.0, 0.0, 0.0], "angular_velocity": [0.0, 0.0, 0.0]}
         pair = blow.pair | ({} if gap is None else {"gap": gap})
         scene = blow.scene_with({blow.body: still, blow.mallet: still | mallet}, pair)
-        held = [kernel._core for kernel in self.kernels.values()]
-        return _core.contact_system(scene._for_impact(), held, pickups)
+        cores = [kernel._core for kernel in self.kernels.values()]
+        return _core.contact_system(scene._for_impact(), cores, pickups)
 
     def place(self, system: dict[str, Any], point: Array, normal: Array, most: int) -> Place:
         """The place of a system, with the `most` contact points of smallest gap."""

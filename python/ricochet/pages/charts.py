@@ -25,8 +25,8 @@ def thinned(x: Array, y: Array) -> tuple[Array, Array]:
         return x, y
     edges = np.unique(np.linspace(0, len(x), DOTS // 2 + 1).astype(int))
     kept = []
-    for first, behind in zip(edges[:-1], edges[1:]):
-        piece, gaps = y[first:behind], np.isnan(y[first:behind])
+    for first, stop in zip(edges[:-1], edges[1:]):
+        piece, gaps = y[first:stop], np.isnan(y[first:stop])
         kept += [
             first + np.argmin(np.where(gaps, np.inf, piece)),
             first + np.argmax(np.where(gaps, -np.inf, piece)),
@@ -38,7 +38,7 @@ def thinned(x: Array, y: Array) -> tuple[Array, Array]:
 
 def line(name: str, colour: int | str, x: Any, y: Any, style: str = "") -> dict[str, Any]:
     """The data of a line. `colour` is the number of a body or a name in the style sheet. `style` consists of
-    words of charts.js, such as "held dashed"."""
+    words of charts.js, such as "steps dashed"."""
     x, y = thinned(np.asarray(x), np.asarray(y))
     return {"name": name, "colour": colour, "style": style, "x": packed(x), "y": packed(y)}
 
@@ -69,11 +69,11 @@ def colour_of(result: History, name: str) -> int | str:
 
 def force_chart(result: History, i: int) -> Chart:
     count = len(result.initial_gap)
-    total, one = result.held(result.force.sum(axis=1)), result.held(result.force[:, i])
+    total, one = result.as_steps(result.force.sum(axis=1)), result.as_steps(result.force[:, i])
     name = f"sum of {count} points" if count > 1 else "force"
-    lines = [line(name, "force", *total, style="held filled")]
+    lines = [line(name, "force", *total, style="steps filled")]
     if count > 1:
-        lines.append(line(f"point {i + 1}", "second", *one, style="held dashed"))
+        lines.append(line(f"point {i + 1}", "second", *one, style="steps dashed"))
     note = "" if result.episodes else "Nothing touched."
     force = axis("force", "N", zero=True)
     return chart("force", "Contact force", TIME, force, lines, note, cursor=True, window=result.window())
@@ -82,14 +82,14 @@ def force_chart(result: History, i: int) -> Chart:
 def friction_charts(result: History) -> list[Chart]:
     """Friction beside its bound over time, and friction against displacement at the point with most of it."""
     normal, resultant, magnitudes = result.tangential_totals()
-    when, held = result.held(normal)
-    lines = [line("friction, sum as a vector", "friction", when, result.held(resultant)[1], "held filled")]
+    when, normals = result.as_steps(normal)
+    lines = [line("friction, sum as a vector", "friction", when, result.as_steps(resultant)[1], "steps filled")]
     if magnitudes.max() > 1.02 * resultant.max():
-        lines.append(line("sum of magnitudes", "second", when, result.held(magnitudes)[1], "held"))
+        lines.append(line("sum of magnitudes", "second", when, result.as_steps(magnitudes)[1], "steps"))
     limits = bounds(result)
     for coefficient, name in limits:
-        lines.append(line(name, "still", when, coefficient * held, "held dashed"))
-    lines.append(line("normal force, Σ λ", "force", when, held, "held"))
+        lines.append(line(name, "still", when, coefficient * normals, "steps dashed"))
+    lines.append(line("normal force, Σ λ", "force", when, normals, "steps"))
     note = "Sums over the points with friction." if limits else "Pairs have different coefficients."
     more: dict[str, Any] = {"cursor": True, "window": result.window()}
     out = [chart("friction", "Friction", TIME, axis("force", "N", zero=True), lines, note, **more)]
@@ -162,7 +162,7 @@ def spectrum(values: Array, step: float, factor: float) -> tuple[Array, Array]:
     inside = frequency >= 0.5 / (len(values) * step)  # the record is too short for lower frequencies
     frequency, size = frequency[inside], size[inside]
     edges = np.unique(np.searchsorted(frequency, np.geomspace(frequency[0], frequency[-1], PIECES)))
-    best = [first + int(np.argmax(size[first:behind])) for first, behind in zip(edges[:-1], edges[1:])]
+    best = [first + int(np.argmax(size[first:stop])) for first, stop in zip(edges[:-1], edges[1:])]
     return frequency[best], size[best]
 
 

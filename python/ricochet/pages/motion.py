@@ -54,11 +54,11 @@ def few_shapes(shape: Array, coordinates: Array, most: int, left_out: float) -> 
     # Converted to double precision in parts to save memory.
     parts = np.array_split(shape, len(shape) // 10_000 + 1)
     values, vectors = np.linalg.eigh(sum(part.T.astype(float) @ part for part in parts))
-    held = values > 1e-14 * max(values[-1], 1e-300)
-    root, vectors = np.sqrt(values[held]), vectors[:, held]
+    kept = values > 1e-14 * max(values[-1], 1e-300)
+    root, vectors = np.sqrt(values[kept]), vectors[:, kept]
     left, size, right = np.linalg.svd((coordinates @ vectors) * root, full_matrices=False)
-    behind = np.sqrt(np.append(np.cumsum(size[::-1] ** 2)[::-1], 0))  # error with the first 0, 1, … shapes
-    count = min(int(np.argmax(behind <= left_out * behind[0])), most)
+    error = np.sqrt(np.append(np.cumsum(size[::-1] ** 2)[::-1], 0))  # with the first 0, 1, … shapes
+    count = min(int(np.argmax(error <= left_out * error[0])), most)
     mix = (vectors / root) @ right[:count].T
     return np.concatenate([part @ mix for part in parts]), left[:, :count] * size[:count]
 

@@ -40,13 +40,13 @@ def force_panel(result: History, ax: Axes, i: int) -> None:
     impulse."""
     start, end = result.window()
     ms, time_unit = prefixed(end, "s")
-    when, here = result.held(result.force[:, i])
-    _, total = result.held(result.force.sum(axis=1))
+    when, here = result.as_steps(result.force[:, i])
+    _, total = result.as_steps(result.force.sum(axis=1))
     scale, unit = prefixed(largest_of(total), "N")
     ax.fill_between(when * ms, here * scale, step="pre", color=NORMAL, alpha=0.25, linewidth=0)
     ax.step(when * ms, here * scale, color=NORMAL, linewidth=1.4, label="force at the point")
     if result.has_friction:
-        _, rubs = result.held(np.linalg.norm(result.tangential_force[:, i], axis=1))
+        _, rubs = result.as_steps(np.linalg.norm(result.tangential_force[:, i], axis=1))
         ax.step(when * ms, rubs * scale, color=FRICTION, linewidth=1.4, label="friction at the point")
         state_strip(result, ax, i, ms)
         ax.margins(y=0.12)  # the forces stay below the strip
@@ -72,8 +72,8 @@ def state_strip(result: History, ax: Axes, i: int, ms: float) -> None:
         breaks = np.diff(padded.astype(int))
         pause = np.append(np.diff(result.contact_time) > 3 * half, False)  # an episode ends here
         ranges = []
-        for first, behind in zip(np.flatnonzero(breaks == 1), np.flatnonzero(breaks == -1)):
-            inner = [first, *(first + 1 + np.flatnonzero(pause[first : behind - 1])), behind]
+        for first, stop in zip(np.flatnonzero(breaks == 1), np.flatnonzero(breaks == -1)):
+            inner = [first, *(first + 1 + np.flatnonzero(pause[first : stop - 1])), stop]
             for a, b in zip(inner[:-1], inner[1:]):
                 begin = result.contact_time[a] - 2 * half
                 ranges.append((begin * ms, (result.contact_time[b - 1] - begin) * ms))

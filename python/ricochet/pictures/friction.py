@@ -64,19 +64,19 @@ def forces_panel(result: History, ax: Axes) -> None:
     ms, _ = prefixed(end, "s")
     normal, resultant, magnitudes = result.tangential_totals()
     factor, unit = prefixed(largest_of(normal), "N")
-    when, held = result.held(normal)
-    ax.fill_between(when * ms, held * factor, step="pre", color=NORMAL, alpha=0.18, linewidth=0)
-    ax.step(when * ms, held * factor, color=NORMAL, linewidth=1.2, label="normal force, Σ λ")
+    when, steps = result.as_steps(normal)
+    ax.fill_between(when * ms, steps * factor, step="pre", color=NORMAL, alpha=0.18, linewidth=0)
+    ax.step(when * ms, steps * factor, color=NORMAL, linewidth=1.2, label="normal force, Σ λ")
     for (coefficient, name), dashes in zip(bounds(result), [(4, 1.5), (1, 1.2)]):
         style: dict[str, Any] = {"linestyle": (0, dashes), "color": "black", "linewidth": 1}
-        ax.step(when * ms, coefficient * held * factor, label=name, **style)
+        ax.step(when * ms, coefficient * steps * factor, label=name, **style)
     if largest_of(magnitudes) > 1.02 * largest_of(resultant):
-        _, held = result.held(magnitudes)
+        _, steps = result.as_steps(magnitudes)
         ax.step(
-            when * ms, held * factor, color=FRICTION, linewidth=0.9, alpha=0.6, label="Σ |τ| of the points"
+            when * ms, steps * factor, color=FRICTION, linewidth=0.9, alpha=0.6, label="Σ |τ| of the points"
         )
-    _, held = result.held(resultant)
-    ax.step(when * ms, held * factor, color=FRICTION, linewidth=1.7, label="friction, |Σ τ|")
+    _, steps = result.as_steps(resultant)
+    ax.step(when * ms, steps * factor, color=FRICTION, linewidth=1.7, label="friction, |Σ τ|")
     ax.set(
         ylabel=f"force ({unit})",
         xlim=(start * ms, end * ms),
@@ -162,11 +162,11 @@ def loop_panel(result: History, ax: Axes) -> None:
 def parts(result: History, values: Array, here: Array) -> Array:
     """The steps that end in rows `here`, as lines from the row before, with NaN between them."""
     out = list[Any]()
-    for first, behind in result.episodes:
-        inside = here[first:behind]
+    for first, stop in result.episodes:
+        inside = here[first:stop]
         shown = inside | np.append(inside[1:], False)
-        # Two separate runs of rows may touch: a line is broken behind each row that begins no step.
-        row = np.where(shown, values[first:behind], np.nan)
+        # Two separate runs of rows may touch: a line is broken after each row that begins no step.
+        row = np.where(shown, values[first:stop], np.nan)
         ends = np.flatnonzero(inside & ~np.append(inside[1:], False)) + 1
         out += [np.insert(row, ends, np.nan), [np.nan]]
     return np.concatenate(out)

@@ -83,14 +83,14 @@ class History(Result):
             return []
         pause = np.flatnonzero(np.diff(t) > 1.5 * self.spacing) + 1
         edges = [0, *pause, len(t)]
-        return [(int(first), int(behind)) for first, behind in zip(edges[:-1], edges[1:])]
+        return [(int(first), int(stop)) for first, stop in zip(edges[:-1], edges[1:])]
 
     def spans(self) -> list[tuple[float, float]]:
         """Start and end of each episode [s]. An episode starts one step before its first row."""
         t = self.contact_time
         return [
-            (max(float(t[first]) - self.spacing, float(self.time[0])), float(t[behind - 1]))
-            for first, behind in self.episodes
+            (max(float(t[first]) - self.spacing, float(self.time[0])), float(t[stop - 1]))
+            for first, stop in self.episodes
         ]
 
     def impulse(self) -> Array:
@@ -186,18 +186,18 @@ class History(Result):
     def broken(self, values: Array) -> Curve:
         """Contact rows with NaN between episodes, so that no line crosses a time without contact."""
         times, parts = list[Any](), list[Any]()
-        for first, behind in self.episodes:
-            times += [self.contact_time[first:behind], [np.nan]]
-            parts += [values[first:behind], [np.nan]]
+        for first, stop in self.episodes:
+            times += [self.contact_time[first:stop], [np.nan]]
+            parts += [values[first:stop], [np.nan]]
         return np.concatenate([*times, []]), np.concatenate([*parts, []])
 
-    def held(self, values: Array) -> Curve:
+    def as_steps(self, values: Array) -> Curve:
         """Contact rows of forces, which are constant between rows, for drawing as steps that end at these
         times. Forces start from 0 and return to 0, so the area below them is the impulse."""
         times, parts = list[Any](), list[Any]()
-        for (first, behind), (start, end) in zip(self.episodes, self.spans()):
-            times += [[start], self.contact_time[first:behind], [end, np.nan]]
-            parts += [[0.0], values[first:behind], [0.0, np.nan]]
+        for (first, stop), (start, end) in zip(self.episodes, self.spans()):
+            times += [[start], self.contact_time[first:stop], [end, np.nan]]
+            parts += [[0.0], values[first:stop], [0.0, np.nan]]
         return np.concatenate([*times, []]), np.concatenate([*parts, []])
 
     def along_normal(self, i: int) -> tuple[Curves, Curves, Curves, Curves]:

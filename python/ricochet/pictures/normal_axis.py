@@ -59,10 +59,10 @@ def still_side(sides: tuple[str, str], scene: Mapping[str, Any], masses: Mapping
         return second
     if first not in masses or second not in masses:
         return None
-    held = [bool(scene.get("bodies", {}).get(name, {}).get("support")) for name in sides]
-    if held[0] != held[1]:
-        return first if held[0] else second
-    if held[0]:
+    fixed = [bool(scene.get("bodies", {}).get(name, {}).get("support")) for name in sides]
+    if fixed[0] != fixed[1]:
+        return first if fixed[0] else second
+    if fixed[0]:
         return None
     light, heavy = sorted(sides, key=lambda name: masses[name])
     return heavy if masses[heavy] >= HEAVY * masses[light] else None

@@ -19,7 +19,7 @@ MOST = 0.25  # the same at the upper end of a choice
 
 class Skin:
     """The visualisation surface of a body, moved by its modes and by the static response of the modes left out
-    (`static`, fields and amplitudes, behind the modes in `shape` (V,3,N+r) and `coordinates` (s,N+r))."""
+    (`static`, fields and amplitudes, after the modes in `shape` (V,3,N+r) and `coordinates` (s,N+r))."""
 
     def __init__(
         self,

@@ -23,7 +23,7 @@ FLOOR, GHOST = "#dedbd3", "#8a8a8a"
 
 def snapshots_picture(result: History, skins: dict[str, Skin], time: Array) -> Figure | None:
     """Draws the contact with the largest impulse. Returns None if there is no snapshot of it."""
-    impulse_of = [result.force[first:behind].sum() for first, behind in result.episodes]
+    impulse_of = [result.force[first:stop].sum() for first, stop in result.episodes]
     longest = int(np.argmax(impulse_of))
     start, end = result.spans()[longest]
     half = result.spacing / 2

@@ -57,10 +57,8 @@ def by_contact(result: File, kernel: File, group: str, size: tuple[int, int]) ->
     history = np.zeros((count, len(candidates), components))
     np.add.at(history, (snapshot, place.ravel()), force)
     left, weight, patterns = np.linalg.svd(history.reshape(count, -1), full_matrices=False)
-    behind = np.sqrt(
-        np.append(np.cumsum(weight[::-1] ** 2)[::-1], 0)
-    )  # error with the first 0, 1, … patterns
-    r = int(np.argmax(behind <= LEFT_OUT * behind[0]))
+    error = np.sqrt(np.append(np.cumsum(weight[::-1] ** 2)[::-1], 0))  # with the first 0, 1, … patterns
+    r = int(np.argmax(error <= LEFT_OUT * error[0]))
     mix = patterns[:r].T.astype("f4")
     fields = [
         block.reshape(len(block), 3, -1) @ mix for block in columns(kernel, (nodes, components), candidates)

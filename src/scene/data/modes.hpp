@@ -22,8 +22,8 @@ struct Modes {
   /// contact does not need are truncated.
   std::optional<double> flexibility_error;
   bool residual_flexibility = true;
-  /// Whether the residual flexibility is always held in all components, and not along the normals alone where
-  /// these suffice.
+  /// Whether the residual flexibility is always stored in all components, and not along the normals alone
+  /// where these suffice.
   bool all_components = false;
   double relative_residual = 1e-8;  ///< bound on each mode's residual
   std::string solver = "ricochet";  ///< basis `modes`: type of SLEPc's EPS

@@ -151,7 +151,7 @@ class Chart {
     for (let k = 0; k < line.x.length; ++k) {
       if (!seen(k)) { close(k - 1); pen = false; continue; }
       if (!pen) start = k;
-      const to = pen && is("held") ? `V${put(k).split(" ")[1]}L${put(k)}` : (pen ? "L" : "M") + put(k);
+      const to = pen && is("steps") ? `V${put(k).split(" ")[1]}L${put(k)}` : (pen ? "L" : "M") + put(k);
       path += to;
       area += to;
       pen = true;
@@ -170,7 +170,7 @@ class Chart {
     const wanted = this.x.back(share), reach = 0.02 * (this.x.log ? 1 : this.x.high - this.x.low);
     const near = this.lines.map(line => {
       let best = -1, least = Infinity;
-      if (line.style.includes("held")) {  // constant since the previous time
+      if (line.style.includes("steps")) {  // constant since the previous time
         const k = line.x.findIndex(x => x >= wanted);
         return Number.isNaN(line.x[k - 1] ?? NaN) ? -1 : k;
       }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "contact/static/held.hpp"
+#include "contact/static/balance.hpp"
 
 #include <cmath>
 
@@ -14,7 +14,7 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
 // A cone is round, so a load on its surface is approached in steps, the rays of which become parallel.
-constexpr double held_by_friction = 1e-7;
+constexpr double balanced_by_friction = 1e-7;
 constexpr double aligned = 1e-10;  // cosine below which a ray does not point along the rest
 constexpr int most_rays = 2000;    // a load within the cone needs a few times as many as rigid modes
 
@@ -79,7 +79,7 @@ Vector best_ray(const Model& model, const RigidModes& rigid, const Vector& rest)
 Closest closest_with_friction(const Model& model, const RigidModes& rigid, const Vector& f) {
   Closest out{f, f.cwiseAbs()};
   MatrixXd rays(f.size(), 0);
-  for (int count = 0; count < most_rays && out.left.norm() > 0.1 * held_by_friction * f.norm(); ++count) {
+  for (int count = 0; count < most_rays && out.left.norm() > 0.1 * balanced_by_friction * f.norm(); ++count) {
     const Vector ray = best_ray(model, rigid, out.left);
     if (ray.size() == 0) break;
     MatrixXd more(f.size(), rays.cols() + 1);
@@ -127,10 +127,10 @@ RigidModes::RigidModes(const Model& model) {
   B = model.B(Eigen::all, mode);
 }
 
-void check_held(const Model& model, const RigidModes& rigid, const Vector& f) {
+void check_balance(const Model& model, const RigidModes& rigid, const Vector& f) {
   if (f.isZero(0)) return;
   const bool rubs = !model.friction.empty();
-  const double most = rubs ? held_by_friction : most_imbalance(false);
+  const double most = rubs ? balanced_by_friction : most_imbalance(false);
   const Closest sums = rubs ? closest_with_friction(model, rigid, f) : closest_without_friction(rigid, f);
   for (const Bodies::Block& body : model.bodies) {
     const Vector rest = part_of(body, rigid, sums.left);
@@ -138,7 +138,7 @@ void check_held(const Model& model, const RigidModes& rigid, const Vector& f) {
   }
 }
 
-void refuse_unheld(const Model& model, const RigidModes& rigid, const Vector& left) {
+void refuse_unbalanced(const Model& model, const RigidModes& rigid, const Vector& left) {
   const Bodies::Block* worst = nullptr;
   double largest = 0;
   for (const Bodies::Block& body : model.bodies)
