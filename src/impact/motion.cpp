@@ -22,17 +22,18 @@ void check_motion(const scene::Scene& scene) {
                     "contact.kernel = \"modes\".",
                     scene.file.string()));
   if (!scene.output.view)
-    throw InputError(fmt::format(
-        "{0}: output.view = false: --vtk draws the skin of each body, which its kernel does not contain. "
-        "Set output.view = true and run ricochet-kernel {0} again.",
-        scene.file.string()));
+    throw InputError(
+        fmt::format("{0}: output.view = false: --vtk draws the visualisation surface of each body, which its "
+                    "kernel does not contain. "
+                    "Set output.view = true and run ricochet-kernel {0} again.",
+                    scene.file.string()));
 }
 
-void check_skins(const store::Kernels& kernels) {
+void check_views(const store::Kernels& kernels) {
   for (std::size_t k = 0; k < kernels.kernel.size(); ++k)
     if (const auto& view = kernels.kernel[k]->view; !view || view->element.empty())
       throw InputError(fmt::format(
-          "{}: has no skin (/view) to draw: compute it with output.view = true, or leave out --vtk.",
+          "{}: has no visualisation surface (/view): compute it with output.view = true, or leave out --vtk.",
           kernels.file[k]));
 }
 

@@ -19,7 +19,7 @@ namespace ricochet::impact {
 void check_motion(const scene::Scene& scene);
 
 /// Throws InputError if a kernel has no visualisation surface.
-void check_skins(const store::Kernels& kernels);
+void check_views(const store::Kernels& kernels);
 
 /// Options of `<stem>.motion.xdmf` and `.motion.h5`: a frame every output.vtk_every samples, or about 200
 /// frames.

@@ -39,8 +39,8 @@ Paired pair(Impact& impact, const ImpactRequest& request, store::KernelStore& st
             console::Console& console) {
   const scene::Scene& scene = impact.scene;
   console.begin("kernels");
-  impact.kernels = store::read_kernels(scene, request.folder, store, request.skins);
-  if (request.skins) check_skins(impact.kernels);
+  impact.kernels = store::read_kernels(scene, request.folder, store, request.views);
+  if (request.views) check_views(impact.kernels);
   console.end(fmt::format("{} bodies", impact.kernels.kernel.size()));
 
   console.begin("pairing");

@@ -25,7 +25,7 @@ namespace ricochet::impact {
 struct ImpactRequest {
   scene::Scene scene;
   std::filesystem::path folder;  ///< contains the kernels
-  bool skins = false;            ///< also read the visualisation surfaces, for pictures of the motion
+  bool views = false;            ///< also read the visualisation surfaces, for pictures of the motion
 };
 
 /// The data of one impact.

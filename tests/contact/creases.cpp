@@ -20,7 +20,7 @@ constexpr double degree = std::numbers::pi / 180;
 const PairRequest freely{"a", "b", {}, {}, {}};
 
 /// Candidates at the vertices of a mesh of triangles with the normals of their faces.
-class Skin {
+class Triangles {
  public:
   /// @param normal  at each corner
   void triangle(const std::array<Vector3d, 3>& x, const std::array<Vector3d, 3>& normal) {
@@ -60,7 +60,7 @@ Kernel box(const Vector3d& size, const std::array<int, 3>& count, unsigned seed 
   for (int d = 0; d < 3; ++d)
     for (int i = 0; i <= count[d]; ++i)
       at[d].push_back(size[d] * (i == 0 || i == count[d] ? i : i + shift(random)) / count[d]);
-  Skin skin;
+  Triangles triangles;
   for (int d = 0; d < 3; ++d)
     for (int side = 0; side < 2; ++side) {
       const int e = (d + 1) % 3, f = (d + 2) % 3;
@@ -74,11 +74,11 @@ Kernel box(const Vector3d& size, const std::array<int, 3>& count, unsigned seed 
       };
       for (int i = 0; i < count[e]; ++i)
         for (int j = 0; j < count[f]; ++j) {
-          skin.triangle({x(i, j), x(i + 1, j), x(i + 1, j + 1)}, {normal, normal, normal});
-          skin.triangle({x(i, j), x(i + 1, j + 1), x(i, j + 1)}, {normal, normal, normal});
+          triangles.triangle({x(i, j), x(i + 1, j), x(i + 1, j + 1)}, {normal, normal, normal});
+          triangles.triangle({x(i, j), x(i + 1, j + 1), x(i, j + 1)}, {normal, normal, normal});
         }
     }
-  return skin.kernel();
+  return triangles.kernel();
 }
 
 /// A cap of a sphere of radius r with the normals of the sphere.
@@ -91,14 +91,14 @@ Kernel smooth_cap(int n, double r, double width) {
 
 /// An axis-aligned square of side 2 at z = 0 that faces up, around the origin.
 Kernel table(int n) {
-  Skin skin;
+  Triangles triangles;
   const auto x = [&](int i, int j) { return Vector3d(2.0 * i / n - 1, 2.0 * j / n - 1, 0); };
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) {
-      skin.triangle({x(i, j), x(i + 1, j), x(i + 1, j + 1)}, {up, up, up});
-      skin.triangle({x(i, j), x(i + 1, j + 1), x(i, j + 1)}, {up, up, up});
+      triangles.triangle({x(i, j), x(i + 1, j), x(i + 1, j + 1)}, {up, up, up});
+      triangles.triangle({x(i, j), x(i + 1, j + 1), x(i, j + 1)}, {up, up, up});
     }
-  return skin.kernel();
+  return triangles.kernel();
 }
 
 double smallest_gap(const Pairing& pairing) {
@@ -243,17 +243,17 @@ TEST(CurvedElements, that_overlap_by_a_small_share_of_their_bulge_touch) {
 }
 
 TEST(CurvedElements, follow_a_cylinder_up_to_its_rim) {
-  Skin skin;
+  Triangles triangles;
   const int n = 16;
   const auto at = [&](int i) { return 2 * std::numbers::pi * i / n; };
   const auto way = [&](int i) { return Vector3d(std::cos(at(i)), std::sin(at(i)), 0); };
   for (int i = 0; i < n; ++i) {
     const Vector3d p = way(i), q = way(i + 1);
-    skin.triangle({p, q, q + up}, {p, q, q});
-    skin.triangle({p, q + up, p + up}, {p, q, p});
-    skin.triangle({p + up, q + up, up}, {up, up, up});
+    triangles.triangle({p, q, q + up}, {p, q, q});
+    triangles.triangle({p, q + up, p + up}, {p, q, p});
+    triangles.triangle({p + up, q + up, up}, {up, up, up});
   }
-  const Kernel cylinder = skin.kernel();
+  const Kernel cylinder = triangles.kernel();
   // Straight above a point between two nodes, just inside the rim: on the chords there is nothing.
   Kernel probe;
   probe.mass = 1;

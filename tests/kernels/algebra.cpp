@@ -489,11 +489,12 @@ TEST(Restriction, to_a_direction_keeps_the_component_along_it) {
                    load.transpose() * matrix(whole.surface.residual_flexibility, 12) * load);
   expect_projected(matrix(cut.loads.body_force_residual, 4),
                    load.transpose() * matrix(whole.loads.body_force_residual, 12));
-  const auto skin = [&](const Kernel& kernel) {
+  const auto view_part = [&](const Kernel& kernel) {
     const std::vector<float>& values = kernel.view->residual_flexibility;
     return matrix({values.begin(), values.end()}, 9);
   };
-  EXPECT_LT((skin(cut) - skin(whole) * load).norm(), 1e-6 * skin(whole).norm());  // single precision
+  EXPECT_LT((view_part(cut) - view_part(whole) * load).norm(),
+            1e-6 * view_part(whole).norm());  // single precision
 }
 
 template <class Action>

@@ -179,7 +179,7 @@ TEST_P(Keeping, contributing_modes_preserves_static_responses) {
                     array_of(receiver.motion_residual, 3));
     }
     if (k.view) {  // the visualisation surface, third from the end
-      const RowMajor skin = array_of(k.view->shape, n).rightCols(inverse.rows());
+      const RowMajor view = array_of(k.view->shape, n).rightCols(inverse.rows());
       MatrixXd seen(9, rows + 3 + 6 + 3);
       seen << array_of(k.view->residual_flexibility, rows), array_of(k.view->body_force_residual, 3),
           array_of(k.view->load_residual, 6), array_of(k.view->motion_residual, 3);
@@ -189,7 +189,7 @@ TEST_P(Keeping, contributing_modes_preserves_static_responses) {
           inverse * elastic(k.applied[0].participation).transpose(),
           inverse * elastic(k.applied[1].participation).transpose(),
           elastic(k.motions[0].participation).transpose();
-      all.push_back(skin * acting + seen);
+      all.push_back(view * acting + seen);
     }
     all.push_back(elastic(k.surface.shape) * elastic(k.motions[0].participation).transpose() +
                   array_of(k.motions[0].residual, 3));

@@ -266,7 +266,10 @@ class Motion(ProgramTest):
             "contact.kernel=table",
         )
         for run, part in [
-            (self.vtk(scene, *plain), "output.view = false: --vtk draws the skin of each body"),
+            (
+                self.vtk(scene, *plain),
+                "output.view = false: --vtk draws the visualisation surface of each body",
+            ),
             (
                 self.vtk(scene, "loads={}", "output={}", *table[1:]),
                 'contact.kernel = "table" gives no motion',

@@ -12,7 +12,7 @@ from motion import BLOCK, BLOCKS, SINGLE, read_xdmf
 from programs import ProgramTest, impact
 from ricochet.pages.motion import motion_of
 from ricochet.pictures.history import History
-from ricochet.pictures.skins import skins_of
+from ricochet.pictures.moving_surfaces import moving_surfaces
 
 # Linear elements, on which a skin interpolates without error.
 LINEAR = BLOCKS.replace("order = 2", "order = 1")
@@ -37,7 +37,7 @@ class Skins(ProgramTest):
         """The history of a run, its skins and the times of the snapshots."""
         out = self.folder / "out"
         history = History(impact(self.folder / "blocks.toml", out, *sets).path)
-        return (history, *skins_of(history, out))
+        return (history, *moving_surfaces(history, out))
 
     def setUp(self):
         super().setUp()
@@ -120,7 +120,7 @@ class Skins(ProgramTest):
                         if missing == "the responses":
                             del file[f"view/{name}"]
             history = History(older / "blocks.result.h5")
-            skins, _ = skins_of(history, older)
+            skins, _ = moving_surfaces(history, older)
             for name, skin in skins.items():
                 self.assertEqual(skin.shape.shape[2], history.snapshots[name].shape[1])
                 np.testing.assert_array_equal(skin.coordinates, history.snapshots[name])

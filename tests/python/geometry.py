@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Pictures and pages, without a run: surfaces of a drawing, viewpoints, skins, tubes and planes, filtered forces."""
+"""Pictures and pages, without a run: surfaces of a drawing, viewpoints, moving surfaces, tubes and planes, filtered forces."""
 
 import base64
 import itertools
@@ -130,10 +130,10 @@ class Viewpoints(unittest.TestCase):
         self.assertAlmostEqual(aside, 1 - 0.5 / np.sqrt(3), delta=0.06)
 
     def test_are_chosen_so_that_no_body_hides_another(self):
-        skins = [square(0, 1, 0.0), square(0, 1, 1.0)]
+        sheets = [square(0, 1, 0.0), square(0, 1, 1.0)]
         contact = np.zeros((0, 3))
-        view = clearest(skins, contact)
-        bodies = [spread(node, element, 0.02) for node, element in skins]
+        view = clearest(sheets, contact)
+        bodies = [spread(node, element, 0.02) for node, element in sheets]
         self.assertGreater(clearness(view, bodies, contact, 0.03), 0.9)
         self.assertLess(abs(view.turn()[2] @ Z), 0.9)
         # Bodies side by side are seen along the thinnest axis, which is the first.
@@ -275,7 +275,7 @@ class Bodies(unittest.TestCase):
         shape[:, :, -1] = 0
         shape[450, 2, -1] = 1e-9  # m/N
         coordinates = np.concatenate([1e-3 * random.normal(size=(90, 106)), 3e7 * time[:, None] ** 2], axis=1)
-        skin = types.SimpleNamespace(
+        surface = types.SimpleNamespace(
             node=node,
             element=np.array([[0, 1, 31], [0, 31, 30]]),
             shape=shape,
@@ -285,7 +285,7 @@ class Bodies(unittest.TestCase):
             rotation=np.eye(3),
             translation=np.zeros(3),
         )
-        body = motion.body_of("sheet", skin, np.arange(90), 1.0, {}).data
+        body = motion.body_of("sheet", surface, np.arange(90), 1.0, {}).data
         drawn = unpacked(body["amount"])[-1] @ np.stack([unpacked(field) for field in body["bent"]])
         exact = shape[450, 2, 6:] @ coordinates[-1, 6:]
         self.assertGreater(exact, 0.02)

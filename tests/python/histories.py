@@ -23,7 +23,12 @@ from ricochet.pictures.grid import Grid
 from ricochet.pictures.history import History
 from ricochet.pictures.modes import draw_rod, modes_picture
 from ricochet.pictures.normal_axis import normal_axis
-from ricochet.pictures.skins import Skin, amplification, largest_amplification, skins_of
+from ricochet.pictures.moving_surfaces import (
+    MovingSurface,
+    amplification,
+    largest_amplification,
+    moving_surfaces,
+)
 from ricochet.pictures.style import BODY, STYLE, prefixed
 from ricochet.result_file import File
 from ricochet.studies import chart as studies
@@ -319,25 +324,25 @@ class Spectra(unittest.TestCase):
 
 
 class Snapshots(HistoryTest):
-    def skins(self, **more):
+    def surfaces(self, **more):
         history, drag = self.history(**more)
-        skins, time = skins_of(history, self.folder)
-        return history, drag, skins, time
+        surfaces, time = moving_surfaces(history, self.folder)
+        return history, drag, surfaces, time
 
     def test_are_those_moved_by_the_coordinates_and_only_their_deformation_is_magnified(self):
-        _, drag, skins, time = self.skins()
-        skin = skins["block"]
+        _, drag, surfaces, time = self.surfaces()
+        surface = surfaces["block"]
         np.testing.assert_allclose(time, drag.time[::4])
-        bent = np.abs(skin.node[:, 0]) * skin.node[:, 2] / 1e-4  # along z for a coordinate of 1
-        size = np.linalg.norm(np.ptp(skin.node, axis=0))
+        bent = np.abs(surface.node[:, 0]) * surface.node[:, 2] / 1e-4  # along z for a coordinate of 1
+        size = np.linalg.norm(np.ptp(surface.node, axis=0))
         for k in (0, 31, 77):
             amount = 1e-6 * np.sin(4e3 * time[k])
             for factor in (0, 1, 50):
-                expected = skin.node + drag.moved[4 * k] + np.outer(factor * amount * bent, [0, 0, 1])
-                np.testing.assert_allclose(skin.at(k, factor), expected, atol=1e-12)
-            np.testing.assert_array_equal(skin.at(k), skin.at(k, 1))
-            self.assertAlmostEqual(skin.deformation(k), abs(amount) * bent.max(), places=12)
-            self.assertAlmostEqual(skin.strain(k), abs(amount) * bent.max() / size, places=10)
+                expected = surface.node + drag.moved[4 * k] + np.outer(factor * amount * bent, [0, 0, 1])
+                np.testing.assert_allclose(surface.at(k, factor), expected, atol=1e-12)
+            np.testing.assert_array_equal(surface.at(k), surface.at(k, 1))
+            self.assertAlmostEqual(surface.deformation(k), abs(amount) * bent.max(), places=12)
+            self.assertAlmostEqual(surface.strain(k), abs(amount) * bent.max() / size, places=10)
 
     def test_are_magnified_by_a_round_number_that_shows_the_deformation(self):
         # 0.1 of the size is drawn at most, and more than 0.04, because round numbers are at most 2.5 apart.
@@ -362,12 +367,12 @@ class Snapshots(HistoryTest):
         self.assertEqual(snapshots.moments(path[:1], 9).tolist(), [0])
 
     def test_are_compared_by_the_mean_distance_of_the_nodes_as_drawn(self):
-        _, _, skins, _ = self.skins()
-        (skin,), during = skins.values(), np.array([3, 40, 77])
+        _, _, surfaces, _ = self.surfaces()
+        (surface,), during = surfaces.values(), np.array([3, 40, 77])
         for factor in (1, 300):
-            path = snapshots.drawn_path(skins, during, factor)
+            path = snapshots.drawn_path(surfaces, during, factor)
             for a, b in ((0, 1), (1, 2), (0, 2)):
-                apart = skin.at(during[a], factor) - skin.at(during[b], factor)
+                apart = surface.at(during[a], factor) - surface.at(during[b], factor)
                 exact = np.sqrt((apart**2).sum(axis=1).mean())
                 self.assertAlmostEqual(np.linalg.norm(path[a] - path[b]) / exact, 1, places=5)  # of 32 bits
 
@@ -387,10 +392,10 @@ class Snapshots(HistoryTest):
             (drawn,) = ax.collections
             faces, paths = drawn.get_facecolors()[:, :3], drawn.get_paths()
             light = 0.62 + 0.38 * 0.8 / np.linalg.norm([0.35, 0.5, 0.8])  # of a face towards the viewer
-            surface = [k for k, path in enumerate(paths) if len(path.vertices) > 3]
+            filled = [k for k, path in enumerate(paths) if len(path.vertices) > 3]
             found = [
                 next(n for n in (0, 1) if np.allclose(faces[k], light * np.array(to_rgb(BODY[n]))))
-                for k in surface
+                for k in filled
             ]
             self.assertEqual(found, [order[0]] * 2 + [order[1]] * 2)
 
@@ -400,18 +405,18 @@ class Snapshots(HistoryTest):
             [square, 0.25 * square + [0.5, 0.5, -1], 0.25 * square + [0.5, 0.5, 1], square + [1, 1, -2]]
         )
         element = (np.array([[0, 1, 2], [0, 2, 3]]) + 4 * np.arange(4)[:, None, None]).reshape(-1, 3)
-        skin = types.SimpleNamespace(element=element, rim=lambda flat: Skin.rim(skin, flat))
-        edges = {tuple(edge) for edge in snapshots.unhidden(skin, node)}
+        surface = types.SimpleNamespace(element=element, rim=lambda flat: MovingSurface.rim(surface, flat))
+        edges = {tuple(edge) for edge in snapshots.unhidden(surface, node)}
         around = [(0, 1), (1, 2), (2, 3), (0, 3)]
         # The small square behind is hidden, that in front is not. Of the last one, half of two sides is behind the first.
         whole = {(a + first, b + first) for first in (0, 8) for a, b in around}
         self.assertEqual(edges - {(12, 13), (12, 15)}, whole | {(13, 14), (14, 15)})
 
     def test_of_a_rod_have_space_above_and_below(self):
-        history, _, _, time = self.skins(form="line")
+        history, _, _, time = self.surfaces(form="line")
         rod = np.stack([np.linspace(0, 0.2, 5), np.zeros(5), np.zeros(5)], axis=1)
         element = np.stack([np.arange(4), np.arange(1, 5)], axis=1)
-        skin = types.SimpleNamespace(
+        surface = types.SimpleNamespace(
             at=lambda *_: rod,
             strain=lambda _: 1.0,
             weights=lambda _: np.ones(1),
@@ -421,7 +426,7 @@ class Snapshots(HistoryTest):
             element=element,
             rim=lambda flat: element,
         )
-        figure = self.drawn(history, {"block": skin}, time)
+        figure = self.drawn(history, {"block": surface}, time)
         ax = figure.axes[0]
         margin = 0.04 * 0.2
         np.testing.assert_allclose(ax.get_ylim(), [-0.02 - margin, 0.02 + margin])
@@ -433,9 +438,9 @@ class Snapshots(HistoryTest):
             return snapshots.snapshots_picture(*given)
 
     def test_are_drawn_at_some_moments_of_the_contact_or_at_those_there_are(self):
-        history, drag, skins, time = self.skins()
+        history, drag, surfaces, time = self.surfaces()
         for some, count, words in ((slice(None), 3, "3 moments"), (slice(40, 41), 1, "one moment")):
-            figure = self.drawn(history, skins if count > 1 else self.only(skins, 40), time[some])
+            figure = self.drawn(history, surfaces if count > 1 else self.only(surfaces, 40), time[some])
             titles = [ax.get_title(loc="left") for ax in figure.axes if ax.get_title(loc="left")]
             self.assertEqual(len(titles), count)
             self.assertIn(f": {words} of the contact", figure._suptitle.get_text())
@@ -444,7 +449,7 @@ class Snapshots(HistoryTest):
             self.assertTrue(((at > start * ms) & (at <= end * ms * 1.001)).all() and np.all(np.diff(at) > 0))
             self.assertEqual({title.split()[1] for title in titles}, {unit})
         self.assertIsNone(
-            snapshots.snapshots_picture(history, skins, time[:2])
+            snapshots.snapshots_picture(history, surfaces, time[:2])
         )  # none of them during the contact
         # Snapshots are 4 steps of 1e-5 s apart. The contact lasts from 0.1 to 0.9 of 400 steps.
         words = "they are 4e-05 s apart, and contact lasts 0.0032 s. Set a smaller output.snapshot_every, or"
@@ -452,11 +457,11 @@ class Snapshots(HistoryTest):
         self.assertEqual(why_unseen(self.history(touches=0)[0], time), "nothing touched")
 
     @staticmethod
-    def only(skins, first):
-        """The skins in a result whose first snapshot is this one."""
-        for skin in skins.values():
-            skin.coordinates = skin.coordinates[first:]
-        return skins
+    def only(surfaces, first):
+        """The surfaces in a result whose first snapshot is this one."""
+        for surface in surfaces.values():
+            surface.coordinates = surface.coordinates[first:]
+        return surfaces
 
     def test_have_a_bar_of_a_round_length(self):
         for wide, length, words in ((0.004, 1e-3, "1 mm"), (0.3, 0.1, "0.1 m"), (25, 10, "10 m")):

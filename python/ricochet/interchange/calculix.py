@@ -147,7 +147,7 @@ class Model:
             name = parameters["NAME"]
             if not is_name(name) or name == "skin" or name in self.surface_lines:
                 raise InputError(
-                    f'{self.where}: surface "{name}" has the name of another one, or of the whole skin (skin), or no '
+                    f'{self.where}: surface "{name}" has the name of another one, or of the whole surface (skin), or no '
                     "name: rename it"
                 )
             self.surface_lines[name] = lines

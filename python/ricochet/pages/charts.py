@@ -83,7 +83,9 @@ def friction_charts(result: History) -> list[Chart]:
     """Friction beside its bound over time, and friction against displacement at the point with most of it."""
     normal, resultant, magnitudes = result.tangential_totals()
     when, normals = result.as_steps(normal)
-    lines = [line("friction, sum as a vector", "friction", when, result.as_steps(resultant)[1], "steps filled")]
+    lines = [
+        line("friction, sum as a vector", "friction", when, result.as_steps(resultant)[1], "steps filled")
+    ]
     if magnitudes.max() > 1.02 * resultant.max():
         lines.append(line("sum of magnitudes", "second", when, result.as_steps(magnitudes)[1], "steps"))
     limits = bounds(result)

@@ -12,7 +12,7 @@ from ricochet.pages.motion import MODES, body_of, of_rest
 from ricochet.pages.page import MODAL, save_page
 from ricochet.pictures.history import History
 from ricochet.pictures.modes import upright
-from ricochet.pictures.skins import Skin
+from ricochet.pictures.moving_surfaces import MovingSurface
 from ricochet.pictures.viewpoint import clearest
 from ricochet.result_file import File, expected, is_there
 
@@ -50,8 +50,8 @@ def write_modes_page(title: str, kernels: Sequence[Path], scene: dict[str, Any],
     for kernel in kernels:
         with expected(kernel, "ricochet-kernel"):
             file, table = File(kernel, "ricochet-kernel"), ModalTable.read(kernel)
-            skin = Skin(file, np.eye(3), np.zeros(3), np.zeros((1, len(table.frequency_hz))))
-            bodies.append(body_of(table.body, skin, np.array([0]), 1 / len(kernels), scene))
+            surface = MovingSurface(file, np.eye(3), np.zeros(3), np.zeros((1, len(table.frequency_hz))))
+            bodies.append(body_of(table.body, surface, np.array([0]), 1 / len(kernels), scene))
             tables.append(table_of(table.body, table))
     if not any(table["rows"] for table in tables):
         raise InputError(

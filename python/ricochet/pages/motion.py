@@ -13,7 +13,12 @@ from numpy.typing import NDArray
 from ricochet.arrays import Array
 from ricochet.pictures.history import History
 from ricochet.pictures.planes import gravity_of, normals_of, square_of, upward
-from ricochet.pictures.skins import Skin, amplification, largest_amplification, skins_of
+from ricochet.pictures.moving_surfaces import (
+    MovingSurface,
+    amplification,
+    largest_amplification,
+    moving_surfaces,
+)
 from ricochet.pictures.snapshots import MOMENTS as PICTURES
 from ricochet.pictures.snapshots import drawn_path, moments
 from ricochet.pictures.viewpoint import View, clearest
@@ -129,12 +134,12 @@ class Drawn:
     deformation: Array  # (S) largest displacement by elastic modes at each moment [m]
 
 
-def body_of(name: str, skin: Skin, chosen: Array, share: float, scene: dict[str, Any]) -> Drawn:
+def body_of(name: str, surface: MovingSurface, chosen: Array, share: float, scene: dict[str, Any]) -> Drawn:
     """A body at the snapshots `chosen`.
 
     @param share  share of this body in the triangles and shapes that all bodies may have
     """
-    node, element, coordinates = skin.node, skin.element, skin.coordinates[chosen]
+    node, element, coordinates = surface.node, surface.element, surface.coordinates[chosen]
     offset: Any = 0.0
     of, tubular = np.arange(len(node)), element.shape[1] == 2
     if tubular:
@@ -142,18 +147,22 @@ def body_of(name: str, skin: Skin, chosen: Array, share: float, scene: dict[str,
         element, of, offset = tube(node, element, radius_of(scene.get("bodies", {}).get(name, {}), length))
     elif len(element) > share * TRIANGLES:
         of, element = coarser(node, element, int(share * TRIANGLES))
-    shape = np.einsum("ij,vjn->vin", skin.rotation.astype("f4"), skin.shape[of]).reshape(3 * len(of), -1)
+    shape = np.einsum("ij,vjn->vin", surface.rotation.astype("f4"), surface.shape[of]).reshape(
+        3 * len(of), -1
+    )
     most = max(1, min(SHAPES, int(share * SHAPES_MB * 2**20 / (6 * len(of)))))
-    rigid, moved = few_shapes(shape[:, skin.rigid], coordinates[:, skin.rigid], 6, 1e-12)
-    bending, static = np.split(np.flatnonzero(~skin.rigid), [skin.modes - np.count_nonzero(skin.rigid)])
+    rigid, moved = few_shapes(shape[:, surface.rigid], coordinates[:, surface.rigid], 6, 1e-12)
+    bending, static = np.split(
+        np.flatnonzero(~surface.rigid), [surface.modes - np.count_nonzero(surface.rigid)]
+    )
     # The static fields are sharp and small, so that a fit to all fields would miss the place of contact.
     local = few_shapes(shape[:, static], coordinates[:, static], most // 2, LEFT_OUT)
     wide = few_shapes(shape[:, bending], coordinates[:, bending], most - local[0].shape[1], LEFT_OUT)
     bent, amount = (np.concatenate(parts, axis=1) for parts in zip(wide, local))
-    elastic, coordinates = shape[:, ~skin.rigid], coordinates[:, ~skin.rigid]
+    elastic, coordinates = shape[:, ~surface.rigid], coordinates[:, ~surface.rigid]
     some = np.unique(np.linspace(0, len(chosen) - 1, 60).astype(int))
     missed = np.abs(elastic @ coordinates[some].T - bent @ amount[some].T).max(initial=0)
-    place = (node[of] + offset) @ skin.rotation.T + skin.translation
+    place = (node[of] + offset) @ surface.rotation.T + surface.translation
     deformation = np.zeros(len(chosen))
     for part in np.array_split(bent.reshape(len(of), 3, -1), len(of) // 2000 + 1):
         np.maximum(deformation, np.linalg.norm(part @ amount.T, axis=1).max(axis=0), out=deformation)
@@ -227,13 +236,13 @@ def of_rest(bodies: Sequence[dict[str, Any]], view: View) -> dict[str, Any]:
 def motion_of(result: History, folder: Path, scene: dict[str, Any]) -> dict[str, Any]:
     """The data of the animation, or {"missing": reason} if there are no visualisation surfaces or kernels. Without
     snapshots, it consists of one moment, of bodies at rest."""
-    found = skins_of(result, folder, at_rest=True)
+    found = moving_surfaces(result, folder, at_rest=True)
     if isinstance(found, str):
         return {"missing": found}
-    skins, time = found
+    surfaces, time = found
     every = -(-len(time) // MOMENTS)
     chosen = np.arange(0, len(time), every)
-    bodies = [body_of(name, skin, chosen, 1 / len(skins), scene) for name, skin in skins.items()]
+    bodies = [body_of(name, surface, chosen, 1 / len(surfaces), scene) for name, surface in surfaces.items()]
     places = [body.place for body in bodies]
     everything = np.concatenate(places)
     box = everything.min(axis=0), everything.max(axis=0)
@@ -248,7 +257,9 @@ def motion_of(result: History, folder: Path, scene: dict[str, Any]) -> dict[str,
         up=upward(scene),
         normals=list(planes.values()),
     )
-    strain = np.max([body.deformation / skin.size for body, skin in zip(bodies, skins.values())], axis=0)
+    strain = np.max(
+        [body.deformation / surface.size for body, surface in zip(bodies, surfaces.values())], axis=0
+    )
     spans = result.spans()
     touching = (time[chosen] >= spans[0][0]) & (time[chosen] <= spans[-1][1]) if spans else np.array([False])
     during = np.flatnonzero(touching) if touching.any() else np.arange(len(chosen))
@@ -271,10 +282,10 @@ def motion_of(result: History, folder: Path, scene: dict[str, Any]) -> dict[str,
         "gravity": gravity_of(scene),
         "view": {"base": view.base, "azimuth": view.azimuth, "elevation": view.elevation},
         "amplify": {"natural": natural, "most": max(natural, largest_amplification(strain.max()))},
-        "pictures": during[moments(drawn_path(skins, chosen[during], natural), PICTURES)],
+        "pictures": during[moments(drawn_path(surfaces, chosen[during], natural), PICTURES)],
         "shapes": sum(len(body.data["bent"]) for body in bodies),
         "static": bool(result.file.names("/static")),
-        "coordinates": sum(skin.modes for skin in skins.values()),
+        "coordinates": sum(surface.modes for surface in surfaces.values()),
         "missed": max(body.missed for body in bodies) / largest if largest else 0.0,
         "points": {
             "anchor": anchor.tolist(),

@@ -17,7 +17,7 @@ from ricochet.pictures.modes import modes_picture
 from ricochet.pictures.snapshots import snapshots_picture
 from ricochet.pictures.style import DPI, STYLE
 from ricochet.pictures.history import History
-from ricochet.pictures.skins import skins_of
+from ricochet.pictures.moving_surfaces import moving_surfaces
 from ricochet.result_file import File, expected
 
 DRAWN_MODES = 6
@@ -42,7 +42,7 @@ def figures(result: History, kernels: Path, note: Callable[[str], None]) -> Iter
             yield "friction", rubbed
         else:
             note("no picture of friction: no point with friction touched")
-    found = skins_of(result, kernels)
+    found = moving_surfaces(result, kernels)
     if isinstance(found, str):
         note(f"no picture of snapshots: {found}")
     elif result.episodes and (figure := snapshots_picture(result, *found)):

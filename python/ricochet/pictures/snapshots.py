@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ricochet.arrays import Array
 from ricochet.pictures.history import History
 from ricochet.pictures.planes import normals_of, square_of, upward
-from ricochet.pictures.skins import Skin, amplification
+from ricochet.pictures.moving_surfaces import MovingSurface, amplification
 from ricochet.pictures.style import WIDTH, colour_of, fit, largest_of, legend_below, normals, prefixed
 from ricochet.pictures.viewpoint import clearest
 
@@ -21,7 +21,7 @@ MOMENTS = 9
 FLOOR, GHOST = "#dedbd3", "#8a8a8a"
 
 
-def snapshots_picture(result: History, skins: dict[str, Skin], time: Array) -> Figure | None:
+def snapshots_picture(result: History, surfaces: dict[str, MovingSurface], time: Array) -> Figure | None:
     """Draws the contact with the largest impulse. Returns None if there is no snapshot of it."""
     impulse_of = [result.force[first:stop].sum() for first, stop in result.episodes]
     longest = int(np.argmax(impulse_of))
@@ -31,15 +31,15 @@ def snapshots_picture(result: History, skins: dict[str, Skin], time: Array) -> F
     if len(during) == 0:
         return None
     some = during[np.unique(np.linspace(0, len(during) - 1, 60).astype(int))]
-    amplify = amplification(max(skin.strain(k) for skin in skins.values() for k in some))
-    chosen = during[moments(drawn_path(skins, during, amplify), MOMENTS)]
-    places = [{body: skin.at(k, amplify) for body, skin in skins.items()} for k in chosen]
-    ghosts = [{body: skin.at(k, 0) for body, skin in skins.items()} for k in chosen]
+    amplify = amplification(max(surface.strain(k) for surface in surfaces.values() for k in some))
+    chosen = during[moments(drawn_path(surfaces, during, amplify), MOMENTS)]
+    places = [{body: surface.at(k, amplify) for body, surface in surfaces.items()} for k in chosen]
+    ghosts = [{body: surface.at(k, 0) for body, surface in surfaces.items()} for k in chosen]
     scene, planes = result.scene, normals_of(result.scene)
-    solid = any(skin.element.shape[1] == 3 for skin in skins.values())
-    first = {body: skin.at(during[0]) for body, skin in skins.items()}
+    solid = any(surface.element.shape[1] == 3 for surface in surfaces.values())
+    first = {body: surface.at(during[0]) for body, surface in surfaces.items()}
     view = clearest(
-        [(first[body], skin.element) for body, skin in skins.items()],
+        [(first[body], surface.element) for body, surface in surfaces.items()],
         result.point_a[result.impulse() > 0],
         tilted=bool(planes) and solid,  # otherwise the upper side of a floor is not seen
         up=upward(scene),
@@ -47,7 +47,7 @@ def snapshots_picture(result: History, skins: dict[str, Skin], time: Array) -> F
     )
     turn = view.turn()
 
-    outlines = {body: unhidden(skin, ghosts[0][body] @ turn.T) for body, skin in skins.items()}
+    outlines = {body: unhidden(surface, ghosts[0][body] @ turn.T) for body, surface in surfaces.items()}
     shown = [place for moment in places + ghosts * (amplify != 1) for place in moment.values()]
     everything = np.concatenate(shown) @ turn.T
     low, high = everything.min(axis=0)[:2], everything.max(axis=0)[:2]
@@ -75,7 +75,7 @@ def snapshots_picture(result: History, skins: dict[str, Skin], time: Array) -> F
         ax = figure.add_subplot(grid[r, 2 * c] if beside else grid[2 * r, c])
         for floor in floors:
             ax.add_patch(Polygon(floor[:, :2], facecolor=FLOOR, edgecolor=FLOOR, zorder=0))
-        paint(ax, result, skins, places[cell], turn)
+        paint(ax, result, surfaces, places[cell], turn)
         if amplify != 1:
             for body, edges in outlines.items():
                 flat = (ghosts[cell][body] @ turn.T)[:, :2]
@@ -87,9 +87,9 @@ def snapshots_picture(result: History, skins: dict[str, Skin], time: Array) -> F
         below = figure.add_subplot(grid[r, 2 * c + 1] if beside else grid[2 * r + 1, c])
         forces.draw(below, cell, labelled=(cell + 3 >= len(chosen), c == 0))
     handles: list[Rectangle | Line2D] = [
-        Rectangle((0, 0), 1, 1, color=colour_of(result, body)) for body in skins
+        Rectangle((0, 0), 1, 1, color=colour_of(result, body)) for body in surfaces
     ]
-    names = list(skins)
+    names = list(surfaces)
     if amplify != 1:
         handles.append(Line2D([], [], color=GHOST, linewidth=0.8))
         names.append("without deformation")
@@ -105,17 +105,17 @@ def snapshots_picture(result: History, skins: dict[str, Skin], time: Array) -> F
     return figure
 
 
-def drawn_path(skins: dict[str, Skin], during: NDArray[np.int64], amplify: float) -> Array:
+def drawn_path(surfaces: dict[str, MovingSurface], during: NDArray[np.int64], amplify: float) -> Array:
     """(S,r) coordinates of the snapshots `during`, in which the Euclidean distance of two snapshots is the root mean
     square distance of the nodes as drawn [m]."""
-    parts, nodes = [], sum(len(skin.node) for skin in skins.values())
-    for skin in skins.values():
-        weights = skin.weights(amplify)
-        shape = skin.shape.reshape(-1, len(weights))
+    parts, nodes = [], sum(len(surface.node) for surface in surfaces.values())
+    for surface in surfaces.values():
+        weights = surface.weights(amplify)
+        shape = surface.shape.reshape(-1, len(weights))
         # Converted to double precision in parts to save memory.
         pieces = [piece.astype(float) * weights for piece in np.array_split(shape, len(shape) // 10_000 + 1)]
         values, vectors = np.linalg.eigh(sum(piece.T @ piece for piece in pieces) / nodes)
-        parts.append(skin.coordinates[during] @ (vectors * np.sqrt(np.maximum(values, 0))))
+        parts.append(surface.coordinates[during] @ (vectors * np.sqrt(np.maximum(values, 0))))
     return np.concatenate(parts, axis=1)
 
 
@@ -140,12 +140,12 @@ def moments(path: Array, most: int) -> NDArray[np.int64]:
     return np.array(walk(near))
 
 
-def unhidden(skin: Skin, seen: Array) -> NDArray[np.int64]:
+def unhidden(surface: MovingSurface, seen: Array) -> NDArray[np.int64]:
     """(·,2) edges of the outline that no triangle of the body hides. `seen`: (V,3) nodes as right, up, towards the viewer."""
-    edges = skin.rim(seen[:, :2])
-    if skin.element.shape[1] == 2:
+    edges = surface.rim(seen[:, :2])
+    if surface.element.shape[1] == 2:
         return edges
-    first, second, third = np.moveaxis(seen[skin.element], 1, 0)
+    first, second, third = np.moveaxis(seen[surface.element], 1, 0)
     one, two = second - first, third - first
     double = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]  # twice the area
     flat = np.abs(double) < 1e-300
@@ -162,19 +162,21 @@ def unhidden(skin: Skin, seen: Array) -> NDArray[np.int64]:
     return edges[[not hidden(point) for point in seen[edges].mean(axis=1)]]
 
 
-def paint(ax: Axes, result: History, skins: dict[str, Skin], places: dict[str, Array], turn: Array) -> None:
+def paint(
+    ax: Axes, result: History, surfaces: dict[str, MovingSurface], places: dict[str, Array], turn: Array
+) -> None:
     """Paints triangles and outlines from back to front."""
     patches, depth, face, edge, width = [], [], [], [], []
     light = np.array([0.35, 0.5, 0.8]) / np.linalg.norm([0.35, 0.5, 0.8])
     # Where flat bodies overlap slightly, the later one is in front. Outlines are in front of their surfaces.
     near = 0.02 * np.ptp(np.concatenate(list(places.values())), axis=0).max()
-    for number, (body, skin) in enumerate(skins.items()):
+    for number, (body, surface) in enumerate(surfaces.items()):
         seen: Array = places[body] @ turn.T
         colour: Array = np.array(to_rgb(colour_of(result, body)))
-        outline = skin.rim(seen[:, :2])
-        line = skin.element.shape[1] == 2
+        outline = surface.rim(seen[:, :2])
+        line = surface.element.shape[1] == 2
         if not line:
-            corner = seen[skin.element]
+            corner = seen[surface.element]
             normal = normals(corner)
             shaded = colour * (0.62 + 0.38 * np.abs(normal @ light))[:, None]
             patches += list(corner[:, :, :2])
@@ -183,7 +185,7 @@ def paint(ax: Axes, result: History, skins: dict[str, Skin], places: dict[str, A
             edge += list(shaded)
             width += [0.3] * len(corner)
         patches += list(seen[outline][:, :, :2])
-        depth += list(seen[outline][:, :, 2].mean(axis=1) + (len(skins) + 1) * near)
+        depth += list(seen[outline][:, :, 2].mean(axis=1) + (len(surfaces) + 1) * near)
         face += [colour] * len(outline)
         edge += [colour if line else np.zeros(3)] * len(outline)
         width += [4 if line else 0.7] * len(outline)

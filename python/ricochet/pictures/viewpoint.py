@@ -95,7 +95,7 @@ def clearness(view: View, bodies: Sequence[Array], contact: Array, cell: float) 
 
 
 def clearest(
-    skins: Sequence[tuple[Array, Array]],
+    surfaces: Sequence[tuple[Array, Array]],
     contact: Array,
     tilted: bool = False,
     up: Array | None = None,
@@ -103,15 +103,15 @@ def clearest(
 ) -> View:
     """Returns the first view that is not much worse than any other.
 
-    @param skins    nodes (V,3) and elements (E,2 or 3) of each body
+    @param surfaces    nodes (V,3) and elements (E,2 or 3) of each body
     @param contact  (·,3) points that touch
     @param up       (3) the direction that points up
     @param normals  (3) normals of planes. Views of their back are used only if there are no others.
     """
-    places = np.concatenate([node for node, _ in skins])
+    places = np.concatenate([node for node, _ in surfaces])
     low, high = places.min(axis=0), places.max(axis=0)
     cell = (high - low).max() / CELLS
-    bodies = [spread(node, element, 0.7 * cell) for node, element in skins]
+    bodies = [spread(node, element, 0.7 * cell) for node, element in surfaces]
     every = list(views(low, high, tilted, up))
     choices = [view for view in every if all(view.turn()[2] @ normal > -1e-9 for normal in normals)] or every
     best, most = choices[0], -np.inf

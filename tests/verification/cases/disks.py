@@ -7,7 +7,7 @@ the effect of the impulse on the momentum, and the symmetry about position 9 are
 import numpy as np
 
 from ricochet.pictures.history import History
-from ricochet.pictures.skins import skins_of
+from ricochet.pictures.moving_surfaces import moving_surfaces
 from case import BLUE, ORANGE, RED
 from ricochet.programs import ROOT
 
@@ -53,7 +53,7 @@ def relief(result):
 def snapshots(bench, result, speed):
     """Nine moments: outlines of both disks, and the force along the positions."""
     shown = History(result.path)
-    skins, time = skins_of(shown, result.path.parent)
+    skins, time = moving_surfaces(shown, result.path.parent)
     start, end = shown.contact_time[0], shown.contact_time[-1]
     chosen = [int(np.abs(time - t).argmin()) for t in np.linspace(start, end, 9)]
     top = 1.05 * shown.force.max()

@@ -17,13 +17,13 @@ class Modes {
   }
 
   tableOf({body, basis, rigid, elastic, rows}) {
-    const skin = this.shown?.motion.bodies.find(skin => skin.name === body), vectors = basis === "contact";
+    const surface = this.shown?.motion.bodies.find(surface => surface.name === body), vectors = basis === "contact";
     const shapes = Object.values(run.motion.bodies?.find(other => other.name === body)?.modes ?? {});
     const number = mode => {
-      if (!skin?.modes[mode.number]) return String(mode.number);
+      if (!surface?.modes[mode.number]) return String(mode.number);
       const title = `${body}, mode ${mode.number}: ${quantity(mode.frequency_hz, "Hz")}`;
       const button = make("button", {type: "button", "aria-pressed": "false", "aria-label": `Show ${title}`}, String(mode.number));
-      const entry = {button, skin, mode, title};
+      const entry = {button, surface, mode, title};
       button.addEventListener("click", () => this.choose(this.chosen === entry && !this.alone ? null : entry));
       this.buttons.push(entry);
       return button;
@@ -47,7 +47,7 @@ class Modes {
       before?.button.focus({preventScroll: true});
       return;
     }
-    shown.turnTo(entry.skin, entry.mode.number, entry.title);
+    shown.turnTo(entry.surface, entry.mode.number, entry.title);
     const box = shown.cockpit.getBoundingClientRect();
     if (box.top < 0 || box.bottom > innerHeight) shown.cockpit.scrollIntoView({block: "start"});
   }

@@ -12,8 +12,8 @@ class Motion {
     this.data = data;
     this.canvas = canvas;
     this.time = unpack(data.time);
-    this.bodies = data.bodies.map((body, k) => new Skin(body, run.bodies.findIndex(other => other.name === body.name)));
-    this.obstacles = data.obstacles.map(obstacle => new Skin(obstacle));
+    this.bodies = data.bodies.map((body, k) => new MovingSurface(body, run.bodies.findIndex(other => other.name === body.name)));
+    this.obstacles = data.obstacles.map(obstacle => new MovingSurface(obstacle));
     const {anchor, offset, normal, force, state} = data.points;
     this.points = {anchor, offset: unpack(offset), normal: unpack(normal), force: unpack(force), state: state && unpack(state)};
     this.forceMost = extent(this.points.force)[1];

@@ -20,7 +20,7 @@ const silent = () => make("output", {"aria-live": "off"});  // otherwise every f
 function player(section, data, tell) {
   const say = text => section.append(make("p", {class: "note"}, text));
   const keys = () => {
-    say("Both programs need these keys of the scene, ricochet-kernel for the skins and ricochet-contact for the snapshots:");
+    say("Both programs need these keys of the scene, ricochet-kernel for the visualisation surfaces and ricochet-contact for the snapshots:");
     section.append(make("pre", {}, `[output]\nview = true\nsnapshot_every = ${run.static ? 1 : 4}`));
   };
   if (data.missing) {

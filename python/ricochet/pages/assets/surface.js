@@ -54,7 +54,7 @@ function box() {
   return {low, high, add};
 }
 
-class Skin {
+class MovingSurface {
   constructor(data, number) {
     this.name = data.name;
     this.number = number;
@@ -64,7 +64,7 @@ class Skin {
     this.normal = data.normal;  // of a plane
     this.visible = true;
     this.lines = data.lines;
-    this.fields = this.still ? [] : [...Skin.rows(data.rigid), ...data.bent.map(unpack)];
+    this.fields = this.still ? [] : [...MovingSurface.rows(data.rigid), ...data.bent.map(unpack)];
     this.rigid = this.still ? 0 : data.rigid.shape[0];
     this.amounts = this.still ? [] : [unpack(data.moved), unpack(data.amount)];
     this.place = Float32Array.from(this.node);

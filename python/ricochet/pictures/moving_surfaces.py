@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Visualisation surfaces (skins) of the bodies of a result, moved by its snapshots."""
+"""Visualisation surfaces of the bodies of a result, moved by its snapshots."""
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ SHOWN = 0.1  # largest deformation, relative to the size, that is then drawn
 MOST = 0.25  # the same at the upper end of a choice
 
 
-class Skin:
+class MovingSurface:
     """The visualisation surface of a body, moved by its modes and by the static response of the modes left out
     (`static`, fields and amplitudes, after the modes in `shape` (V,3,N+r) and `coordinates` (s,N+r))."""
 
@@ -103,15 +103,17 @@ def largest_amplification(share: float) -> float:
     return max(amplification(share), MOST / share if share > 1e-12 else 1.0, 2.0)
 
 
-def skins_of(result: History, folder: Path, at_rest: bool = False) -> tuple[dict[str, Skin], Array] | str:
-    """The skins by body and the times of their snapshots, or the reason why there are none. With `at_rest`, a result
+def moving_surfaces(
+    result: History, folder: Path, at_rest: bool = False
+) -> tuple[dict[str, MovingSurface], Array] | str:
+    """The surfaces by body and the times of their snapshots, or the reason why there are none. With `at_rest`, a result
     without snapshots has one at time 0, of bodies that have not moved."""
     f = result.file
     still = at_rest and not f.has("/snapshots/time")
     if not still and not f.has("/snapshots/time"):
         return "the result has no snapshots (set [output] snapshot_every)"
     time = np.zeros(1) if still else f.array("/snapshots/time", None)
-    skins = {}
+    surfaces = {}
     for body in result.bodies:
         if not still and not f.has(f"/snapshots/{body}"):
             continue
@@ -130,11 +132,11 @@ def skins_of(result: History, folder: Path, at_rest: bool = False) -> tuple[dict
             coordinates = np.zeros((1, len(kernel.array("/modes/angular_frequency", None))))
         else:
             coordinates = f.array(f"/snapshots/{body}", len(time), None)
-        skins[body] = Skin(
+        surfaces[body] = MovingSurface(
             kernel,
             np.reshape(rotation, (3, 3)),
             np.reshape(translation, 3),
             coordinates,
             static_part(f, kernel, body, len(time)),
         )
-    return (skins, time) if skins else "the result has no snapshots of bodies"
+    return (surfaces, time) if surfaces else "the result has no snapshots of bodies"
