@@ -23,14 +23,14 @@ struct Sound {
 
 struct Summary : ImpactFigures {
   /// Largest deviation of the ledger, relative to the largest of kinetic + strain + residual energy, work of
-  /// loads, and energy lost in contact. No value with table kernels.
+  /// loads, and energy lost in contact. No value with sampled responses.
   std::optional<double> energy_drift;
   /// Energy lost in contact, relative to kinetic + strain energy when contact started, above the strain under
-  /// dead loads at t = 0. No value with table kernels, or if bodies at rest lost energy that loads supplied
-  /// later.
+  /// dead loads at t = 0. No value with sampled responses, or if bodies at rest lost energy that loads
+  /// supplied later.
   std::optional<double> energy_lost_contact;
   /// Energy that modes above the band would take (band_share.hpp), relative as energy_lost_contact, and the
-  /// amount by which the restitution would fall. No values if unknown, as with table kernels or impulses.
+  /// amount by which the restitution would fall. No values if unknown, as with sampled responses or impulses.
   std::optional<double> energy_above_band, rebound_above_band;
   // With friction; no values without it.
   std::optional<double> energy_lost_friction;  ///< heat of friction, relative as energy_lost_contact

@@ -13,7 +13,7 @@
 namespace ricochet::contact {
 namespace {
 
-/// Number of steps at the end of a table whose slope a linear tail continues.
+/// Number of steps at the end of a response whose slope a linear tail continues.
 std::int64_t tail_steps(std::int64_t length) { return std::max<std::int64_t>(2, length / 10); }
 
 }  // namespace
@@ -62,14 +62,14 @@ Convolution::Convolution(const Convolution&) = default;
 Convolution& Convolution::operator=(const Convolution&) = default;
 Convolution::~Convolution() = default;
 
-Convolution::Convolution(std::span<const double> kernel, int rows, int columns, Tail tail, int block)
+Convolution::Convolution(std::span<const double> response, int rows, int columns, Tail tail, int block)
     : rows_(rows),
       columns_(columns),
-      length_(static_cast<std::int64_t>(kernel.size()) / (static_cast<std::int64_t>(rows) * columns)),
+      length_(static_cast<std::int64_t>(response.size()) / (static_cast<std::int64_t>(rows) * columns)),
       history_(Eigen::VectorXd::Zero(rows)) {
   if (rows < 1 || columns < 1 || length_ < 1 ||
-      static_cast<std::size_t>(length_ * rows * columns) != kernel.size())
-    throw std::logic_error("convolution: the kernel is not of shape (L, rows, columns)");
+      static_cast<std::size_t>(length_ * rows * columns) != response.size())
+    throw std::logic_error("convolution: the response is not of shape (L, rows, columns)");
   if (block != 0 && !std::has_single_bit(static_cast<unsigned>(block)))
     throw std::logic_error("convolution: the block must be a power of two");
 
@@ -79,7 +79,7 @@ Convolution::Convolution(std::span<const double> kernel, int rows, int columns, 
   const std::int64_t lags = block_ > 0 ? block_ : length_;
   near_.resize(rows, columns * (lags - 1));
   using Sample = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
-  const auto sample = [&](std::int64_t l) { return Sample(&kernel[l * rows * columns], rows, columns); };
+  const auto sample = [&](std::int64_t l) { return Sample(&response[l * rows * columns], rows, columns); };
   for (std::int64_t l = 1; l < lags; ++l) near_.middleCols((l - 1) * columns, columns) = sample(l);
 
   tail_ = tail == Tail::linear;
@@ -93,10 +93,10 @@ Convolution::Convolution(std::span<const double> kernel, int rows, int columns, 
   const std::int64_t kept = std::max<std::int64_t>(tail_ ? length_ + 1 : lags, 2 * block_);
   past_ = Eigen::MatrixXd::Zero(columns, kept);
   active_.assign(kept, 0);
-  if (block_ > 0) spectra_of(kernel);
+  if (block_ > 0) spectra_of(response);
 }
 
-void Convolution::spectra_of(std::span<const double> kernel) {
+void Convolution::spectra_of(std::span<const double> response) {
   const std::size_t B = block_, rows = rows_, columns = columns_, L = length_;
   const std::size_t width = 2 * (B + 1);
   Transform& transform = transform_.emplace_back(block_);
@@ -113,7 +113,7 @@ void Convolution::spectra_of(std::span<const double> kernel) {
       for (std::size_t i = 0; i < rows; ++i) {
         for (std::size_t k = 0; k < 2 * B; ++k) {
           const std::size_t l = p * B + k;
-          transform.signal(k) = k < B && l < L ? kernel[(l * rows + i) * columns + j] : 0.0;
+          transform.signal(k) = k < B && l < L ? response[(l * rows + i) * columns + j] : 0.0;
         }
         transform.forward(spectrum);
         spectrum += width;
@@ -190,15 +190,15 @@ void Convolution::finish_block() noexcept {
   for (std::size_t i = 0; i < rows; ++i) transform_.front().inverse(&output_[i * width], far_.row(i));
 }
 
-double Convolution::departure(std::span<const double> kernel, int rows, int columns) {
+double Convolution::departure(std::span<const double> response, int rows, int columns) {
   const std::int64_t size = static_cast<std::int64_t>(rows) * columns,
-                     length = static_cast<std::int64_t>(kernel.size()) / size;
+                     length = static_cast<std::int64_t>(response.size()) / size;
   const std::int64_t steps = std::min(tail_steps(length), length - 1);
   double worst = 0;
   for (std::int64_t i = 0; i < rows; ++i) {
     double largest = 0, distance = 0;
     for (std::int64_t j = 0; j < columns; ++j) {
-      const auto value = [&](std::int64_t l) { return kernel[l * size + i * columns + j]; };
+      const auto value = [&](std::int64_t l) { return response[l * size + i * columns + j]; };
       for (std::int64_t l = 0; l < length; ++l) largest = std::max(largest, std::abs(value(l)));
       const double end = value(length - 1);
       const double slope = steps > 0 ? (end - value(length - 1 - steps)) / static_cast<double>(steps) : 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Convolution of a sampled matrix kernel with a history that grows by one sample at a time.
+// Convolution of a sampled matrix response with a signal that grows by one sample at a time.
 //
 //   y_k = Σ_{l ≥ 1} H_l x_{k−l}          H_l (rows, columns), l = 0 … L−1; x_j (columns), j = 0, 1, …
 //
@@ -19,7 +19,7 @@
 
 namespace ricochet::contact {
 
-/// Continuation of the kernel beyond its last sample.
+/// Continuation of the response beyond its last sample.
 enum class Tail {
   none,    ///< zero
   linear,  ///< H_{L−1} + (l − L + 1) D, with D the mean slope of the last tenth (Convolution::departure)
@@ -27,12 +27,12 @@ enum class Tail {
 
 class Convolution {
  public:
-  /// @param kernel  (L, rows, columns), row-major, L ≥ 1; not needed afterwards
-  /// @param block  B, a power of two; 1 for the direct form, 0 for about √(2L). Kernels of up to 2B samples
+  /// @param response  (L, rows, columns), row-major, L ≥ 1; not needed afterwards
+  /// @param block  B, a power of two; 1 for the direct form, 0 for about √(2L). Responses of up to 2B samples
   ///               use the direct form.
-  /// Only the constructor allocates. The partitioned form needs twice the memory of the kernel, the direct
-  /// form as much as the kernel.
-  Convolution(std::span<const double> kernel, int rows, int columns, Tail tail, int block = 0);
+  /// Only the constructor allocates. The partitioned form needs twice the memory of the response, the direct
+  /// form as much as the response.
+  Convolution(std::span<const double> response, int rows, int columns, Tail tail, int block = 0);
   Convolution(const Convolution&);
   Convolution& operator=(const Convolution&);
   ~Convolution();
@@ -45,14 +45,14 @@ class Convolution {
 
   int block() const { return block_; }  ///< B, or 0 for the direct form
 
-  /// Departure of the last tenth of a kernel (at least 2 steps) from the straight line of a linear tail: the
-  /// maximum over all rows of the largest |difference| divided by the largest |value| of the row.
-  static double departure(std::span<const double> kernel, int rows, int columns);
+  /// Departure of the last tenth of a response (at least 2 steps) from the straight line of a linear tail:
+  /// the maximum over all rows of the largest |difference| divided by the largest |value| of the row.
+  static double departure(std::span<const double> response, int rows, int columns);
 
  private:
   class Transform;
 
-  void spectra_of(std::span<const double> kernel);
+  void spectra_of(std::span<const double> response);
   void finish_block() noexcept;
   Eigen::Index slot(std::int64_t sample) const { return static_cast<Eigen::Index>(sample % past_.cols()); }
 

@@ -10,9 +10,9 @@
 
 namespace ricochet::contact {
 
-/// Samples the kernels and the free motion of the model for `steps` steps of the scheme in `options`, as far
-/// as the scheme needs them: for impulse, displacement and velocity; for compliant, flexibility, with R and
-/// the modes above half the rate in S_0. `bodies` contains the bodies without supports. The table needs
+/// Samples the responses and the free motion of the model for `steps` steps of the scheme in `options`, as
+/// far as the scheme needs them: for impulse, displacement and velocity; for compliant, flexibility, with R
+/// and the modes above half the rate in S_0. `bodies` contains the bodies without supports. The table needs
 /// steps·m² numbers of memory, twice as many for impulse.
 Table table_from_modes(const Model& model, const StepOptions& options, std::int64_t steps);
 

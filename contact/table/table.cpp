@@ -48,12 +48,12 @@ struct Checks {
     if (!(table.step > 0) || !std::isfinite(table.step))
       fail(base::format("/table/step is {} s: must be positive.", table.step));
     if (m < 1) fail("/table/gap is empty: a table has a contact point at least.");
-    if (L < 2) fail(base::format("the kernel has {} samples: 2 are the least.", L));
+    if (L < 2) fail(base::format("the responses have {} samples: 2 are the least.", L));
     if (table.displacement.size() != table.velocity.size())
       fail("/table/displacement and /table/velocity differ in length.");
     for (const auto& [name, response] : responses) {
       if (!response->empty() && std::ssize(*response) != L * m * m)
-        fail(base::format("the kernels are not all of shape ({}, {}, {}).", L, m, m));
+        fail(base::format("the responses are not all of shape ({}, {}, {}).", L, m, m));
       finite(name, *response);
     }
     if (!table.residual.empty() && (table.flexibility.empty() || std::ssize(table.residual) != m * m))

@@ -38,7 +38,7 @@ struct Table {
   std::vector<double> flexibility;
   /// (m,m) R, the instantaneous part of S_0 [m/N]; empty if S_0 has none. Conserving steps need it.
   std::vector<double> residual;
-  Tail tail = Tail::none;             ///< continuation of N, Ṅ and S beyond the table
+  Tail tail = Tail::none;             ///< continuation of N, Ṅ and S beyond the samples
   std::vector<double> free;           ///< (K,m) ũ_k [m]; if empty, the rigid motion of `bodies`
   std::vector<double> free_velocity;  ///< (K,m) [m/s]; if empty, (ũ_{k+1} − ũ_k)/Δ
   Vector gap;                         ///< (m) [m]
@@ -54,7 +54,7 @@ struct Table {
 inline constexpr const char* table_advice = "docs/formats/responses.md describes the format.";
 
 /// Throws an InputError that names `origin` if shapes disagree, a value is not finite, N_0 is not 0, points
-/// overlap at the start, a mass is not positive, or a kernel with a linear tail does not end in a straight
+/// overlap at the start, a mass is not positive, or a response with a linear tail does not end in a straight
 /// line.
 void validate(const Table& table, const std::string& origin);
 

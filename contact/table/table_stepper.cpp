@@ -27,20 +27,20 @@ std::vector<double> difference(const std::vector<double>& x, std::size_t width, 
 
 /// The samples (L, rows, m) that are convolved with the forces, and the block of lag 0, which multiplies the
 /// unknown force.
-struct Kernel {
+struct SampledResponse {
   std::span<const double> values;  ///< those of the table, or `made`
   std::vector<double> made;
   Eigen::MatrixXd at_once;
   int rows = 0;
 };
 
-Eigen::MatrixXd first_sample(std::span<const double> kernel, Eigen::Index m) {
-  return Eigen::Map<const Matrix>(kernel.data(), m, m);
+Eigen::MatrixXd first_sample(std::span<const double> response, Eigen::Index m) {
+  return Eigen::Map<const Matrix>(response.data(), m, m);
 }
 
-Kernel kernel_of(const Table& table, const StepOptions& options) {
+SampledResponse response_of(const Table& table, const StepOptions& options) {
   const std::size_t m = table.points(), width = m * m;
-  Kernel out;
+  SampledResponse out;
   if (options.scheme == Scheme::compliant) {
     out.rows = static_cast<int>(m);
     if (!table.flexibility.empty()) {
@@ -119,11 +119,12 @@ TableStepper::TableStepper(const Table& table, const StepOptions& options)
       bodies_(table.bodies),
       // Also sets S_ and available_, which are declared before it and come from the same arrays.
       convolution_([&] {
-        const Kernel kernel = kernel_of(table, options);
-        S_ = semidefinite(kernel.at_once, options.scheme == Scheme::impulse);
+        const SampledResponse response = response_of(table, options);
+        S_ = semidefinite(response.at_once, options.scheme == Scheme::impulse);
         if (table.tail == Tail::none)
-          available_ = std::ssize(kernel.values) / (static_cast<std::int64_t>(kernel.rows) * table.points());
-        return Convolution(kernel.values, kernel.rows, table.points(), table.tail);
+          available_ =
+              std::ssize(response.values) / (static_cast<std::int64_t>(response.rows) * table.points());
+        return Convolution(response.values, response.rows, table.points(), table.tail);
       }()) {
   const Eigen::Index m = table.points();
   const bool impulse = options.scheme == Scheme::impulse;

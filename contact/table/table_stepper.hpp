@@ -11,7 +11,7 @@
 // compliant, step k: 0 ≤ λ⁺ ⟂ S λ⁺ − (û − M h − g) ≥ 0,  û = ũ_k − Σ_{l≥1} S_l λ̄_{k−l},  over all points,
 // with M = S_0 − R and the means of mean_force.hpp. Without R, steps are by backward Euler.
 //
-// With kernels sampled from modes, both equal the modal schemes to round-off. The energy of the bodies is
+// With responses sampled from modes, both equal the modal schemes to round-off. The energy of the bodies is
 // unknown here, and whether a step can gain energy depends on the table. persistency() is known only for
 // `compliant`.
 #pragma once
@@ -37,7 +37,7 @@ class TableStepper final : public Stepper {
   /// outside [0, 1].
   TableStepper(const Table& table, const StepOptions& options);
 
-  /// Number of steps for which the table has kernels and free motion.
+  /// Number of steps for which the table has responses and free motion.
   std::int64_t available() const { return available_; }
 
   /// Returns `table_ended`, without any change, if the step is beyond `available`.

@@ -7,7 +7,7 @@ enum class StepStatus {
   ok,
   no_solution,
   not_finite,
-  table_ended,  ///< table kernels: the step is beyond the end of the table
+  table_ended,  ///< sampled responses: the step is beyond their end
 };
 
 }  // namespace ricochet

@@ -295,7 +295,7 @@ class Result(_Data):
     @cached_property
     def pair(self) -> NDArray[np.int64] | None:
         """(m) number of the pair of each contact point, from 1, in the order of the scene; None in older
-        files and for table kernels without modes"""
+        files and for sampled responses without modes"""
         if not self._file.has("/contact/pair"):
             return None
         return self._read("contact/pair", len(self.initial_gap)).astype(np.int64)
@@ -327,7 +327,7 @@ class Result(_Data):
     def energy(self) -> dict[str, Floats]:
         """(K) each [J]: `kinetic`, `strain`, `residual` (of the static response), `loads` (work so far of
         loads, supports and moving obstacles), `damping` and `contact` (lost so far), `friction` (its heat so
-        far), and `total` = kinetic + strain + residual − loads. Empty for table kernels.
+        far), and `total` = kinetic + strain + residual − loads. Empty for sampled responses.
         """
         if not self._file.has("/energy/total"):
             return {}
@@ -341,9 +341,9 @@ class Result(_Data):
     @cached_property
     def ledger(self) -> Floats:
         """(K) total + damping + contact + friction [J], which stays constant to round-off in a run; for
-        bodies at rest no ledger is kept. Raises InputError for table kernels."""
+        bodies at rest no ledger is kept. Raises InputError for sampled responses."""
         if not self.energy:
-            raise InputError(f"{self.path}: runs with table kernels keep no energy ledger.")
+            raise InputError(f"{self.path}: runs with sampled responses keep no energy ledger.")
         return np.asarray(sum(self.energy[name] for name in ("total", "damping", "contact", "friction")))
 
     @cached_property

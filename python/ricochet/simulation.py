@@ -82,7 +82,7 @@ class Simulation:
         pickups: channels to listen to; default: x, y and z of each receiver of the scene, in its order.
 
         Raises InputError, one line, for kernels that are missing, for bodies that overlap or do not meet, and
-        for scenes that only `impact` supports: `accuracy`, the scheme "static", table kernels.
+        for scenes that only `impact` supports: `accuracy`, the scheme "static", sampled responses.
         """
         self.scene = scene_of(scene)
         core = self.scene._for_impact()

@@ -14,7 +14,7 @@ struct Scene;
 
 namespace ricochet::impact {
 
-/// Throws InputError if the motion of the scene cannot be written: with table kernels, or without
+/// Throws InputError if the motion of the scene cannot be written: with sampled responses, or without
 /// visualisation surfaces.
 void check_motion(const scene::Scene& scene);
 

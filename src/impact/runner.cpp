@@ -16,7 +16,7 @@
 #include "ricochet/error.hpp"
 #include "src/accuracy/scene_dial.hpp"
 #include "src/impact/motion.hpp"
-#include "src/impact/table_kernels.hpp"
+#include "src/impact/sampled_responses.hpp"
 #include "src/impact/warnings.hpp"
 #include "src/store/memory.hpp"
 

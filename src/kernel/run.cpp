@@ -180,7 +180,8 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
 
   console::Console console(options.quiet || !first,
                            [comm] { return parallel::largest(comm, console::peak_memory_mib()); });
-  if (scene.bodies.empty()) console.say("the scene takes its kernels from contact.table: nothing to compute");
+  if (scene.bodies.empty())
+    console.say("the scene takes its responses from contact.table: nothing to compute");
   const auto compute = [&](const scene::Scene& closed, bool check) {
     return compute_kernels(closed, check, options, comm, console);
   };

@@ -103,7 +103,7 @@ void read_kernel(Table& table, const std::filesystem::path& folder, Contact& con
   if (!file) return;
   if (contact.kernel != ContactKernel::table)
     table.complain("table", "belongs to kernel = \"table\": add it, or leave the table out");
-  if (file->empty()) table.complain("table", "must name a file of sampled kernels");
+  if (file->empty()) table.complain("table", "must name a file of sampled responses");
   contact.table = (folder / *file).lexically_normal();
 }
 

@@ -17,7 +17,7 @@ void check_scene(const Table& table, const Scene& scene) {
   if (scene.contact.scheme == Scheme::at_rest)
     table.complain("", "bodies at rest strike nothing: leave it out, or choose another contact.scheme");
   if (scene.contact.kernel == ContactKernel::table)
-    table.complain("", "table kernels know no strikes: leave it out, or set contact.kernel = \"modes\"");
+    table.complain("", "sampled responses know no strikes: leave it out, or set contact.kernel = \"modes\"");
   if (scene.accuracy)
     table.complain("",
                    "errors of several strikes are not estimated: leave it out, or give [modes] and set "

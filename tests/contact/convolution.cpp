@@ -15,10 +15,10 @@ using namespace ricochet::contact;
 struct Case {
   int rows, columns;
   std::int64_t length;
-  std::vector<double> kernel;  ///< (L, rows, columns)
-  Eigen::MatrixXd x;           ///< (columns, samples)
+  std::vector<double> response;  ///< (L, rows, columns)
+  Eigen::MatrixXd x;             ///< (columns, samples)
 
-  double h(std::int64_t l, int i, int j) const { return kernel[(l * rows + i) * columns + j]; }
+  double h(std::int64_t l, int i, int j) const { return response[(l * rows + i) * columns + j]; }
 
   /// Σ_{l=1}^{L−1} H_l x_{k−l}, from the smallest index on, in extended precision.
   Eigen::VectorXd sum(std::int64_t k) const {
@@ -40,7 +40,7 @@ Case random_case(int rows, int columns, std::int64_t length, std::int64_t sample
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> unit(0, 1);
   Case out{rows, columns, length, {}, Eigen::MatrixXd::Zero(columns, samples)};
-  for (std::int64_t k = 0; k < length * rows * columns; ++k) out.kernel.push_back(normal(random));
+  for (std::int64_t k = 0; k < length * rows * columns; ++k) out.response.push_back(normal(random));
   for (int j = 0; j < columns; ++j) {
     bool on = false;
     for (std::int64_t k = 0; k < samples; ++k) {
@@ -53,14 +53,14 @@ Case random_case(int rows, int columns, std::int64_t length, std::int64_t sample
 
 /// Largest deviation from the explicit sum, relative to ‖H‖ ‖x‖ of a row, which bounds any result.
 double error_of(const Case& c, int block) {
-  Convolution convolution(c.kernel, c.rows, c.columns, Tail::none, block);
+  Convolution convolution(c.response, c.rows, c.columns, Tail::none, block);
   double worst = 0;
   for (std::int64_t k = 0; k < c.x.cols(); ++k) {
     worst = std::max(worst, (convolution.history() - c.sum(k)).cwiseAbs().maxCoeff());
     convolution.push(c.x.col(k));
   }
   double size = 0;
-  for (const double h : c.kernel) size += h * h;
+  for (const double h : c.response) size += h * h;
   return worst / (std::sqrt(size / c.rows) * c.x.norm());
 }
 
@@ -79,7 +79,7 @@ TEST(Convolution, equals_the_sum_directly_and_in_partitions_of_any_size) {
 
 TEST(Convolution, in_partitions_equals_the_direct_one_over_thousands_of_steps) {
   const Case c = random_case(6, 3, 3000, 6000, 0.5, 3);
-  Convolution direct(c.kernel, 6, 3, Tail::none, 1), fast(c.kernel, 6, 3, Tail::none);
+  Convolution direct(c.response, 6, 3, Tail::none, 1), fast(c.response, 6, 3, Tail::none);
   EXPECT_EQ(direct.block(), 0);
   EXPECT_GE(fast.block(), 64);
   double worst = 0, largest = 0;
@@ -96,7 +96,7 @@ TEST(Convolution, of_nothing_is_exactly_nothing) {
   Case c = random_case(2, 2, 300, 900, 1, 5);
   c.x.rightCols(700).setZero();  // the last input leaves the table after 500 samples
   for (const int block : {1, 16}) {
-    Convolution convolution(c.kernel, 2, 2, Tail::none, block);
+    Convolution convolution(c.response, 2, 2, Tail::none, block);
     for (std::int64_t k = 0; k < 900; ++k) {
       if (k > 200 + 300 + 2 * 16) {
         ASSERT_EQ(convolution.history().cwiseAbs().maxCoeff(), 0) << k;
@@ -106,13 +106,13 @@ TEST(Convolution, of_nothing_is_exactly_nothing) {
   }
 }
 
-/// A kernel that is linear from sample 50 on, given once by 60 samples with a linear tail and once in full.
+/// A response that is linear from sample 50 on, given once by 60 samples with a linear tail and once in full.
 TEST(LinearTail, goes_on_as_a_longer_table_does) {
   Case c = random_case(2, 2, 700, 700, 0.6, 9);
   for (std::int64_t l = 51; l < 700; ++l)
     for (int e = 0; e < 4; ++e)
-      c.kernel[l * 4 + e] = c.kernel[50 * 4 + e] + 0.03 * (e + 1) * static_cast<double>(l - 50);
-  const std::span<const double> whole(c.kernel), cut = whole.first(60 * 4);
+      c.response[l * 4 + e] = c.response[50 * 4 + e] + 0.03 * (e + 1) * static_cast<double>(l - 50);
+  const std::span<const double> whole(c.response), cut = whole.first(60 * 4);
   EXPECT_LT(Convolution::departure(cut, 2, 2), 1e-14);
   EXPECT_GT(Convolution::departure(whole.first(53 * 4), 2, 2), 1e-3);
   for (const int block : {1, 8}) {
@@ -130,7 +130,7 @@ TEST(LinearTail, goes_on_as_a_longer_table_does) {
 TEST(Convolution, takes_no_memory_as_it_goes) {
   const Case c = random_case(6, 3, 500, 2000, 0.5, 11);
   for (const int block : {1, 0}) {
-    Convolution convolution(c.kernel, 6, 3, Tail::linear, block);
+    Convolution convolution(c.response, 6, 3, Tail::linear, block);
     Eigen::VectorXd x(3);
     const long before = heap_counter::calls;
     for (std::int64_t k = 0; k < 2000; ++k) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Table kernels: the closed form for two rods compared with the wave solution, kernels from modes compared
-// with modal stepping, and refusals of the stepper.
+// Sampled responses: the closed form for two rods compared with the wave solution, responses from modes
+// compared with modal stepping, and refusals of the stepper.
 #include "contact/table/table.hpp"
 #include "contact/table/modal_table.hpp"
 
@@ -98,7 +98,7 @@ TEST(AnalyticRods, may_be_given_their_free_motion_by_samples) {
 // The closed form is the sum over the modes of the rods: steps of 1/Z, 2/Z, 2/Z, …
 // at 0, 2L/c, 4L/c, …, and on average the rigid motion t/(ρAL). In the formula printed in the
 // paper, the second Heaviside function is outside the sum.
-TEST(AnalyticRods, have_the_kernel_that_their_modes_add_up_to) {
+TEST(AnalyticRods, have_the_response_that_their_modes_add_up_to) {
   const double length = 10;
   const auto by_modes = [&](double t) {
     double sum = t / length;

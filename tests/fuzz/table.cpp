@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A table of sampled kernels, edited as described in tests/fuzz/hdf5_edits.hpp. An accepted table is
+// A file of sampled responses, edited as described in tests/fuzz/hdf5_edits.hpp. An accepted table is
 // unchanged after it is written and read again. It can be stepped or is refused with one line.
 #include "contact/table/table.hpp"
 #include "contact/files/table_file.hpp"

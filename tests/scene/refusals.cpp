@@ -554,7 +554,7 @@ TEST(Refused, are_long_values_which_are_shortened_between_characters) {
                  "modes.count = \"" + start + "…: must be a whole number"}});
 }
 
-TEST(Refused, is_a_key_that_table_kernels_do_not_use) {
+TEST(Refused, is_a_key_that_sampled_responses_do_not_use) {
   const std::string instead = "is replaced by contact.table: leave one of them out";
   const std::vector<std::pair<std::string, std::string>> lines = {
       {"[loads]\ngravity = [0, 0, 1]", "loads = {…}: " + instead},

@@ -142,7 +142,7 @@ TEST(Strikes, are_refused_in_one_line) {
        "strikes[0]: errors of several strikes are not estimated: leave it out, or give [modes] and set "
        "accuracy = \"off\""},
       {{"contact.kernel=table"},
-       "strikes[0]: table kernels know no strikes: leave it out, or set contact.kernel = \"modes\""},
+       "strikes[0]: sampled responses know no strikes: leave it out, or set contact.kernel = \"modes\""},
       {{"contact.scheme=static"},
        "strikes[0]: bodies at rest strike nothing: leave it out, or choose another contact.scheme"},
       {{"modes.strikes=1"}, "modes.strikes = 1: unknown key here: it belongs to [[strikes]]"}};

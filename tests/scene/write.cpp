@@ -119,7 +119,7 @@ TEST(Resolved, scene_with_a_body_file_reads_back) {
       changed(changed(smallest, "ball.msh", "ball.h5"), "material = { density = 1000, young = 1e9 }", ""));
 }
 
-TEST(Resolved, scene_of_table_kernels_reads_back) {
+TEST(Resolved, scene_of_sampled_responses_reads_back) {
   expect_to_come_back(smallest, {"contact.kernel=table"});
   expect_to_come_back(tabular);
   expect_to_come_back(tabular, {"contact.scheme=impulse", "contact.admittance=difference", "output.every=3"});

@@ -64,7 +64,7 @@ def kernels(options: argparse.Namespace) -> tuple[list[Path], dict[str, Any]]:
     bodies = scene.get("bodies", {})
     if not bodies:
         raise InputError(
-            f"{options.scene}: takes its kernels from contact.table: there are no bodies with modes"
+            f"{options.scene}: takes its responses from contact.table: there are no bodies with modes"
         )
     launcher = programs.mpirun(options.ranks) if options.ranks > 1 else []
     report = programs.call([*launcher, program, options.scene, *words], capture=True)

@@ -28,7 +28,7 @@ struct Pair {
 
 enum class Solver { exact, uzawa };
 
-/// How the response to contact forces is computed: from the modes of the bodies, or from kernels that are
+/// How the response to contact forces is computed: from the modes of the bodies, or from responses that are
 /// sampled in time and convolved with the forces.
 enum class ContactKernel { modes, table };
 

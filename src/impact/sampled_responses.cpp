@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "src/impact/table_kernels.hpp"
+#include "src/impact/sampled_responses.hpp"
 
 #include <fmt/format.h>
 
@@ -15,11 +15,11 @@ namespace {
 /// memory.
 void check_table(const Impact& impact) {
   const auto points = impact.model->gap.size();
-  const double kernels = impact.options.scheme == Scheme::impulse ? 2 : 1;
+  const double responses = impact.options.scheme == Scheme::impulse ? 2 : 1;
   store::check_memory(
       impact.scene,
       fmt::format("contact.kernel = \"table\": {} steps of {} x {} points", impact.steps, points, points),
-      4 * kernels * 8 * static_cast<double>(impact.steps) * static_cast<double>(points * points),
+      4 * responses * 8 * static_cast<double>(impact.steps) * static_cast<double>(points * points),
       "a shorter time.duration, fewer candidates (contact.spacing), or kernel = \"modes\"");
 }
 
@@ -45,7 +45,7 @@ std::unique_ptr<contact::Stepper> table_stepper(const Impact& impact) {
   if (impact.steps > out->available())
     throw InputError(
         fmt::format("{}: time.duration = {:.6g} s: {} has samples for {:.6g} s. Shorten the run, or make the "
-                    "table longer (tail = \"linear\" if its kernels have died out).",
+                    "table longer (tail = \"linear\" if its responses have died out).",
                     scene.file.string(), scene.time.duration, scene.contact.table.string(),
                     static_cast<double>(out->available()) / scene.time.rate.value));
   return out;
