@@ -86,7 +86,8 @@ void add_product(std::vector<T>& matrix, const std::vector<T>& left, const std::
       matrix[(i * blocks + at) * width + j] += static_cast<T>(left[i * n + k] * right[j * n + k] / lambda);
 }
 
-/// Adds the static part of mode k to the residuals of an output: a receiver or the visualisation surface.
+/// Adds the static part of mode k to the static corrections of an output: a receiver or the visualisation
+/// surface.
 void leave_seen(auto& seen, const Kernel& kernel, const std::vector<double>& trace, std::size_t k,
                 double lambda) {
   const std::size_t n = kernel.modes.size(), loads = kernel.applied.size(), motions = kernel.motions.size();
@@ -98,8 +99,8 @@ void leave_seen(auto& seen, const Kernel& kernel, const std::vector<double>& tra
     add_product(seen.motion_residual, seen.shape, kernel.motions[s].participation, k, n, 1, s, motions);
 }
 
-/// Adds the static part of mode k to the residuals of loads, moving supports, receivers and the visualisation
-/// surface. A support also takes over its share of the mode: Ψ − ΦΓ grows by φ_k Γ_k.
+/// Adds the static part of mode k to the static corrections of loads, moving supports, receivers and the
+/// visualisation surface. A support also takes over its share of the mode: Ψ − ΦΓ grows by φ_k Γ_k.
 void leave_sources(Kernel& kernel, const std::vector<double>& trace, std::size_t k, double lambda) {
   const std::size_t n = kernel.modes.size();
   const std::vector<double>&shape = kernel.surface.shape, &gravity = kernel.loads.body_force;

@@ -119,7 +119,7 @@ void Player::process(std::span<float> left, std::span<float> right) noexcept {
       contact_steps();
       end_sample();
     } else if (!silent_) {
-      body_.glide();
+      body_.advance_in_flight();
     }
     left[i] = silent_ ? 0.0F : static_cast<float>(body_.velocity(left_));
     right[i] = silent_ || mono_ ? left[i] : static_cast<float>(body_.velocity(right_));

@@ -43,10 +43,10 @@ void StruckBody::Propagator::set(Eigen::Index n, double omega, double decay, dou
   rate(n) = response.rate;
 }
 
-StruckBody::StruckBody(const Instrument& instrument, int mallets, double step, double glide)
+StruckBody::StruckBody(const Instrument& instrument, int mallets, double step, double flight)
     : instrument_(&instrument),
       step_(step),
-      glide_(glide),
+      flight_(flight),
       N_(instrument.omega.size()),
       P_(instrument.mallet_omega.size()),
       points_(most_points(instrument)),
@@ -72,7 +72,7 @@ void StruckBody::set_damping(double factor) noexcept {
   for (Eigen::Index n = 0; n < N_; ++n) {
     const double omega = instrument_->omega(n), decay = factor * instrument_->decay(n);
     contact_.set(n, omega, decay, step_);
-    free_.set(n, omega, decay, glide_);
+    free_.set(n, omega, decay, flight_);
   }
   for (int slot = 0; slot < slots_; ++slot)
     if (holds(slot)) couple(slot);
@@ -197,7 +197,7 @@ bool StruckBody::step() noexcept {
   return true;
 }
 
-void StruckBody::glide() noexcept {
+void StruckBody::advance_in_flight() noexcept {
   fly(stiffness_.data(), free_.S.data(), free_.c.data(), free_.rate.data(), q_.data(), v_.data(), N_);
   force_ = 0;
 }
@@ -215,17 +215,17 @@ bool StruckBody::recedes(int slot) const noexcept {
   for (Eigen::Index n = 0; n < modes_; ++n)
     if (stiffness_(n) > 0) energy += stiffness_(n) * q_(n) * q_(n) + v_(n) * v_(n);
   for (Eigen::Index i = slot * points_; i < slot * points_ + count_[slot]; ++i) {
-    double reach = 0, rigid = 0, approach = 0;
+    double elastic = 0, rigid = 0, approach = 0;
     for (Eigen::Index n = 0; n < modes_; ++n) {
       const double b = B_(i, n);
       if (stiffness_(n) > 0) {
-        reach += b * b / stiffness_(n);
+        elastic += b * b / stiffness_(n);
       } else {
         rigid += b * q_(n);
         approach += b * v_(n);
       }
     }
-    if (approach > 0 || rigid + std::sqrt(reach * energy) >= law_.gap(i)) return false;
+    if (approach > 0 || rigid + std::sqrt(elastic * energy) >= law_.gap(i)) return false;
   }
   return true;
 }

@@ -29,8 +29,8 @@ class StruckBody {
  public:
   using Vector = contact::Vector;
 
-  /// @param mallets  most mallets at a time  @param step  of contact [s]  @param glide  in free flight [s]
-  StruckBody(const Instrument& instrument, int mallets, double step, double glide);
+  /// @param mallets  most mallets at a time  @param step  of contact [s]  @param flight  of free flight [s]
+  StruckBody(const Instrument& instrument, int mallets, double step, double flight);
 
   /// Multiplies the decay rates of the body; factor ≥ 0.
   void set_damping(double factor) noexcept;
@@ -42,14 +42,14 @@ class StruckBody {
   void take(int slot) noexcept;
   bool holds(int slot) const { return count_[slot] > 0; }
   bool touches(int slot) const noexcept;  ///< at one of the last two instants
-  /// Whether a mallet does not touch and recedes beyond the reach of all vibrations of the body.
+  /// Whether a mallet does not touch and recedes beyond all vibrations of the body.
   bool recedes(int slot) const noexcept;
   bool alone() const { return slots_ == 0; }  ///< whether no mallet is present
 
   /// Makes one contact step. Returns false if the motion is not finite; everything is then at rest.
   bool step() noexcept;
   /// Advances the body across one free flight; only if it is alone.
-  void glide() noexcept;
+  void advance_in_flight() noexcept;
   /// Sets modes to rest whose energy is below `least` [J] each. Returns whether all rest.
   bool rest_below(double least) noexcept;
   void rest() noexcept;  ///< takes all mallets away and stops all motion
@@ -74,7 +74,7 @@ class StruckBody {
   void renumber() noexcept;
 
   const Instrument* instrument_;
-  double step_, glide_;
+  double step_, flight_;
   Eigen::Index N_, P_, points_;      ///< N, P, m
   Eigen::Index modes_, rows_ = 0;    ///< in use
   int slots_ = 0;                    ///< slots in use: all present mallets are below

@@ -6,8 +6,8 @@
 // A spring s(λ) is divided between the sides in the ratio of their flexibilities R_ii.
 // Modes above half the step rate are in R and s, as in the steps.
 //
-// The residual moves with the forces p, which the compliant scheme defines only at the ends of its steps. A
-// velocity that contains it is therefore the mean over a step, as the force λ̄ is:
+// The residual flexibility moves with the forces p, which the compliant scheme defines only at the ends of
+// its steps. A velocity that contains it is therefore the mean over a step, as the force λ̄ is:
 //
 //   v = (u⁺ − u)/Δ = B (q⁺ − q)/Δ + (s⁺ − s)/Δ − R (p⁺ − p)/Δ
 //

@@ -29,9 +29,9 @@ VisualisationSurface::VisualisationSurface(const Model& model, int body, const S
   const auto omega = model.omega.segment(body_.first_mode, body_.modes);
   while (rigid_ < omega.size() && omega(rigid_) == 0) ++rigid_;
   if (options.scheme == Scheme::compliant) {
-    const auto residual = columns_of(view_.residual_flexibility, rows);
-    if (residual.cols() > 0)
-      flexibility_ = -(residual * model.static_selection[body].transpose().cast<float>());
+    const auto correction = columns_of(view_.residual_flexibility, rows);
+    if (correction.cols() > 0)
+      flexibility_ = -(correction * model.static_selection[body].transpose().cast<float>());
   }
   const auto to_body = [&](const Eigen::Vector3d& x) -> Eigen::Vector3f {
     return (body_.rotation.transpose() * x).cast<float>();
@@ -44,8 +44,8 @@ VisualisationSurface::VisualisationSurface(const Model& model, int body, const S
   for (std::size_t d = 0; d < of_body_.size(); ++d) {
     const Model::Forcing& one = *of_body_[d];
     auto column = forcing_.col(d);
-    const auto residual = columns_of(one.support ? view_.motion_residual : view_.load_residual, rows);
-    if (residual.cols() > 0) column = residual.middleCols(3 * one.entry, 3) * to_body(one.vector);
+    const auto correction = columns_of(one.support ? view_.motion_residual : view_.load_residual, rows);
+    if (correction.cols() > 0) column = correction.middleCols(3 * one.entry, 3) * to_body(one.vector);
     column += shape_ * one.lift.cast<float>();  // of a support: Ψ = (Ψ − ΦΓ) + ΦΓ
   }
 }

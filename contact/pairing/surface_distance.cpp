@@ -124,7 +124,7 @@ struct Closest {
 
  private:
   double apart(const Eigen::AlignedBox3d& box, const WorldSurface& surface, int element) const {
-    return box.exteriorDistance(surface.element[element].centre) - reach_of(surface.element[element]) +
+    return box.exteriorDistance(surface.element[element].centre) - radius_of(surface.element[element]) +
            tolerance;
   }
 };

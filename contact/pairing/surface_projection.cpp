@@ -194,8 +194,8 @@ std::optional<Projection> intersection(const WorldSurface& b, const Element& ele
     if (across(x - p).norm() > edge_slack * size) return std::nullopt;
     return projection(b, element, {1, 0, 0});
   }
-  const double reach = reach_of(element);
-  if (across(x - element.centre).squaredNorm() > reach * reach) return std::nullopt;
+  const double radius = radius_of(element);
+  if (across(x - element.centre).squaredNorm() > radius * radius) return std::nullopt;
   const Vector3d r = x - p, e1 = b.node[element.corner[1]] - p;
   if (b.corners == 2) {
     const Vector3d tangent = across(e1);
@@ -299,7 +299,7 @@ struct Nearest {
 
 }  // namespace
 
-double reach_of(const Element& element) {
+double radius_of(const Element& element) {
   double bend = 0;
   for (const Vector3d& c : element.bend) bend += c.norm();
   return element.size * (1 + edge_slack) + bend;
@@ -352,8 +352,8 @@ SurfaceProjection::SurfaceProjection(WorldSurface surface) : surface_(std::move(
   std::iota(number.begin(), number.end(), 0);
   std::vector<Eigen::AlignedBox3d> box;
   for (const Element& element : surface_.element) {
-    const Vector3d reach = Vector3d::Constant(reach_of(element));
-    box.emplace_back(element.centre - reach, element.centre + reach);
+    const Vector3d radius = Vector3d::Constant(radius_of(element));
+    box.emplace_back(element.centre - radius, element.centre + radius);
   }
   elements_.init(number.begin(), number.end(), box.begin(), box.end());
 }

@@ -67,7 +67,7 @@ struct Projection {
 };
 
 /// A line that is farther than this from the centre of an element does not intersect it [m].
-double reach_of(const WorldSurface::Element& element);
+double radius_of(const WorldSurface::Element& element);
 
 /// Size of the smallest element of a surface [m]; infinite without elements.
 double smallest_element(const WorldSurface& surface);

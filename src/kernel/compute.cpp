@@ -86,7 +86,7 @@ std::string summary_of(const scene::KernelRequest& request, const modes::ModeSet
 }
 
 /// Removes the modes that contact does not need; their static response moves to the residual flexibility.
-void leave_to_residual(const scene::KernelRequest& request, kernels::Kernel& kernel) {
+void leave_to_flexibility(const scene::KernelRequest& request, kernels::Kernel& kernel) {
   const double error = *request.modes.flexibility_error;
   const auto found = static_cast<std::int64_t>(kernel.modes.size());
   const double made = kernels::truncate_least_contributing(
@@ -152,15 +152,15 @@ kernels::Kernel compute(const scene::KernelRequest& request, const std::filesyst
   kernel.modes.residual = modes.residual;
   kernel.modes.certificate = modes.certificate;
   kernel.modes.decay_rate = kernels::decay_rates(body.damping, modes.angular_frequency);
-  const bool residual = request.modes.residual_flexibility && patches.geometry.size() > 0;
-  const surface::Residual form = !residual                 ? surface::Residual::none
-                                 : request.normal_residual ? surface::Residual::normal
-                                                           : surface::Residual::all;
+  const bool corrected = request.modes.residual_flexibility && patches.geometry.size() > 0;
+  const surface::Correction form = !corrected                ? surface::Correction::none
+                                   : request.normal_residual ? surface::Correction::normal
+                                                             : surface::Correction::all;
   surface::trace(teams, mesh, matrices, *made.factor, modes, patches, made.loads, form, request.view, kernel,
                  made.sources);
   if (request.modes.basis == scene::Basis::modes && request.modes.flexibility_error)
-    leave_to_residual(request, kernel);
-  if (fitted && residual) move_above_band(*request.modes.up_to, kernel);
+    leave_to_flexibility(request, kernel);
+  if (fitted && corrected) move_above_band(*request.modes.up_to, kernel);
   console.end(fmt::format("{} {} kept", kernel.modes.size(), fitted ? "vectors" : "modes"));
   return kernel;
 }

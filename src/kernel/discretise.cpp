@@ -69,14 +69,14 @@ double expected_mib(const scene::Modes& wanted, const Discretised& made, std::in
 }
 
 /// Whether the kernel contains a residual flexibility.
-bool has_residual(const scene::KernelRequest& request, const Discretised& made) {
+bool has_flexibility(const scene::KernelRequest& request, const Discretised& made) {
   return request.modes.residual_flexibility && made.patches.geometry.size() > 0;
 }
 
 /// Memory that the residual flexibility needs on this rank [MiB], besides that of the factorisation, which is
 /// freed before. Modes that are projected out add a little.
-double residual_mib(const scene::KernelRequest& request, const Discretised& made, std::int64_t modes) {
-  if (!has_residual(request, made)) return 0;
+double flexibility_mib(const scene::KernelRequest& request, const Discretised& made, std::int64_t modes) {
+  if (!has_flexibility(request, made)) return 0;
   const reduction::Loads border =
       reduction::beside({made.pressed, made.sources.receiver.sparseView(),
                          made.matrices.rigid_load.sparseView(), made.sources.load.sparseView()});
@@ -178,17 +178,17 @@ Discretised discretise(const scene::KernelRequest& request, OpenedMeshes& meshes
       need = parallel::largest(comm, expected_mib(request.modes, made, expected, per_shift));
       if (need <= usable * room || (per_shift == 130 && count > 1)) break;
     }
-    const double residual = parallel::largest(comm, residual_mib(request, made, expected)),
-                 most_needed = std::max(need, residual);
+    const double flexibility = parallel::largest(comm, flexibility_mib(request, made, expected)),
+                 most_needed = std::max(need, flexibility);
     console.end(fmt::format("{} unknowns; {:.0f} MiB needed of {:.0f} a rank", made.matrices.total_rows,
                             made.resident_mib + most_needed + buffers_mib, made.resident_mib + room));
     if (most_needed <= usable * room) return made;
-    if (count == 1 && residual > need)
+    if (count == 1 && flexibility > need)
       throw InputError(
           fmt::format("{}: the residual flexibility between {} candidates would need {:.0f} MiB a rank, "
                       "{:.0f} are free: name "
                       "a smaller contact surface, set contact.reach or contact.spacing, or use more machines",
-                      file, made.patches.geometry.size(), residual, room));
+                      file, made.patches.geometry.size(), flexibility, room));
     if (count == 1)
       throw InputError(
           fmt::format("{}: its factorisation would need {:.0f} MiB a rank, {:.0f} are free: use more "
@@ -204,7 +204,7 @@ void check_memory(const scene::KernelRequest& request, const Discretised& made, 
   const double before = made.resident_mib;
   const double need =
       parallel::largest(comm, std::max(expected_mib(request.modes, made, modes, made.modes_per_shift),
-                                       residual_mib(request, made, modes)));
+                                       flexibility_mib(request, made, modes)));
   const double now = parallel::largest(comm, base::resident_bytes() / base::mib),
                there = std::max(now, before) + parallel::available_mib(comm);
   console.end(fmt::format("{} eigenvalues; {:.0f} MiB needed of {:.0f} a rank", modes,

@@ -250,8 +250,8 @@ kernels::Kernel kernel_on_one_rank(const scene::KernelRequest& request) {
             : loads;
     Eigen::MatrixXd seen(loads.rows(), pressed.cols() + sources.receiver.cols());
     seen << pressed, sources.receiver;
-    surface::take_residuals(residual_response(file, body, seen, sources.load), pressed.cols(), sources,
-                            kernel);
+    surface::take_corrections(residual_response(file, body, seen, sources.load), pressed.cols(), sources,
+                              kernel);
   }
   if (request.view) add_view(mesh, body, kernel);
   return kernel;

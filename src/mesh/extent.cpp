@@ -37,18 +37,18 @@ std::vector<double> outline_of(const Mesh& mesh) {
   constexpr std::int64_t none = std::numeric_limits<std::int64_t>::max();
   std::vector<double> farthest(towards.size(), -std::numeric_limits<double>::infinity());
   std::vector<std::int64_t> node(towards.size(), none), local(towards.size(), -1);
-  const auto reach = [&](std::size_t k, std::size_t i) {
+  const auto along = [&](std::size_t k, std::size_t i) {
     const double* x = &mesh.position[3 * i];
     return towards[k][0] * x[0] + towards[k][1] * x[1] + towards[k][2] * x[2];
   };
   mesh.for_each_owned([&](std::size_t i, std::int64_t) {
-    for (std::size_t k = 0; k < towards.size(); ++k) farthest[k] = std::max(farthest[k], reach(k, i));
+    for (std::size_t k = 0; k < towards.size(); ++k) farthest[k] = std::max(farthest[k], along(k, i));
   });
   MPI_Allreduce(MPI_IN_PLACE, farthest.data(), count, MPI_DOUBLE, MPI_MAX, mesh.comm);
   // The first of equally far nodes counts, so that the number of ranks has no effect.
   mesh.for_each_owned([&](std::size_t i, std::int64_t) {
     for (std::size_t k = 0; k < towards.size(); ++k)
-      if (reach(k, i) == farthest[k] && mesh.canonical[i] < node[k]) {
+      if (along(k, i) == farthest[k] && mesh.canonical[i] < node[k]) {
         node[k] = mesh.canonical[i];
         local[k] = static_cast<std::int64_t>(i);
       }

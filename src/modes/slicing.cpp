@@ -48,8 +48,8 @@ double CountModel::lambda_at(double count) const {
 }
 
 double expected_vectors(const CountModel& model, const Interval& interval) {
-  const double middle = (interval.from + interval.to) / 2, reach = 1.5 * (interval.to - interval.from) / 2;
-  return 1.9 * (model.count_at(middle + reach) - model.count_at(middle - reach));
+  const double middle = (interval.from + interval.to) / 2, half = 1.5 * (interval.to - interval.from) / 2;
+  return 1.9 * (model.count_at(middle + half) - model.count_at(middle - half));
 }
 
 namespace {

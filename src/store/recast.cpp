@@ -71,7 +71,7 @@ scene::KernelRequest wanted_of(const scene::KernelRequest& had, const RecastOpti
 }
 
 /// Rescales or truncates `kernel` and returns the name of its file.
-std::string recast(const RecastOptions& options, kernels::Kernel& kernel) {
+std::string changed(const RecastOptions& options, kernels::Kernel& kernel) {
   const std::string file = options.kernel.string();
   kernels::Header header{kernel.hash, kernel.scene, kernel.mesh_sha256};
   if (kernel.surface.whole) header.held = kernel.surface.whole->held;
@@ -95,7 +95,7 @@ int run_recast(const RecastOptions& options, std::ostream& out) {
   const char* of_basis = kernel.modes.contact_adapted() ? "vectors" : "modes";
   fs::path path = options.out.empty() ? options.kernel.parent_path() : options.out;
   try {
-    path /= options.vtk && !options.changes() ? options.kernel.filename().string() : recast(options, kernel);
+    path /= options.vtk && !options.changes() ? options.kernel.filename().string() : changed(options, kernel);
     base::check_place(path);
     if (options.vtk) {
       const fs::path stem = path.replace_extension().replace_extension(".modes");  // removes .kernel.h5

@@ -90,8 +90,8 @@ void gather_view(const parallel::Teams& teams, const mesh::Mesh& mesh, const mod
 
 }  // namespace
 
-void take_residuals(const Eigen::Ref<const Eigen::MatrixXd>& response, Eigen::Index candidates,
-                    const Sources& sources, kernels::Kernel& kernel) {
+void take_corrections(const Eigen::Ref<const Eigen::MatrixXd>& response, Eigen::Index candidates,
+                      const Sources& sources, kernels::Kernel& kernel) {
   const Eigen::Index seen = response.rows(), loads = sources.load.cols();
   const auto square = response.topLeftCorner(candidates, candidates);
   kernel.surface.residual_flexibility = flat((square + square.transpose()) / 2);
@@ -156,8 +156,8 @@ namespace {
 
 /// Stores the static correction on the visualisation surface. `field` contains the responses there.
 /// Collective on the team.
-void take_residuals(const VisualisationField& field, Eigen::Index candidates, Eigen::Index seen,
-                    kernels::Kernel& kernel) {
+void take_corrections(const VisualisationField& field, Eigen::Index candidates, Eigen::Index seen,
+                      kernels::Kernel& kernel) {
   auto by_contact = field.gather(0, candidates), by_gravity = field.gather(seen, 3),
        by_loads = field.gather(seen + 3, field.rows.value.cols() - seen - 3);
   if (!kernel.view) return;
@@ -229,7 +229,7 @@ Eigen::MatrixXd gravity_without_fall(const mesh::Mesh& mesh, const elasticity::B
 
 void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
            modes::Factorisation& factor, const modes::ModeSet& modes, const Patches& patches,
-           const reduction::Loads& loads, Residual residual, bool view, kernels::Kernel& kernel,
+           const reduction::Loads& loads, Correction correction, bool view, kernels::Kernel& kernel,
            const Sources& sources) {
   const auto seen_by_modes = [&](const auto& load) {
     return modes.gather(teams, modes::inner(mesh.comm, load, modes.shape));
@@ -240,8 +240,8 @@ void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticit
   trace_motions(teams, mesh, body, modes, patches, traces, sources, kernel);
   if (view) gather_view(teams, mesh, modes, kernel);
   if (view && !sources.motions.empty()) trace_motions(mesh, sources.lift, kernel);
-  if (residual != Residual::none) {
-    kernel.surface.normal_residual = residual == Residual::normal;
+  if (correction != Correction::none) {
+    kernel.surface.normal_residual = correction == Correction::normal;
     const reduction::Loads pressed =
         kernel.surface.normal_residual ? along_normals(loads, patches.geometry) : loads;
     const Eigen::Index candidates = pressed.cols(), seen = candidates + sources.receiver.cols();
@@ -250,11 +250,11 @@ void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticit
                            gravity_without_fall(mesh, body).sparseView(), sources.load.sparseView()});
     std::optional<VisualisationField> field;
     if (view) field.emplace(mesh);
-    take_residuals(
+    take_corrections(
         reduction::residual_response(teams, mesh, body, factor, modes, all, field ? &field->rows : nullptr)
             .topRows(seen),
         candidates, sources, kernel);
-    if (field) take_residuals(*field, candidates, seen, kernel);
+    if (field) take_corrections(*field, candidates, seen, kernel);
   }
 }
 

@@ -22,18 +22,19 @@ void take_traces(const Patches& patches, const Traces& traces, const Sources& so
 /// @param response    responses at candidates and receivers (rows) to forces there, gravity and loads
 /// (columns)
 /// @param candidates  number of rows that belong to candidates
-void take_residuals(const Eigen::Ref<const Eigen::MatrixXd>& response, Eigen::Index candidates,
-                    const Sources& sources, kernels::Kernel& kernel);
+void take_corrections(const Eigen::Ref<const Eigen::MatrixXd>& response, Eigen::Index candidates,
+                      const Sources& sources, kernels::Kernel& kernel);
 
 /// The components in which the static correction at the candidates is kept.
-enum class Residual { none, all, normal };
+enum class Correction { none, all, normal };
 
-/// Fills a kernel with shapes, loads and the data of `sources`. Adds the static correction unless `residual`
-/// is `none`, and the visualisation surface if `view` is set. The visualisation surface is stored on rank 0
-/// only; everything else is the same on every rank. `loads` are the loads of the patches. Collective.
+/// Fills a kernel with shapes, loads and the data of `sources`. Adds the static correction unless
+/// `correction` is `none`, and the visualisation surface if `view` is set. The visualisation surface is
+/// stored on rank 0 only; everything else is the same on every rank. `loads` are the loads of the patches.
+/// Collective.
 void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
            modes::Factorisation& factor, const modes::ModeSet& modes, const Patches& patches,
-           const reduction::Loads& loads, Residual residual, bool view, kernels::Kernel& kernel,
+           const reduction::Loads& loads, Correction correction, bool view, kernels::Kernel& kernel,
            const Sources& sources);
 
 }  // namespace ricochet::surface

@@ -47,7 +47,7 @@ struct Verdict {
 
 long heap_calls() { return heap_counter::calls + heap_counter::returns; }
 
-enum class Ending { told, killed, no_seccomp };
+enum class Ending { reported, killed, no_seccomp };
 constexpr int cannot = 77;
 
 /// Runs `action`, which returns a Verdict, in a child process that may only read, write and exit.
@@ -59,8 +59,8 @@ Ending confined(Action action, Verdict& verdict) {
   if (child == 0) {
     if (prctl(PR_SET_SECCOMP, SECCOMP_MODE_STRICT) != 0) syscall(SYS_exit, cannot);
     const Verdict found = action();
-    const bool told = write(ends[1], &found, sizeof found) == sizeof found;
-    syscall(SYS_exit, told ? 0 : 1);  // not _exit, which calls exit_group
+    const bool reported = write(ends[1], &found, sizeof found) == sizeof found;
+    syscall(SYS_exit, reported ? 0 : 1);  // not _exit, which calls exit_group
   }
   close(ends[1]);
   const bool whole = read(ends[0], &verdict, sizeof verdict) == sizeof verdict;
@@ -68,7 +68,7 @@ Ending confined(Action action, Verdict& verdict) {
   int status = 0;
   waitpid(child, &status, 0);
   if (WIFEXITED(status) && WEXITSTATUS(status) == cannot) return Ending::no_seccomp;
-  return whole && WIFEXITED(status) && WEXITSTATUS(status) == 0 ? Ending::told : Ending::killed;
+  return whole && WIFEXITED(status) && WEXITSTATUS(status) == 0 ? Ending::reported : Ending::killed;
 }
 
 /// Makes half of the steps in blocks of 64 that write velocities and
@@ -105,7 +105,7 @@ void expect_nothing_but_arithmetic(Scheme scheme, Admittance admittance) {
     case Ending::no_seccomp:
       verdict = a_million_steps(simulation, velocity, force);
       break;
-    case Ending::told:
+    case Ending::reported:
       break;
   }
   EXPECT_EQ(verdict.steps, 1'000'064);

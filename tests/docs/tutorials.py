@@ -59,16 +59,16 @@ class Runner(unittest.TestCase):
         )
         self.run_page("<!-- not run: never -->\n```sh\nfalse\n```\n```sh\ntrue\n```\n")
 
-    def test_a_command_that_fails_is_told_with_its_line(self):
+    def test_a_command_that_fails_is_reported_with_its_line(self):
         with self.assertRaisesRegex(pages.Failed, r"page.md:3: status 1"):
             self.run_page("text\n\n```sh\nfalse\ntrue\n```\n")
 
-    def test_output_that_differs_is_told(self):
+    def test_output_that_differs_is_reported(self):
         for shown in ("found 3.1 files", "found 3 file", "3 files", "found 3 files\nmore"):
             with self.assertRaisesRegex(pages.Failed, "no such line"):
                 self.run_page(f"```sh\necho found 3 files\n```\n```text\n{shown}\n```\n")
 
-    def test_a_file_that_reads_otherwise_is_told(self):
+    def test_a_file_that_reads_otherwise_is_reported(self):
         with self.assertRaisesRegex(pages.Failed, "reads otherwise"):
             self.run_page("```geo meshes/bell/bell.geo\nPoint(1) = {0, 0, 0};\n```\n")
 

@@ -152,9 +152,9 @@ class Bell(ProgramTest):
         struck(1)
         time.sleep(1)  # the analyser must hear nothing but the ringing
         self.heard_partials_are_modes(browser)
-        told = browser.evaluate("document.querySelector('.status').textContent")
+        shown = browser.evaluate("document.querySelector('.status').textContent")
         self.assertRegex(
-            told,
+            shown,
             r"^Struck at place \d+ with clapper at 1 m/s: at most [\d.]+ kN, over [\d.]+ µs. Strongest partials",
         )
         picture = browser.evaluate("document.querySelector('.stage canvas').toDataURL()")
@@ -187,9 +187,9 @@ class Bell(ProgramTest):
         left = {cents: left_by_modes(np.array(data), rate, kernel, cents) for cents in (-1, 0, 1)}
         self.assertLess(left[0], 1e-6)  # single precision
         self.assertGreater(min(left[-1], left[1]), 0.1)
-        told = browser.evaluate("document.getElementById('play').dataset.partials").split()
-        self.assertEqual(len(told), 3)
-        for partial in told:
+        shown = browser.evaluate("document.getElementById('play').dataset.partials").split()
+        self.assertEqual(len(shown), 3)
+        for partial in shown:
             self.assertLess(np.abs(kernel.frequency / float(partial) - 1).min(), 1e-6)
 
     def controls_change_the_blow(self, browser, struck):
