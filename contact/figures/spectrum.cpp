@@ -20,10 +20,10 @@ struct Spectrum {
   std::vector<double> power;  ///< |F|² at k · spacing, without negative frequencies
 };
 
-Spectrum spectrum_of(const std::vector<double>& history, double step) {
-  const std::size_t n = std::bit_ceil(std::max<std::size_t>(2, history.size()));
+Spectrum spectrum_of(const std::vector<double>& signal, double step) {
+  const std::size_t n = std::bit_ceil(std::max<std::size_t>(2, signal.size()));
   std::vector<std::complex<double>> in(n), out(n);
-  std::ranges::copy(history, in.begin());
+  std::ranges::copy(signal, in.begin());
   kissfft<double>(n, false).transform(in.data(), out.data());
   Spectrum spectrum{1 / (static_cast<double>(n) * step), std::vector<double>(n / 2 + 1)};
   for (std::size_t k = 0; k <= n / 2; ++k) spectrum.power[k] = std::norm(out[k] * step);
@@ -32,8 +32,8 @@ Spectrum spectrum_of(const std::vector<double>& history, double step) {
 
 }  // namespace
 
-Hertz band_filled(const std::vector<double>& history, double step, double rest) {
-  const Spectrum spectrum = spectrum_of(history, step);
+Hertz band_filled(const std::vector<double>& signal, double step, double rest) {
+  const Spectrum spectrum = spectrum_of(signal, step);
   double all = 0, above = 0;
   for (const double power : spectrum.power) all += power;
   if (all == 0) return Hertz{0};
@@ -42,8 +42,8 @@ Hertz band_filled(const std::vector<double>& history, double step, double rest) 
   return Hertz{static_cast<double>(k) * spectrum.spacing};
 }
 
-Vector third_octaves(const std::vector<double>& history, double step) {
-  const Spectrum spectrum = spectrum_of(history, step);
+Vector third_octaves(const std::vector<double>& signal, double step) {
+  const Spectrum spectrum = spectrum_of(signal, step);
   Vector energy = Vector::Zero(highest_band - lowest_band + 1);
   for (std::size_t k = 1; k < spectrum.power.size(); ++k) {
     const double octaves = std::log2(static_cast<double>(k) * spectrum.spacing / 1000);

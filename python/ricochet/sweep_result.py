@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The results of a study: the figures of all its impacts, and their histories."""
+"""The results of a study: the figures of all its impacts, and their records."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ricochet.arrays import Floats
 from ricochet.studies import histories
-from ricochet.studies.histories import History
+from ricochet.studies.histories import Record
 from ricochet.studies.table import Table
 
 
@@ -61,7 +61,7 @@ class SweepResult:
         rows = self._file.get("histories", {})
         return list(dict.fromkeys(name for row in rows.values() for name in histories.names_in(row)))
 
-    def history(self, row: int, name: str) -> History:
+    def history(self, row: int, name: str) -> Record:
         """A quantity of an impact over time, if the study keeps it: `time` (k) [s], `values` (k) or (k,3) in
         world axes, and `unit`.
 
@@ -69,7 +69,7 @@ class SweepResult:
         name: `force`, the total contact force; `receivers.NAME` and `bodies.NAME`, velocities, of which
             `receivers.NAME.x` is a component; `energy.TERM`, a term of the ledger.
 
-        Raises InputError, one line, for a name that does not exist and for an impact without histories, and
+        Raises InputError, one line, for a name that does not exist and for an impact without records, and
         IndexError for a row that does not exist.
         """
         return histories.read(self._file, range(len(self))[row], name)

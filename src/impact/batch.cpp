@@ -15,7 +15,7 @@
 #include <variant>
 #include <vector>
 
-#include "contact/files/histories.hpp"
+#include "contact/files/records.hpp"
 #include "contact/files/summary_file.hpp"
 #include "kernels/read.hpp"
 #include "kernels/write.hpp"
@@ -38,69 +38,69 @@ namespace {
 /// Greatest allowed nesting of lists and objects in a request.
 constexpr int most_nested = 16;
 
-constexpr std::array<std::pair<const char*, bool contact::HistoryOptions::*>, 4> history_words{
-    {{"force", &contact::HistoryOptions::force},
-     {"receivers", &contact::HistoryOptions::receivers},
-     {"bodies", &contact::HistoryOptions::bodies},
-     {"energy", &contact::HistoryOptions::energy}}};
+constexpr std::array<std::pair<const char*, bool contact::RecordOptions::*>, 4> record_words{
+    {{"force", &contact::RecordOptions::force},
+     {"receivers", &contact::RecordOptions::receivers},
+     {"bodies", &contact::RecordOptions::bodies},
+     {"energy", &contact::RecordOptions::energy}}};
 
-/// The histories that a request keeps; no value: none. Throws InputError for an unknown word, and for
+/// The records that a request keeps; no value: none. Throws InputError for an unknown word, and for
 /// receivers of a scene without any.
-std::optional<contact::HistoryOptions> kept(const Json& request, const scene::Scene& scene) {
+std::optional<contact::RecordOptions> kept(const Json& request, const scene::Scene& scene) {
   if (!request.contains("keep")) return std::nullopt;
-  contact::HistoryOptions out;
+  contact::RecordOptions out;
   for (const auto& word : request["keep"].get<std::vector<std::string>>()) {
-    const auto found = std::ranges::find(history_words, word, [](const auto& known) { return known.first; });
-    if (found == history_words.end()) {
+    const auto found = std::ranges::find(record_words, word, [](const auto& known) { return known.first; });
+    if (found == record_words.end()) {
       std::vector<std::string> names;
-      for (const auto& [name, option] : history_words) names.emplace_back(name);
+      for (const auto& [name, option] : record_words) names.emplace_back(name);
       throw InputError(
-          fmt::format("keep: there is no history \"{}\"{}", word, scene::existing_names(word, names)));
+          fmt::format("keep: there is no record \"{}\"{}", word, scene::existing_names(word, names)));
     }
     out.*found->second = true;
   }
   if (out.receivers && scene.output.receivers.empty())
     throw InputError(
         fmt::format("{}: output.receiver: is missing: keep = [\"receivers\"] needs a [[output.receiver]]; "
-                    "add one, or keep other histories",
+                    "add one, or keep other records",
                     scene.file.filename().string()));
   return out;
 }
 
-/// Observes the histories that a request keeps.
+/// Observes the records that a request keeps.
 class Keeper : public ImpactObserver {
  public:
-  explicit Keeper(const std::optional<contact::HistoryOptions>& options) : options_(options) {}
+  explicit Keeper(const std::optional<contact::RecordOptions>& options) : options_(options) {}
 
   void started(const Impact& impact, const contact::Stepper&) override {
-    if (options_) histories_.emplace(impact.source(), impact.options, settled(impact));
+    if (options_) records_.emplace(impact.source(), impact.options, settled(impact));
   }
   void stepped(const contact::Stepper& stepper) override {
-    if (histories_) histories_->record(stepper);
+    if (records_) records_->record(stepper);
   }
   void at_rest(const Impact& impact, const contact::Equilibrium& equilibrium) override {
-    if (options_ && !histories_) histories_.emplace(*impact.model, settled(impact));
-    if (histories_) histories_->record(equilibrium);
+    if (options_ && !records_) records_.emplace(*impact.model, settled(impact));
+    if (records_) records_->record(equilibrium);
   }
   /// An HDF5 file; empty if none is kept.
-  std::string file() { return histories_ ? histories_->file() : ""; }
+  std::string file() { return records_ ? records_->file() : ""; }
 
  private:
   /// With the rates that may have been chosen for the accuracy of the scene.
-  contact::HistoryOptions settled(const Impact& impact) const {
-    contact::HistoryOptions out = *options_;
+  contact::RecordOptions settled(const Impact& impact) const {
+    contact::RecordOptions out = *options_;
     out.every = impact.scene.output.every;
     out.receivers_every = impact.scene.output.receivers_every(impact.scene.time.rate);
     return out;
   }
 
-  std::optional<contact::HistoryOptions> options_;
-  std::optional<contact::Histories> histories_;
+  std::optional<contact::RecordOptions> options_;
+  std::optional<contact::Records> records_;
 };
 
 struct Answer {
   Json json;
-  std::string histories{};  ///< an HDF5 file, or empty
+  std::string records{};  ///< an HDF5 file, or empty
 };
 
 class Batch {
@@ -125,17 +125,17 @@ class Batch {
       scene::Scene scene = scene::read(options_.scene, overrides);
       if (request.contains("derive"))
         for (const Json& file : request["derive"]) derive(scene, options_.out / file.get<std::string>());
-      const auto histories = kept(request, scene);
+      const auto records = kept(request, scene);
       if (request.value("kernels", false))
         return {{{"status", 0}, {"kernels", needed(scene)}, {"reads", other_files(scene)}}};
-      return impact(std::move(scene), histories);
+      return impact(std::move(scene), records);
     } catch (const InputError& error) {
       return {{{"status", 2}, {"error", error.what()}}};
     } catch (const Json::exception&) {
       return {{{"status", 2},
                {"error",
                 "--batch: \"set\" must be a list of texts KEY=VALUE, \"kernels\" true or false, \"derive\" a "
-                "list of file names, \"keep\" a list of histories"}}};
+                "list of file names, \"keep\" a list of records"}}};
     } catch (const std::exception& error) {
       return {{{"status", 1}, {"error", error.what()}}};
     }
@@ -190,14 +190,14 @@ class Batch {
     return out;
   }
 
-  Answer impact(scene::Scene scene, const std::optional<contact::HistoryOptions>& kept) {
+  Answer impact(scene::Scene scene, const std::optional<contact::RecordOptions>& kept) {
     console::Console quiet(true);
     Keeper keeper(kept);
     const ImpactSummary summary = run_impact({std::move(scene), options_.out}, store_, quiet, keeper).summary;
     const std::string text =
         std::visit([](const auto& figures) { return contact::json_text(figures); }, summary);
     Answer out{{{"status", 0}, {"summary", Json::parse(text)}}, keeper.file()};
-    if (!out.histories.empty()) out.json["histories"] = out.histories.size();
+    if (!out.records.empty()) out.json["histories"] = out.records.size();
     return out;
   }
 
@@ -217,7 +217,7 @@ int run_batch(const console::Options& options, std::istream& in, std::ostream& o
   for (std::string line; out && std::getline(in, line);) {
     if (line.empty()) continue;
     const Answer answer = batch.answer(line);
-    out << text_of(answer.json) << '\n' << answer.histories << std::flush;  // the caller waits for it
+    out << text_of(answer.json) << '\n' << answer.records << std::flush;  // the caller waits for it
   }
   return 0;
 }

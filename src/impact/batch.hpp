@@ -14,7 +14,7 @@ namespace ricochet::impact {
 ///     {"set": ["bodies.upper.velocity=[0,-6,0]"]}   run the impact, with these overrides after those of the
 ///                                   options
 ///     {"set": […], "keep": ["force", "receivers", "bodies", "energy"]}
-///                                   the same, and return these histories (contact/files/histories.hpp)
+///                                   the same, and return these records (contact/files/records.hpp)
 ///     {"set": [], "kernels": true}                  list the kernels that the impact needs
 ///     {"set": [], "kernels": true, "derive": ["…"]}
 ///                                   the same, after deriving missing kernels from these files

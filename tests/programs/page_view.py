@@ -19,7 +19,7 @@ from report_test import number, unpacked
 
 from ricochet.pages.motion import motion_of
 from ricochet.pictures import figures
-from ricochet.pictures.history import History
+from ricochet.pictures.loaded_result import LoadedResult
 from ricochet.pictures.viewpoint import View
 
 DROP = [
@@ -278,7 +278,7 @@ class Drop(PageTest):
         self.assertIn("2 × 10⁻⁹ is above 1 × 10⁻¹⁰", told[-1])
 
     def test_the_front_of_a_wall_is_seen_without_gravity(self):
-        history = History(self.result)
+        history = LoadedResult(self.result)
         for way in (1, -1):
             wall = {"obstacles": {"wall": {"point": [way * -0.05, 0, 0], "normal": [way, 0, 0]}}}
             view = motion_of(history, self.out, wall)["view"]
@@ -289,7 +289,7 @@ class Drop(PageTest):
         """By pixels: frame by frame, the share of the pixels of the part that change. With a factor of 4 in place of 200, less
         than 0.1 % do in places. And by the mean motion of the nodes as drawn, which is the same from frame to frame.
         """
-        figure = dict(figures(History(self.result), self.out, lambda _: None))["snapshots"]
+        figure = dict(figures(LoadedResult(self.result), self.out, lambda _: None))["snapshots"]
         told = re.search(
             r"drop: 9 moments of the contact\ndeformation drawn (\d+) times", figure._suptitle.get_text()
         )

@@ -368,7 +368,7 @@ class Others(ReportTest):
         done = Command("plot", result)
         self.assertEqual(
             (done.status, done.err),
-            (2, f"ricochet plot: {result}: bodies at rest have no history to draw. Use ricochet report.\n"),
+            (2, f"ricochet plot: {result}: bodies at rest have no motion to draw. Use ricochet report.\n"),
         )
 
 

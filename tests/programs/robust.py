@@ -27,7 +27,7 @@ from programs import (
 from robust_test import Robust
 
 from ricochet.errors import InputError
-from ricochet.pictures.history import History
+from ricochet.pictures.loaded_result import LoadedResult
 
 # Two slices per body, in some tenths of a second.
 SLICED = ["bodies.a.mesh=long.geo", "bodies.b.mesh=long.geo", "modes.count=300"]
@@ -277,7 +277,7 @@ class Files(Robust):
         self.kernels()
         path = impact(self.scene, self.out).path
         whole = path.read_bytes()
-        History(path)
+        LoadedResult(path)
         for name in ("time", "energy/kinetic", "contact/time", "contact/force", "bodies/a/velocity"):
             for value in (
                 np.float64(1),
@@ -294,7 +294,7 @@ class Files(Robust):
                     del file[name]
                     file.create_group(name) if isinstance(value, str) else file.__setitem__(name, value)
                 with self.subTest(name=name, value=str(value)[:30]), self.assertRaises(InputError) as caught:
-                    History(path)
+                    LoadedResult(path)
                 self.assertEqual(str(caught.exception).count("\n"), 0)
 
 

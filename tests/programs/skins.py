@@ -11,7 +11,7 @@ import numpy as np
 from motion import BLOCK, BLOCKS, SINGLE, read_xdmf
 from programs import ProgramTest, impact
 from ricochet.pages.motion import motion_of
-from ricochet.pictures.history import History
+from ricochet.pictures.loaded_result import LoadedResult
 from ricochet.pictures.moving_surfaces import moving_surfaces
 
 # Linear elements, on which a skin interpolates without error.
@@ -36,7 +36,7 @@ class Skins(ProgramTest):
     def run_blocks(self, *sets):
         """The history of a run, its skins and the times of the snapshots."""
         out = self.folder / "out"
-        history = History(impact(self.folder / "blocks.toml", out, *sets).path)
+        history = LoadedResult(impact(self.folder / "blocks.toml", out, *sets).path)
         return (history, *moving_surfaces(history, out))
 
     def setUp(self):
@@ -119,7 +119,7 @@ class Skins(ProgramTest):
                     for name in [n for n in file.get("view", ()) if "residual" in n]:
                         if missing == "the responses":
                             del file[f"view/{name}"]
-            history = History(older / "blocks.result.h5")
+            history = LoadedResult(older / "blocks.result.h5")
             skins, _ = moving_surfaces(history, older)
             for name, skin in skins.items():
                 self.assertEqual(skin.shape.shape[2], history.snapshots[name].shape[1])

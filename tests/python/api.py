@@ -552,8 +552,8 @@ class Sweep(KernelsTest):
         np.testing.assert_array_equal(found["touched"], [1, np.nan, 0])
         self.assertEqual([len(found.history(row, "force").time) > 0 for row in (0, 2)], [True, False])
         for row, name, part in [
-            (1, "force", "impact 1 has no histories"),
-            (0, "forces", 'no history "forces". Did you mean "force"?'),
+            (1, "force", "impact 1 has no records"),
+            (0, "forces", 'no record "forces". Did you mean "force"?'),
             (0, "receivers.mic.w", 'Did you mean "receivers.mic"?'),
             (0, "energy.total.x", '"energy.total" has no components'),
         ]:

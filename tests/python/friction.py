@@ -25,7 +25,7 @@ from ricochet.pictures.contact import contact_picture, state_strip
 from ricochet.pictures.energy import energy_picture
 from ricochet.pictures.friction import friction_picture, parts
 from ricochet.pictures.grid import Grid
-from ricochet.pictures.history import History
+from ricochet.pictures.loaded_result import LoadedResult
 from ricochet.pictures.style import STATE, STYLE
 from ricochet.result import OPEN, SLIP, STICK
 from ricochet.studies import chart
@@ -64,7 +64,7 @@ class FrictionTest(ReportTest):
 
     def history(self, **more):
         path, drag = friction_file.write(self.folder / "rubbed", **more)
-        return History(path), drag
+        return LoadedResult(path), drag
 
     def refused(self, why, what):
         with self.assertRaisesRegex(ricochet.InputError, why) as refusal:
@@ -146,9 +146,9 @@ class Results(FrictionTest):
         again = ricochet.Result(result.path)
         np.testing.assert_array_equal(again.energy["friction"], 0 * again.time)
         self.assertIsNone(again.friction)
-        self.assertEqual(len(energy_picture(History(result.path)).axes), 2)
+        self.assertEqual(len(energy_picture(LoadedResult(result.path)).axes), 2)
 
-    def test_of_table_kernels_has_no_ledger(self):
+    def test_of_sampled_responses_has_no_ledger(self):
         result, _ = self.made(friction=None)
         with edited(result.path) as file:
             del file["energy"]
@@ -200,7 +200,7 @@ class Histories(FrictionTest):
             half = len(drag.point) // 2
             for name in ("state", "tangential_force", "tangential_displacement"):
                 file[f"contact/{name}"][:, :half] = 0
-        history = History(path)
+        history = LoadedResult(path)
         np.testing.assert_array_equal(history.rubbing, np.arange(len(drag.point)) >= half)
         np.testing.assert_allclose(history.tangential_totals()[0], drag.force[drag.rows, half:].sum(axis=1))
         np.testing.assert_array_equal(
@@ -212,7 +212,7 @@ class Histories(FrictionTest):
         with edited(path) as file:  # only what is along x: the loop is that of one direction
             for name in ("tangential_force", "tangential_displacement"):
                 file[f"contact/{name}"][:, :, 1] = 0
-        history = History(path)
+        history = LoadedResult(path)
         moved, force = history.loop(0)
         np.testing.assert_allclose(force, drag.tangential[drag.rows, 0, 0], atol=1e-12)
         np.testing.assert_allclose(moved, drag.slipped[drag.rows, 0, 0], atol=1e-18)
@@ -267,7 +267,7 @@ class Histories(FrictionTest):
 class Pictures(FrictionTest):
     def energy(self, path):
         with matplotlib.rc_context(STYLE):
-            return energy_picture(History(path))
+            return energy_picture(LoadedResult(path))
 
     def test_are_drawn_with_friction_only_if_there_is_any(self):
         path, _ = friction_file.write(self.folder / "rubbed")
@@ -280,7 +280,7 @@ class Pictures(FrictionTest):
             ({"friction": None}, ["contact", "snapshots", "energy"]),
         ]:
             path, _ = friction_file.write(self.folder / "rubbed", **more)
-            found = pictures.figures(History(path), path.parent, lambda _: None)
+            found = pictures.figures(LoadedResult(path), path.parent, lambda _: None)
             self.assertEqual([name for name, _ in found], names)
 
     def test_of_friction_need_a_touch(self):
@@ -452,7 +452,7 @@ class Pages(FrictionTest):
         )
         self.assertEqual([line["name"] for line in loop["lines"]], ["sticks", "slips"])
         self.assertEqual((loop["x"]["unit"], loop["y"]["unit"]), ("m", "N"))
-        grid = Grid(History(result.path), np.ones(len(drag.point), bool), charts.COLUMNS, charts.ROWS)
+        grid = Grid(LoadedResult(result.path), np.ones(len(drag.point), bool), charts.COLUMNS, charts.ROWS)
         np.testing.assert_array_equal(unpacked(run["states"]["state"]), drag.state[drag.rows][:, grid.order])
         terms = [line["name"] for line in run["charts"]["energy"][0]["lines"]]
         self.assertIn("heat of friction", terms)
@@ -460,9 +460,9 @@ class Pages(FrictionTest):
         self.assertIn("The first four rows together stay the same.", energy)
         rows = [row[2] for row in found.found if row[0] == "tr"]
         self.assertTrue(any(row.startswith("heat of friction") for row in rows))
-        told = found.one(id="highlights")[2]
-        self.assertIn("Heat of friction", told)
-        self.assertIn("Longest slip", told)
+        text = found.one(id="highlights")[2]
+        self.assertIn("Heat of friction", text)
+        self.assertIn("Longest slip", text)
         self.assertIn("Stick and slip", found.one(id="contact")[2])
 
     def test_colour_forces_and_points_by_state(self):
@@ -503,9 +503,9 @@ class Pages(FrictionTest):
         self.assertEqual(
             (run["states"], run["friction"], run["motion"]["points"]["state"]), (None, False, None)
         )
-        told = " ".join(found.one(id=name)[2] for name in ("highlights", "motion", "contact", "energy"))
-        self.assertFalse([word for word in ("riction", "slip", "stick") if word in told])
-        self.assertIn("The first three rows together stay the same.", told)
+        text = " ".join(found.one(id=name)[2] for name in ("highlights", "motion", "contact", "energy"))
+        self.assertFalse([word for word in ("riction", "slip", "stick") if word in text])
+        self.assertIn("The first three rows together stay the same.", text)
 
     def test_colour_pressures_by_state(self):
         path, drag = friction_file.write(self.folder / "rubbed")

@@ -15,7 +15,7 @@ from ricochet.modal_table import ModalTable
 from ricochet.pages import motion
 from ricochet.pages.modes import table_of
 from ricochet.pictures import modes, planes
-from ricochet.pictures.history import low_passed
+from ricochet.pictures.loaded_result import low_passed
 from ricochet.pictures.viewpoint import View, clearest, clearness, spread, views
 
 X, Y, Z = np.eye(3)

@@ -20,7 +20,7 @@ from ricochet.pages import charts
 from ricochet.pictures import snapshots, why_unseen
 from ricochet.pictures.friction import moment_panel, pressure_map
 from ricochet.pictures.grid import Grid
-from ricochet.pictures.history import History
+from ricochet.pictures.loaded_result import LoadedResult
 from ricochet.pictures.modes import draw_rod, modes_picture
 from ricochet.pictures.normal_axis import normal_axis
 from ricochet.pictures.moving_surfaces import (
@@ -46,7 +46,7 @@ def curve(line):
 class HistoryTest(ProgramTest):
     def history(self, **more):
         path, drag = friction_file.write(self.folder / "rubbed", **more)
-        return History(path), drag
+        return LoadedResult(path), drag
 
 
 class Histories(HistoryTest):
@@ -279,7 +279,7 @@ class Charts(HistoryTest):
             for name, moved in (("mic", velocity), ("still", 0 * velocity)):
                 group = file.create_group(f"receivers/{name}")
                 group["velocity"], group["displacement"], group["acceleration"] = moved, moved, moved
-        history = History(path)
+        history = LoadedResult(path)
         np.testing.assert_array_equal(history.receivers["mic"].velocity, velocity)
         found = charts.receiver_charts(history)
         motion, spectrum = found["mic"]

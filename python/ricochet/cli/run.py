@@ -54,7 +54,7 @@ def run(options: argparse.Namespace) -> None:
         print(f"{result}: up to date")
     else:
         programs.contact(options.scene, words)
-    if table["contact"]["scheme"] != "static":  # bodies at rest have no history to draw
+    if table["contact"]["scheme"] != "static":  # bodies at rest have no motion to draw
         last = out / f"{slug}-energy.png"
         if options.low_pass is None and newer(last, result, Path(pictures.__file__)):
             print(f"{last}: up to date")

@@ -8,7 +8,7 @@
 study.toml:
 
     scene = "two-disks.toml"
-    keep = ["force"]                                    # histories: also "receivers", "bodies", "energy"
+    keep = ["force"]                                    # records: also "receivers", "bodies", "energy"
     [grid]                                              # every combination
     "bodies.upper.velocity[1]" = [-1.0, -2.0, -4.0]
     "contact.spacing" = { from = 5e-3, to = 2e-2, steps = 3 }
@@ -71,13 +71,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--retry", action="store_true", help="run impacts again that were refused or have failed"
     )
     parser.add_argument(
-        "--plot", metavar="OUTPUT", help="draw this column, or this history of all impacts, such as force"
+        "--plot", metavar="OUTPUT", help="draw this column, or this record of all impacts, such as force"
     )
     parser.add_argument(
         "--against",
         nargs="+",
         metavar="INPUT",
-        help="over one or two columns, or the colours of histories (default: the first one that is varied)",
+        help="over one or two columns, or the colours of records (default: the first one that is varied)",
     )
 
 
@@ -93,21 +93,21 @@ def check_options(options: argparse.Namespace) -> None:
 
 
 class Drawn:
-    """The requested picture: a column over others, or a history. An unknown column is reported after the first
+    """The requested picture: a column over others, or a record. An unknown column is reported after the first
     impact."""
 
     def __init__(self, study: Study, options: argparse.Namespace) -> None:
         self.inputs = study.keys
         self.names = [options.plot, *(options.against or study.keys[:1])] if options.plot else []
         word = str(options.plot).partition(".")[0]
-        self.history = word in WORDS and options.plot not in study.keys
-        if self.history:
-            self._check_history(study, word)
-        self.unknown = set(self.names[self.history :]) - set(self.inputs)
+        self.record = word in WORDS and options.plot not in study.keys
+        if self.record:
+            self._check_record(study, word)
+        self.unknown = set(self.names[self.record :]) - set(self.inputs)
         # If one of these keys is varied, the columns of the summaries differ.
         self.alike = not {"accuracy", "contact.scheme", "contact.kernel"} & set(study.keys)
 
-    def _check_history(self, study: Study, word: str) -> None:
+    def _check_record(self, study: Study, word: str) -> None:
         name, *against = self.names
         if word not in study.keep:
             raise not_kept(study.path, name)
@@ -134,7 +134,7 @@ class Drawn:
         keys = programs.call([programs.BIN / "ricochet-contact", "--keys"], capture=True)
         from ricochet.studies import chart, history_chart
 
-        if self.history:
+        if self.record:
             history_chart.draw(table, sweep.results, name, against[0], picture, scene_keys.units(keys))
         else:
             chart.draw(table.with_values(self.names), name, against, picture, scene_keys.units(keys))

@@ -8,7 +8,7 @@ from ricochet.arrays import Array
 from ricochet.pages.motion import packed
 from ricochet.pictures.friction import bounds, parts
 from ricochet.pictures.grid import Grid
-from ricochet.pictures.history import Curves, History
+from ricochet.pictures.loaded_result import Curves, LoadedResult
 from ricochet.result import OPEN, SLIP, STICK
 
 Axis = dict[str, Any]
@@ -63,11 +63,11 @@ def shown(x: Array, y: Array, window: tuple[float, float]) -> tuple[Array, Array
     return x[inside], y[inside]
 
 
-def colour_of(result: History, name: str) -> int | str:
+def colour_of(result: LoadedResult, name: str) -> int | str:
     return list(result.bodies).index(name) % 6 if name in result.bodies else "still"
 
 
-def force_chart(result: History, i: int) -> Chart:
+def force_chart(result: LoadedResult, i: int) -> Chart:
     count = len(result.initial_gap)
     total, one = result.as_steps(result.force.sum(axis=1)), result.as_steps(result.force[:, i])
     name = f"sum of {count} points" if count > 1 else "force"
@@ -79,7 +79,7 @@ def force_chart(result: History, i: int) -> Chart:
     return chart("force", "Contact force", TIME, force, lines, note, cursor=True, window=result.window())
 
 
-def friction_charts(result: History) -> list[Chart]:
+def friction_charts(result: LoadedResult) -> list[Chart]:
     """Friction beside its bound over time, and friction against displacement at the point with most of it."""
     normal, resultant, magnitudes = result.tangential_totals()
     when, normals = result.as_steps(normal)
@@ -111,7 +111,7 @@ def friction_charts(result: History) -> list[Chart]:
     return [*out, chart("loop", "Friction against displacement", x_axis, y_axis, lines, note)]
 
 
-def along_normal_charts(result: History, i: int) -> list[Chart]:
+def along_normal_charts(result: LoadedResult, i: int) -> list[Chart]:
     window = result.window()
     place, speed, mean_place, mean_speed = result.along_normal(i)
 
@@ -136,8 +136,8 @@ def along_normal_charts(result: History, i: int) -> list[Chart]:
     ]
 
 
-def table_charts(result: History, i: int) -> list[Chart]:
-    """Charts of a run with table kernels: the gap, and the velocities of free bodies along the axis of their
+def table_charts(result: LoadedResult, i: int) -> list[Chart]:
+    """Charts of a run with sampled responses: the gap, and the velocities of free bodies along the axis of their
     largest change."""
     window = result.window()
     gap = [line("gap", "force", *result.broken(result.gap[:, i]))]
@@ -168,7 +168,7 @@ def spectrum(values: Array, step: float, factor: float) -> tuple[Array, Array]:
     return frequency[best], size[best]
 
 
-def spectrum_chart(result: History) -> Chart:
+def spectrum_chart(result: LoadedResult) -> Chart:
     step = result.time[1] - result.time[0]
     lines = [line("sum of all points", "force", *spectrum(result.total_force, step, step))]
     size = axis("|∫ F exp(−iωt) dt|", "N s", log=True, decades=7)
@@ -176,7 +176,7 @@ def spectrum_chart(result: History) -> Chart:
     return chart("spectrum", "Spectrum of the contact force", FREQUENCY, size, lines, note)
 
 
-def pressure_chart(result: History) -> Chart:
+def pressure_chart(result: LoadedResult) -> Chart:
     """The pressure of each point in the step with the largest force."""
     row = int(np.argmax(result.force.sum(axis=1)))
     order, where, what = result.positions()
@@ -197,13 +197,13 @@ def pressure_chart(result: History) -> Chart:
     return chart("pressure", "Contact pressure", axis(what, "m"), size, lines, note)
 
 
-def force_map(result: History) -> dict[str, Any]:
+def force_map(result: LoadedResult) -> dict[str, Any]:
     """The force by point and time: the maximum in each cell. Points that never touch are omitted."""
     grid = Grid(result, result.impulse() > 0, COLUMNS, ROWS, by_impulse=True)
     return map_of(grid) | {"force": packed(grid.largest(result.force), "u2")}
 
 
-def state_map(result: History) -> dict[str, Any]:
+def state_map(result: LoadedResult) -> dict[str, Any]:
     """The state by point and time: slip if a point slips in any step of a cell, open if it is open in all."""
     grid = Grid(result, result.rubbing, COLUMNS, ROWS)
     return map_of(grid) | {"state": packed(grid.largest(result.state), "u1")}
@@ -220,7 +220,7 @@ def map_of(grid: Grid) -> dict[str, Any]:
     }
 
 
-def energy_charts(result: History) -> list[Chart]:
+def energy_charts(result: LoadedResult) -> list[Chart]:
     terms, ledger = result.terms, result.ledger
     lines = [
         line(result.LABELS[name], number, result.time, values)
@@ -243,7 +243,7 @@ def energy_charts(result: History) -> list[Chart]:
     return out
 
 
-def receiver_charts(result: History) -> dict[str, list[Chart]]:
+def receiver_charts(result: LoadedResult) -> dict[str, list[Chart]]:
     out = {}
     for number, (name, receiver) in enumerate(result.receivers.items()):
         time, velocity = result.receiver_time, receiver.velocity

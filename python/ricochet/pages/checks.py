@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ricochet.pages.motion import materials
-from ricochet.pictures.history import History
+from ricochet.pictures.loaded_result import LoadedResult
 
 DRIFT = 1e-10  # largest energy drift that is round-off
 PENETRATION = {"double": 1e-6, "single": 1e-4}  # largest one, relative to the motion of the points
@@ -13,7 +13,7 @@ LOST = 0.01  # largest share of the energy that contact may remove, unless `accu
 FEW = 3  # with fewer points at the peak, the pressure is that of a patch
 
 
-def peak_of(result: History) -> dict[str, Any] | None:
+def peak_of(result: LoadedResult) -> dict[str, Any] | None:
     """The step with the largest force: the number of points that carry it, and whether they are so few that the
     pressure depends on the size of a patch. None if nothing touched. If `output.every` is above 1, it is the largest
     of the rows."""
@@ -39,7 +39,7 @@ class Check(NamedTuple):
     meaning: str
 
 
-def checks_of(result: History, summary: dict[str, Any]) -> list[dict[str, Any]]:
+def checks_of(result: LoadedResult, summary: dict[str, Any]) -> list[dict[str, Any]]:
     """The checks of an impact whose figures exist, with "value" and "ok", which is None if there is no bound."""
     compliant = result.scene.get("contact", {}).get("scheme", "compliant") == "compliant" and bool(
         result.sides

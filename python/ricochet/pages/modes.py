@@ -10,14 +10,14 @@ from ricochet.errors import InputError
 from ricochet.modal_table import ModalTable
 from ricochet.pages.motion import MODES, body_of, of_rest
 from ricochet.pages.page import MODAL, save_page
-from ricochet.pictures.history import History
+from ricochet.pictures.loaded_result import LoadedResult
 from ricochet.pictures.modes import upright
 from ricochet.pictures.moving_surfaces import MovingSurface
 from ricochet.pictures.viewpoint import clearest
 from ricochet.result_file import File, expected, is_there
 
 
-def modes_of(result: History, folder: Path) -> list[dict[str, Any]]:
+def modes_of(result: LoadedResult, folder: Path) -> list[dict[str, Any]]:
     """A table for each body of a result whose kernel is in the folder."""
     paths = [
         folder / Path(result.file.text(f"/bodies/{body}", "kernel") or "none").name for body in result.bodies

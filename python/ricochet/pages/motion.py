@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ricochet.arrays import Array
-from ricochet.pictures.history import History
+from ricochet.pictures.loaded_result import LoadedResult
 from ricochet.pictures.planes import gravity_of, normals_of, square_of, upward
 from ricochet.pictures.moving_surfaces import (
     MovingSurface,
@@ -194,7 +194,7 @@ def nearest(points: Array, places: Sequence[Array]) -> tuple[Array, Array]:
     return found, offset
 
 
-def rows_at(result: History, times: Array) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+def rows_at(result: LoadedResult, times: Array) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
     """The contact row of each time, and whether there is one."""
     if len(result.contact_time) == 0:
         return np.zeros(len(times), int), np.zeros(len(times), bool)
@@ -203,7 +203,7 @@ def rows_at(result: History, times: Array) -> tuple[NDArray[np.int64], NDArray[n
     return row, np.abs(result.contact_time[row] - times) <= half
 
 
-def forces_at(result: History, times: Array, points: Array) -> Array:
+def forces_at(result: LoadedResult, times: Array, points: Array) -> Array:
     """(S,p) force at these points and times; 0 if the result has no contact row for a time."""
     row, near = rows_at(result, times)
     out = np.zeros((len(times), len(points)))
@@ -211,7 +211,7 @@ def forces_at(result: History, times: Array, points: Array) -> Array:
     return out
 
 
-def states_at(result: History, times: Array, points: Array) -> Array:
+def states_at(result: LoadedResult, times: Array, points: Array) -> Array:
     """(S,p) states at these points and times; open if the result has no contact row for a time."""
     row, near = rows_at(result, times)
     out = np.zeros((len(times), len(points)), dtype=np.uint8)
@@ -233,7 +233,7 @@ def of_rest(bodies: Sequence[dict[str, Any]], view: View) -> dict[str, Any]:
     }
 
 
-def motion_of(result: History, folder: Path, scene: dict[str, Any]) -> dict[str, Any]:
+def motion_of(result: LoadedResult, folder: Path, scene: dict[str, Any]) -> dict[str, Any]:
     """The data of the animation, or {"missing": reason} if there are no visualisation surfaces or kernels. Without
     snapshots, it consists of one moment, of bodies at rest."""
     found = moving_surfaces(result, folder, at_rest=True)

@@ -15,11 +15,11 @@ from ricochet.pages.modes import modes_of
 from ricochet.pages.motion import materials, motion_of
 from ricochet.pages.sound import sounds_of
 from ricochet.errors import InputError
-from ricochet.pictures.history import History
+from ricochet.pictures.loaded_result import LoadedResult
 from ricochet.result_file import File, expected, is_there
 
 
-def summary_of(path: Path, result: History) -> dict[str, Any]:
+def summary_of(path: Path, result: LoadedResult) -> dict[str, Any]:
     """Reads the summary beside the result and checks that it belongs to the same run. Raises InputError."""
     if not is_there(path):
         raise InputError(
@@ -65,7 +65,7 @@ def kernel_of(path: Path) -> dict[str, Any] | None:
     }
 
 
-def bodies_of(result: History, folder: Path, scene: dict[str, Any]) -> list[dict[str, Any]]:
+def bodies_of(result: LoadedResult, folder: Path, scene: dict[str, Any]) -> list[dict[str, Any]]:
     out = []
     for name in result.bodies:
         where, asked = f"/bodies/{name}", scene.get("bodies", {}).get(name, {})
@@ -85,7 +85,7 @@ def bodies_of(result: History, folder: Path, scene: dict[str, Any]) -> list[dict
 
 
 def commands_of(
-    result: History, scene: dict[str, Any], bodies: list[dict[str, Any]]
+    result: LoadedResult, scene: dict[str, Any], bodies: list[dict[str, Any]]
 ) -> list[tuple[str, str]]:
     """The commands that repeat the run, as pairs (command, its effect)."""
     text, out = shlex.quote(f"{result.slug}.toml"), []
@@ -100,7 +100,7 @@ def commands_of(
     return out
 
 
-def charts_of(result: History, by_table: bool) -> dict[str, list[dict[str, Any]]]:
+def charts_of(result: LoadedResult, by_table: bool) -> dict[str, list[dict[str, Any]]]:
     """The charts by section of the page."""
     i = result.strongest
     still = len(result.time) == 1
@@ -120,12 +120,12 @@ def charts_of(result: History, by_table: bool) -> dict[str, list[dict[str, Any]]
     return out
 
 
-def several(result: History, by_table: bool) -> bool:
+def several(result: LoadedResult, by_table: bool) -> bool:
     """Whether forces are known by place and more than one point has one."""
     return not by_table and np.count_nonzero(result.impulse()) > 1
 
 
-def rubs(result: History) -> bool:
+def rubs(result: LoadedResult) -> bool:
     """Whether a point with friction has touched."""
     return result.has_friction and bool(result.rubbing.any())
 
@@ -137,7 +137,7 @@ def digest(path: Path) -> str:
 
 def run_of(path: Path, kernels: Path | None = None) -> dict[str, Any]:
     """The content of the page for a result file. Raises InputError."""
-    result = History(path)
+    result = LoadedResult(path)
     folder = kernels or path.parent
     beside = path.with_name(f"{result.slug}.summary.json")
     summary = summary_of(beside, result)
@@ -148,7 +148,9 @@ def run_of(path: Path, kernels: Path | None = None) -> dict[str, Any]:
     still = len(result.time) == 1
     bodies = bodies_of(result, folder, scene)
     motion = (
-        {"missing": "runs by table kernels know no bodies"} if by_table else motion_of(result, folder, scene)
+        {"missing": "runs with sampled responses know no bodies"}
+        if by_table
+        else motion_of(result, folder, scene)
     )
     steps = {
         "rows": len(result.time),
@@ -167,7 +169,7 @@ def run_of(path: Path, kernels: Path | None = None) -> dict[str, Any]:
         "by_table": by_table,
         "bodies": bodies,
         "steps": steps,
-        "labels": History.LABELS,
+        "labels": LoadedResult.LABELS,
         "energy": ends,
         "charts": charts_of(result, by_table),
         "map": charts.force_map(result) if several(result, by_table) and not still else None,
@@ -178,7 +180,7 @@ def run_of(path: Path, kernels: Path | None = None) -> dict[str, Any]:
         "peak": None if still else peak_of(result),
         "checks": [] if still else checks_of(result, summary),
         "instrument": (
-            {"missing": "bodies at rest, and those of table kernels, cannot be struck"}
+            {"missing": "bodies at rest, and those of sampled responses, cannot be struck"}
             if still or by_table
             else of_run(path, folder)
         ),

@@ -16,14 +16,14 @@ from ricochet.pictures.friction import friction_picture
 from ricochet.pictures.modes import modes_picture
 from ricochet.pictures.snapshots import snapshots_picture
 from ricochet.pictures.style import DPI, STYLE
-from ricochet.pictures.history import History
+from ricochet.pictures.loaded_result import LoadedResult
 from ricochet.pictures.moving_surfaces import moving_surfaces
 from ricochet.result_file import File, expected
 
 DRAWN_MODES = 6
 
 
-def figures(result: History, kernels: Path, note: Callable[[str], None]) -> Iterator[tuple[str, Figure]]:
+def figures(result: LoadedResult, kernels: Path, note: Callable[[str], None]) -> Iterator[tuple[str, Figure]]:
     """Yields the figures of a result with their names: "contact", "friction", "snapshots",
     "energy".
 
@@ -31,10 +31,10 @@ def figures(result: History, kernels: Path, note: Callable[[str], None]) -> Iter
     @param note     called with the reason for each figure that is omitted
     """
     if result.static:
-        raise InputError(f"{result.path}: bodies at rest have no history to draw. Use ricochet report.")
+        raise InputError(f"{result.path}: bodies at rest have no motion to draw. Use ricochet report.")
     if not result.energy:
         yield "contact", table_picture(result)
-        note("no energies and no snapshots: runs with table kernels have neither")
+        note("no energies and no snapshots: runs with sampled responses have neither")
         return
     yield "contact", contact_picture(result)
     if result.has_friction:
@@ -52,7 +52,7 @@ def figures(result: History, kernels: Path, note: Callable[[str], None]) -> Iter
     yield "energy", energy_picture(result)
 
 
-def why_unseen(result: History, time: Array) -> str:
+def why_unseen(result: LoadedResult, time: Array) -> str:
     """Why no snapshot at the times (s) shows the contact, and what to set."""
     if not result.episodes:
         return "nothing touched"
@@ -76,7 +76,7 @@ def draw(
     drawn without vibration from the frequency `low_pass` [Hz] on. Raises InputError."""
     folder = folder or path.parent
     with expected(path), matplotlib.rc_context(STYLE):
-        result = History(path, low_pass)
+        result = LoadedResult(path, low_pass)
         for name, figure in figures(result, kernels or path.parent, note):
             picture = folder / f"{result.slug}-{name}.png"
             save(figure, picture)

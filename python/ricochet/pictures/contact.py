@@ -9,11 +9,11 @@ from matplotlib.patches import Rectangle
 
 from ricochet.pictures.style import FRICTION, GREY, NORMAL, SHADE, STATE, WIDTH
 from ricochet.pictures.style import colour_of, largest_of, legend_below, prefixed, shade_contact
-from ricochet.pictures.history import History
+from ricochet.pictures.loaded_result import LoadedResult
 from ricochet.result import SLIP, STICK
 
 
-def panels(result: History, i: int, where: str) -> tuple[Figure, Any]:
+def panels(result: LoadedResult, i: int, where: str) -> tuple[Figure, Any]:
     """A figure with three axes over time. The lowest axis shows the force at point i."""
     figure = Figure(figsize=(WIDTH, 8.2), layout="constrained")
     axes = figure.subplots(3, 1, sharex=True)
@@ -23,7 +23,7 @@ def panels(result: History, i: int, where: str) -> tuple[Figure, Any]:
     return figure, axes
 
 
-def finish(result: History, figure: Figure, axes: Any) -> Figure:
+def finish(result: LoadedResult, figure: Figure, axes: Any) -> Figure:
     """Shades the contact and draws the legend, which contains each name once."""
     ms, _ = prefixed(result.window()[1], "s")
     handles: dict[str, Any] = {}
@@ -35,7 +35,7 @@ def finish(result: History, figure: Figure, axes: Any) -> Figure:
     return figure
 
 
-def force_panel(result: History, ax: Axes, i: int) -> None:
+def force_panel(result: LoadedResult, ax: Axes, i: int) -> None:
     """The force at point i and the sum over all points, as steps over time. The area below them is the
     impulse."""
     start, end = result.window()
@@ -59,12 +59,12 @@ def force_panel(result: History, ax: Axes, i: int) -> None:
         ax.text(0.5, 0.5, "nothing touched", transform=ax.transAxes, ha="center", color=GREY)
 
 
-def below(result: History) -> str:
+def below(result: LoadedResult) -> str:
     """The filter of the forces in words; empty without a filter."""
     return f", low-pass {result.low_pass:g} Hz" if result.low_pass else ""
 
 
-def state_strip(result: History, ax: Axes, i: int, ms: float) -> None:
+def state_strip(result: LoadedResult, ax: Axes, i: int, ms: float) -> None:
     """Draws at the upper edge when point i sticks and when it slips."""
     state, half = result.state[:, i], 0.5 * result.spacing
     for value, name in [(STICK, "the point sticks"), (SLIP, "the point slips")]:
@@ -81,8 +81,8 @@ def state_strip(result: History, ax: Axes, i: int, ms: float) -> None:
         ax.broken_barh(ranges, (0.955, 0.045), facecolors=STATE[value], label=name, linewidth=0, **axes)
 
 
-def table_picture(result: History) -> Figure:
-    """A run with table kernels: gap and force at the point with the largest impulse, and velocities of free
+def table_picture(result: LoadedResult) -> Figure:
+    """A run with sampled responses: gap and force at the point with the largest impulse, and velocities of free
     bodies."""
     i, axis = result.strongest, result.liveliest_axis
     ms, _ = prefixed(result.window()[1], "s")
@@ -100,7 +100,7 @@ def table_picture(result: History) -> Figure:
     return finish(result, figure, axes)
 
 
-def contact_picture(result: History) -> Figure:
+def contact_picture(result: LoadedResult) -> Figure:
     """Position and velocity of both sides at the point with the largest impulse, and the force there, over time."""
     i = result.strongest
     start, end = result.window()

@@ -6,10 +6,10 @@ from matplotlib.patches import Rectangle
 from matplotlib.ticker import LogLocator
 
 from ricochet.pictures.style import GREY, SHADE, WIDTH, largest_of, legend_below, prefixed, shade_contact
-from ricochet.pictures.history import History
+from ricochet.pictures.loaded_result import LoadedResult
 
 
-def energy_picture(result: History) -> Figure:
+def energy_picture(result: LoadedResult) -> Figure:
     """All terms of the energy ledger with their sum, and the deviation of the sum from its first value."""
     terms, ledger = result.terms, result.ledger
     scale_name, reference = "first value", abs(ledger[0])

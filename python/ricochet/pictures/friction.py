@@ -11,7 +11,7 @@ import numpy as np
 
 from ricochet.arrays import Array
 from ricochet.pictures.grid import Grid
-from ricochet.pictures.history import History
+from ricochet.pictures.loaded_result import LoadedResult
 from ricochet.pictures.style import FRICTION, GREY, NORMAL, SHADE, STATE, WIDTH
 from ricochet.pictures.style import largest_of, legend_below, prefixed, shade_contact
 from ricochet.result import OPEN, SLIP, STICK
@@ -20,7 +20,7 @@ COLUMNS, ROWS = 1000, 400  # maximum number of cells of a map
 NAMES = {OPEN: "open", STICK: "sticks", SLIP: "slips"}
 
 
-def friction_picture(result: History) -> Figure | None:
+def friction_picture(result: LoadedResult) -> Figure | None:
     """Draws friction. Returns None if no point with friction has touched."""
     if not result.rubbing.any():
         return None
@@ -48,7 +48,7 @@ def friction_picture(result: History) -> Figure | None:
     return figure
 
 
-def bounds(result: History) -> list[tuple[float, str]]:
+def bounds(result: LoadedResult) -> list[tuple[float, str]]:
     """Coefficients that bound friction, with their names; none if they are not known."""
     if result.coefficients is None:
         return []
@@ -58,7 +58,7 @@ def bounds(result: History) -> list[tuple[float, str]]:
     return [(static, f"static bound, {static:g} Σ λ"), (dynamic, f"dynamic bound, {dynamic:g} Σ λ")]
 
 
-def forces_panel(result: History, ax: Axes) -> None:
+def forces_panel(result: LoadedResult, ax: Axes) -> None:
     """Sums over the points with friction: normal force, friction, and its bound."""
     start, end = result.window()
     ms, _ = prefixed(end, "s")
@@ -101,7 +101,7 @@ def rows_of(grid: Grid) -> str:
     return f", a row for each of {shown} points" + (f" of {shown + grid.left_out}" if grid.left_out else "")
 
 
-def pressure_map(figure: Figure, result: History, grid: Grid, ax: Axes) -> None:
+def pressure_map(figure: Figure, result: LoadedResult, grid: Grid, ax: Axes) -> None:
     ms, _ = prefixed(result.window()[1], "s")
     pressure = grid.largest(result.force / result.area).T
     factor, unit = prefixed(largest_of(pressure), "Pa")
@@ -115,7 +115,7 @@ def pressure_map(figure: Figure, result: History, grid: Grid, ax: Axes) -> None:
     place_axis(grid, ax)
 
 
-def state_map(result: History, grid: Grid, ax: Axes, several: bool) -> None:
+def state_map(result: LoadedResult, grid: Grid, ax: Axes, several: bool) -> None:
     """The state of each point over time. A cell of several steps slips if the point slips in one of them, and
     is open only if it is open in all."""
     ms, time_unit = prefixed(result.window()[1], "s")
@@ -138,7 +138,7 @@ def state_map(result: History, grid: Grid, ax: Axes, several: bool) -> None:
         ax.set_yticks([])
 
 
-def loop_panel(result: History, ax: Axes) -> None:
+def loop_panel(result: LoadedResult, ax: Axes) -> None:
     """Friction against displacement at the point with most friction. Each line has the colour of the state that
     the point has at its end."""
     i = result.roughest
@@ -159,7 +159,7 @@ def loop_panel(result: History, ax: Axes) -> None:
     ax.set_title(f"Point {i + 1} of {len(result.initial_gap)}, along its main direction", fontsize=9.5)
 
 
-def parts(result: History, values: Array, here: Array) -> Array:
+def parts(result: LoadedResult, values: Array, here: Array) -> Array:
     """The steps that end in rows `here`, as lines from the row before, with NaN between them."""
     out = list[Any]()
     for first, stop in result.episodes:
@@ -172,7 +172,7 @@ def parts(result: History, values: Array, here: Array) -> Array:
     return np.concatenate(out)
 
 
-def moment_panel(result: History, ax: Axes) -> None:
+def moment_panel(result: LoadedResult, ax: Axes) -> None:
     """The contact in the row in which most points stick while others slip."""
     row = result.mixed_row()
     ms, time_unit = prefixed(result.window()[1], "s")
@@ -193,7 +193,7 @@ def dots(ax: Axes, x: Array, y: Array, state: Array, size: float) -> None:
         ax.scatter(x[here], y[here], s=size, color=colour, **outline)
 
 
-def profile(result: History, ax: Axes, row: int, order: Array, where: Array, at: str, what: str) -> None:
+def profile(result: LoadedResult, ax: Axes, row: int, order: Array, where: Array, at: str, what: str) -> None:
     """A contact along a line: friction of each point and its bound, over the position."""
     force = np.linalg.norm(result.tangential_force[row, order], axis=1)
     normal = result.force[row, order]
@@ -208,7 +208,7 @@ def profile(result: History, ax: Axes, row: int, order: Array, where: Array, at:
     ax.set_title(f"Friction by point {at}", fontsize=9.5)
 
 
-def patch(result: History, ax: Axes, row: int, used: Array, at: str) -> None:
+def patch(result: LoadedResult, ax: Axes, row: int, used: Array, at: str) -> None:
     """A contact over an area: its points in their plane, with arrows of friction."""
     weight = result.impulse()[used]
     place = result.point_a[used] - weight @ result.point_a[used] / weight.sum()

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ricochet.arrays import Array
-from ricochet.pictures.history import History
+from ricochet.pictures.loaded_result import LoadedResult
 
 
 class Grid:
@@ -15,7 +15,7 @@ class Grid:
     """
 
     def __init__(
-        self, result: History, used: NDArray[np.bool_], columns: int, rows: int, by_impulse: bool = False
+        self, result: LoadedResult, used: NDArray[np.bool_], columns: int, rows: int, by_impulse: bool = False
     ) -> None:
         """`used`: the points (m) that the map shows, in at most `columns` columns. Of more than `rows` points it
         shows those with the largest impulse, or else some that are evenly spread by place."""

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ricochet.arrays import Array
 from ricochet.errors import InputError
-from ricochet.pictures.history import History
+from ricochet.pictures.loaded_result import LoadedResult
 from ricochet.pictures.static_part import static_part
 from ricochet.result_file import File, are_finite, is_there
 
@@ -104,7 +104,7 @@ def largest_amplification(share: float) -> float:
 
 
 def moving_surfaces(
-    result: History, folder: Path, at_rest: bool = False
+    result: LoadedResult, folder: Path, at_rest: bool = False
 ) -> tuple[dict[str, MovingSurface], Array] | str:
     """The surfaces by body and the times of their snapshots, or the reason why there are none. With `at_rest`, a result
     without snapshots has one at time 0, of bodies that have not moved."""

@@ -11,7 +11,7 @@ from matplotlib.patches import Polygon, Rectangle
 from numpy.typing import NDArray
 
 from ricochet.arrays import Array
-from ricochet.pictures.history import History
+from ricochet.pictures.loaded_result import LoadedResult
 from ricochet.pictures.planes import normals_of, square_of, upward
 from ricochet.pictures.moving_surfaces import MovingSurface, amplification
 from ricochet.pictures.style import WIDTH, colour_of, fit, largest_of, legend_below, normals, prefixed
@@ -21,7 +21,7 @@ MOMENTS = 9
 FLOOR, GHOST = "#dedbd3", "#8a8a8a"
 
 
-def snapshots_picture(result: History, surfaces: dict[str, MovingSurface], time: Array) -> Figure | None:
+def snapshots_picture(result: LoadedResult, surfaces: dict[str, MovingSurface], time: Array) -> Figure | None:
     """Draws the contact with the largest impulse. Returns None if there is no snapshot of it."""
     impulse_of = [result.force[first:stop].sum() for first, stop in result.episodes]
     longest = int(np.argmax(impulse_of))
@@ -163,7 +163,7 @@ def unhidden(surface: MovingSurface, seen: Array) -> NDArray[np.int64]:
 
 
 def paint(
-    ax: Axes, result: History, surfaces: dict[str, MovingSurface], places: dict[str, Array], turn: Array
+    ax: Axes, result: LoadedResult, surfaces: dict[str, MovingSurface], places: dict[str, Array], turn: Array
 ) -> None:
     """Paints triangles and outlines from back to front."""
     patches, depth, face, edge, width = [], [], [], [], []
@@ -205,7 +205,7 @@ class Forces:
     """Panels of force by point. The horizontal axis is the number of the point if the points lie on a line in
     this order. Otherwise it is the position along the contact or the distance from the first touch."""
 
-    def __init__(self, result: History, rows: list[int]) -> None:
+    def __init__(self, result: LoadedResult, rows: list[int]) -> None:
         order, where, what = result.positions()
         self.force = result.force[rows]
         self.scale, self.unit = prefixed(largest_of(self.force), "N")

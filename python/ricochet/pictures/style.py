@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 import numpy as np
 
 from ricochet.arrays import Array
-from ricochet.pictures.history import History
+from ricochet.pictures.loaded_result import LoadedResult
 
 
 DPI = 150
@@ -34,7 +34,7 @@ STYLE = {
 }
 
 
-def colour_of(result: History, name: str) -> str:
+def colour_of(result: LoadedResult, name: str) -> str:
     """The colour of a body in all pictures; grey for obstacles."""
     return BODY[list(result.bodies).index(name) % len(BODY)] if name in result.bodies else GREY
 
@@ -75,6 +75,6 @@ def legend_below(figure: Figure, handles: Iterable[Any], names: Iterable[str], c
     figure.legend(list(handles), names, loc="lower center", ncol=min(len(names), columns))
 
 
-def shade_contact(result: History, ax: Axes, scale: float) -> None:
+def shade_contact(result: LoadedResult, ax: Axes, scale: float) -> None:
     for start, end in result.spans():
         ax.axvspan(start * scale, end * scale, **SHADE)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Histories of the impacts of a study: the archive that is written while it runs, and their place in its
+"""Records of the impacts of a study: the archive that is written while it runs, and their place in its
 HDF5 file.
 
 /histories/NNNN belongs to the impact of row NNNN, counted from 0. Impacts may differ in steps and lengths, so each
@@ -23,7 +23,7 @@ KEY_BYTES = 24  # length of the key of an impact
 
 
 class Kept(NamedTuple):
-    """The place of the histories of an impact in an archive."""
+    """The place of the records of an impact in an archive."""
 
     words: list[str]
     at: int
@@ -43,7 +43,7 @@ class Kept(NamedTuple):
 
 
 class Archive:
-    """A file to which the owner of a journal appends the histories of its impacts: for each one its key, and
+    """A file to which the owner of a journal appends the records of its impacts: for each one its key, and
     an HDF5 file. Bytes that no line of the journal names are those of a process that was killed."""
 
     def __init__(self, path: Path) -> None:
@@ -51,7 +51,7 @@ class Archive:
         self._file: BinaryIO | None = None
 
     def append(self, key: str, words: Sequence[str], image: bytes) -> Kept:
-        """Adds the histories of an impact, which the operating system has when this returns."""
+        """Adds the records of an impact, which the operating system has when this returns."""
         if self._file is None:
             self._file = open(self.path, "ab")
         at = self._file.seek(0, os.SEEK_END) + KEY_BYTES
@@ -68,7 +68,7 @@ class Archive:
             self._file.close()
 
     def holding(self, found: dict[str, Kept]) -> set[str]:
-        """Those keys whose histories are where the journal has them."""
+        """Those keys whose records are where the journal has them."""
         try:
             size = self.path.stat().st_size
             with open(self.path, "rb") as file:
@@ -83,7 +83,7 @@ class Archive:
             return set()
 
     def read(self, kept: Kept) -> h5py.File:
-        """The histories of an impact. Raises InputError if they are damaged."""
+        """The records of an impact. Raises InputError if they are damaged."""
         with open(self.path, "rb") as file:
             image = os.pread(file.fileno(), kept.bytes, kept.at)
         if zlib.crc32(image) != kept.crc:
@@ -94,7 +94,7 @@ class Archive:
 
 
 class Source(NamedTuple):
-    """The histories of a row of the study."""
+    """The records of a row of the study."""
 
     row: int
     kept: Kept
@@ -102,7 +102,7 @@ class Source(NamedTuple):
 
 
 def room_for(sources: Iterable[Source]) -> int:
-    """Bytes that the histories take in an HDF5 file, at most."""
+    """Bytes that the records take in an HDF5 file, at most."""
     return sum(source.kept.bytes for source in sources)
 
 
@@ -126,11 +126,11 @@ def copy(file: h5py.File, sources: Sequence[Source], words: Sequence[str], rows:
         target = group.create_group(f"{source.row:0{digits}}")
         with source.archive.read(source.kept) as image:
             for name in wanted:
-                if name in image:  # with table kernels, energies are not known
+                if name in image:  # with sampled responses, energies are not known
                     image.copy(name, target)
 
 
-class History(NamedTuple):
+class Record(NamedTuple):
     """A quantity over time."""
 
     #: (k) [s]
@@ -141,7 +141,7 @@ class History(NamedTuple):
 
 
 def names_in(group: h5py.Group) -> dict[str, tuple[str, str]]:
-    """The histories of an impact by name, each as the names of its values and of its times: "force",
+    """The records of an impact by name, each as the names of its values and of its times: "force",
     "receivers.NAME", "bodies.NAME", "energy.TERM"."""
     found = {}
     if "contact" in group:
@@ -155,32 +155,30 @@ def names_in(group: h5py.Group) -> dict[str, tuple[str, str]]:
     return found
 
 
-def read(file: h5py.File, row: int, name: str) -> History:
-    """The history `name` of a row; with .x, .y or .z at its end, this component. Raises InputError."""
+def read(file: h5py.File, row: int, name: str) -> Record:
+    """The record `name` of a row; with .x, .y or .z at its end, this component. Raises InputError."""
     histories = file.get("histories")
     if histories is None:
         raise not_kept(file.filename, name)
     group = histories.get(f"{row:0{histories.attrs['digits']}}")
     if group is None:
-        raise InputError(f"{file.filename}: impact {row} has no histories: it was refused, failed or not run")
+        raise InputError(f"{file.filename}: impact {row} has no records: it was refused, failed or not run")
     found = names_in(group)
     base, _, axis = name.rpartition(".")
     component = "xyz".find(axis) if name not in found and len(axis) == 1 and base in found else -1
     place = found.get(name if component < 0 else base)
     if place is None:
-        raise InputError(f'{file.filename}: there is no history "{name}"{meant(name, found, "there are")}')
+        raise InputError(f'{file.filename}: there is no record "{name}"{meant(name, found, "there are")}')
     values, time = (group[part] for part in place)
     if component >= 0 and values.ndim != 2:
         raise InputError(f'{file.filename}: "{base}" has no components: leave .{axis} out')
     unit = values.attrs["unit"]
     text = unit.decode() if isinstance(unit, bytes) else str(unit)
-    return History(
-        np.asarray(time[:]), np.asarray(values[:] if component < 0 else values[:, component]), text
-    )
+    return Record(np.asarray(time[:]), np.asarray(values[:] if component < 0 else values[:, component]), text)
 
 
 def not_kept(study: object, name: str) -> InputError:
-    """The complaint about a history that the study does not keep."""
+    """The complaint about a record that the study does not keep."""
     word = name.partition(".")[0]
     return InputError(
         f'{study}: keep has no "{word}": add keep = ["{word}"] to the study, and the same command runs its '

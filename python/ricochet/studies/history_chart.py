@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Pictures of the histories of a sweep: a quantity over time, with a line for each impact."""
+"""Pictures of the records of a sweep: a quantity over time, with a line for each impact."""
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from ricochet.files import save_picture
 from ricochet.pictures.style import prefixed
 from ricochet.studies import histories
 from ricochet.studies.chart import LINES, axis, label, looks_logarithmic, text
-from ricochet.studies.histories import History
+from ricochet.studies.histories import Record
 from ricochet.studies.table import Table
 
 MOST = 400  # maximum number of impacts; of more, some at equal distances are drawn
@@ -25,12 +25,12 @@ WORDS = {"force": "contact force", "receivers": "velocity of", "bodies": "veloci
 
 
 def draw(table: Table, results: Path, name: str, against: str, path: Path, units: dict[str, str]) -> None:
-    """Draws the history `name` of all finished impacts, from <title>.sweep.h5, as a PNG file. Lines have the
-    colour of the value of the input `against`. Raises InputError if there is no such history."""
+    """Draws the record `name` of all finished impacts, from <title>.sweep.h5, as a PNG file. Lines have the
+    colour of the value of the input `against`. Raises InputError if there is no such record."""
     with h5py.File(results, "r", locking=False) as file:
         kept = sorted(map(int, file.get("histories", {})))
         if not kept:
-            raise InputError(f'no finished impact has a history "{name}": there is nothing to draw')
+            raise InputError(f'no finished impact has a record "{name}": there is nothing to draw')
         rows = kept[:: -(-len(kept) // MOST)]
         lines = [histories.read(file, row, name) for row in rows]
     if lines[0].values.ndim == 2:
@@ -46,14 +46,14 @@ def draw(table: Table, results: Path, name: str, against: str, path: Path, units
 
 
 def words(name: str) -> str:
-    """The label of a history."""
+    """The label of a record."""
     kind, _, rest = name.partition(".")
     base, _, component = rest.rpartition(".")
     return " ".join(filter(None, [WORDS[kind], f"{base}, {component}" if base else rest]))
 
 
 def colour_lines(
-    ax: Axes, lines: Sequence[History], values: Array, names: Sequence[str] | None, title: str
+    ax: Axes, lines: Sequence[Record], values: Array, names: Sequence[str] | None, title: str
 ) -> None:
     """Draws the lines in the colours of their values. A legend explains few of them, a colour bar more."""
     scale, unit = prefixed(max((float(line.time[-1]) for line in lines if len(line.time)), default=1.0), "s")

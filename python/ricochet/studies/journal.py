@@ -19,10 +19,10 @@ PASSING = re.compile(r"--out|\.kernel\.h5|bad_alloc")
 
 class Journal:
     """A line of JSON for each impact, {"key", "status", "summary" or "error"}, in <stem>.sweep.jsonl. Lines of
-    impacts whose histories are in <stem>.sweep.histories have "kept", their place.
+    impacts whose records are in <stem>.sweep.histories have "kept", their place.
 
     A part of a sweep appends to its own <stem>.sweep.K-of-N.jsonl, and every part reads all files. Impacts
-    with status 0 are finished if all histories of `keep` are there. Refused and failed impacts are not run
+    with status 0 are finished if all records of `keep` are there. Refused and failed impacts are not run
     again unless `retry` is set: their keys change with whatever they depend on. An error of the folder of
     results is valid for this run only, like the answer of a process that died. Lines that were written are
     kept, however the sweep ends. Damaged lines are ignored.
@@ -56,7 +56,7 @@ class Journal:
             self._keep(row, (place, archive) if place and row["key"] in there else None)
 
     def add(self, key: str, answer: bytes, image: bytes = b"") -> None:
-        """Adds an answer, a line of JSON, and the file of its histories."""
+        """Adds an answer, a line of JSON, and the file of its records."""
         place = self.archive.append(key, self.keep, image) if image else None
         kept = b' "kept": %s,' % json.dumps(place._asdict()).encode() if place else b""
         line = b'{"key": "%s",%s %s' % (key.encode(), kept, answer[1:])
@@ -88,7 +88,7 @@ class Journal:
         return key in self.rows and self.rows[key]["status"] != 0 and not self.retry
 
     def sync(self) -> None:
-        """Puts the lines on the disk, after the histories that they name."""
+        """Puts the lines on the disk, after the records that they name."""
         if self.records:
             self.archive.sync()
             self.records.sync()

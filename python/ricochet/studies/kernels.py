@@ -36,7 +36,7 @@ class Kernels:
 
     def ask(self, requests: Iterable[Answer]) -> Generator[Reply, None, None]:
         """Sends requests to processes of ricochet-contact. Yields (index, answer as a line of JSON,
-        histories)."""
+        records)."""
         words = programs.with_set(programs.settings(self.study.fixed), self.folder)
         command = [programs.BIN / "ricochet-contact", self.study.scene, "--batch", *words]
         return in_parallel(self.jobs, programs.bound(command), requests)

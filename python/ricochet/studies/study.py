@@ -15,7 +15,7 @@ from ricochet.errors import InputError
 from ricochet.programs import slug
 
 KNOWN = ("scene", "title", "keep", "set", "grid", "list", "random")
-#: words of `keep`, and the members of a file of histories that belong to each
+#: words of `keep`, and the members of a file of records that belong to each
 WORDS = {
     "force": ("contact",),
     "receivers": ("receivers",),
@@ -66,7 +66,7 @@ class Study:
         if not isinstance(self.title, str):
             raise InputError(f"{path}: title = {self.title}: give a text, in quotes")
         self.slug = slug(self.title)
-        self.keep = self._histories(table.get("keep", []))
+        self.keep = self._records(table.get("keep", []))
         self.fixed = self._keys(table, "set")
         grid = {key: self._values("grid", key, value) for key, value in self._keys(table, "grid").items()}
         rows = self._rows(self._keys(table, "list"))
@@ -90,14 +90,14 @@ class Study:
                 f"{path}: varies nothing: give [grid], [list] or [random] some keys of the scene"
             )
 
-    def _histories(self, words: Any) -> list[str]:
-        """The histories to keep, each once."""
+    def _records(self, words: Any) -> list[str]:
+        """The records to keep, each once."""
         if not isinstance(words, list):
             raise InputError(f'{self.path}: keep = {shown(words)}: give a list, as in keep = ["force"]')
         for word in words:
             if word not in list(WORDS):  # it may be a list, which has no hash
                 raise InputError(
-                    f'{self.path}: keep: there is no history "{shown(word)}"{meant(str(word), WORDS, "there are")}'
+                    f'{self.path}: keep: there is no record "{shown(word)}"{meant(str(word), WORDS, "there are")}'
                 )
         return list(dict.fromkeys(words))
 

@@ -132,9 +132,9 @@ class Sweep:
         settings = self.study.settings
         requests = ({"set": programs.settings(settings[index]), **self.wanted} for index in left)
         with contextlib.closing(self.kernels.ask(requests)) as answers:
-            for index, line, histories in answers:
+            for index, line, records in answers:
                 key = self.keys[left[index]]
-                self.journal.add(key, line, histories)
+                self.journal.add(key, line, records)
                 check(rows[key])
                 bar.advance("impacts")
                 if time.monotonic() - synced > SYNC_S:
@@ -144,7 +144,7 @@ class Sweep:
         return len(left)
 
     def write(self) -> Table:
-        """Writes the table of all settings as <slug>.sweep.csv, and with the histories as <slug>.sweep.h5."""
+        """Writes the table of all settings as <slug>.sweep.csv, and with the records as <slug>.sweep.h5."""
         rows = [self.refused.get(k) or self.journal.rows.get(key) for k, key in enumerate(self.keys)]
         kept = self.journal.kept
         sources = [

@@ -48,7 +48,7 @@ class Table:
 
     def write_hdf5(self, path: Path, sources: Sequence[Source]) -> None:
         """Writes /inputs/KEY, /outputs/NAME, /status, /error and /warning_texts, each with a value for each
-        setting; texts and lists as JSON, and the warnings of a setting as lines. If the study keeps histories,
+        setting; texts and lists as JSON, and the warnings of a setting as lines. If the study keeps records,
         copies those of `sources` to /histories. Raises OSError."""
         image = io.BytesIO()  # written to memory first, because HDF5 crashes if the disk is full
         with h5py.File(image, "w") as file:
@@ -83,7 +83,7 @@ class Table:
         )
 
     def _fingerprint(self, sources: Sequence[Source]) -> str:
-        """Identifies the content of the HDF5 file, so that histories are not copied again for nothing."""
+        """Identifies the content of the HDF5 file, so that records are not copied again for nothing."""
         parts = [self.title, self.scene, self.keep, self.inputs, self.outputs, self.status, self.error]
         places = [(source.row, *source.kept) for source in sources]
         return hashlib.sha256(json.dumps([parts, self.warnings, places]).encode()).hexdigest()

@@ -14,7 +14,7 @@ from ricochet import programs
 # While a process computes, its next request waits in the pipe, if the pipe certainly has room for it.
 AHEAD, PIPE_BYTES = 2, 32768
 READ_BYTES = 1 << 20
-HISTORIES = b'"histories":'  # in an answer that histories may follow
+HISTORIES = b'"histories":'  # in an answer that records may follow
 
 Reply = tuple[int, bytes, bytes]
 
@@ -30,7 +30,7 @@ class Worker:
 
     def start(self) -> None:
         self.rest = bytearray()  # of an incomplete answer
-        self.line, self.size = b"", 0  # an answer whose histories, of this size, are not complete yet
+        self.line, self.size = b"", 0  # an answer whose records, of this size, are not complete yet
         self.process = subprocess.Popen(
             self.command,
             stdin=subprocess.PIPE,
@@ -61,7 +61,7 @@ class Worker:
             pass  # `answers` handles the end of its output
 
     def answers(self) -> Generator[Reply, None, None]:
-        """Yields an index, an answer, a line of JSON, and the histories that follow it, an HDF5 file or nothing.
+        """Yields an index, an answer, a line of JSON, and the records that follow it, an HDF5 file or nothing.
         If the program dies twice on a request, the answer is {"died": true, …}. Such a request should be sent
         again later, because the program may have been killed."""
         found = os.read(self.replies.fileno(), READ_BYTES)
@@ -109,7 +109,7 @@ class Worker:
 
 def in_parallel(jobs: int, command: Sequence[str], requests: Iterable[Any]) -> Generator[Reply, None, None]:
     """Distributes requests, Python objects, to at most `jobs` processes. Yields (index, answer as a line of
-    JSON, histories)."""
+    JSON, records)."""
     waiting = ((index, json.dumps(request).encode() + b"\n") for index, request in enumerate(requests))
     with selectors.DefaultSelector() as selector:
         workers = []

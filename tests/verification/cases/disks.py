@@ -6,7 +6,7 @@ for at least a hundredth of the contact time while positions on both sides do; s
 the effect of the impulse on the momentum, and the symmetry about position 9 are known in closed form."""
 import numpy as np
 
-from ricochet.pictures.history import History
+from ricochet.pictures.loaded_result import LoadedResult
 from ricochet.pictures.moving_surfaces import moving_surfaces
 from case import BLUE, ORANGE, RED
 from ricochet.programs import ROOT
@@ -52,7 +52,7 @@ def relief(result):
 
 def snapshots(bench, result, speed):
     """Nine moments: outlines of both disks, and the force along the positions."""
-    shown = History(result.path)
+    shown = LoadedResult(result.path)
     skins, time = moving_surfaces(shown, result.path.parent)
     start, end = shown.contact_time[0], shown.contact_time[-1]
     chosen = [int(np.abs(time - t).argmin()) for t in np.linspace(start, end, 9)]

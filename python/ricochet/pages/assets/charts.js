@@ -167,7 +167,7 @@ class Chart {
     const visible = share >= 0 && share <= 1 ? "visible" : "hidden";
     this.probe.style.visibility = this.tip.style.visibility = visible;
     if (visible === "hidden") return;
-    const wanted = this.x.back(share), reach = 0.02 * (this.x.log ? 1 : this.x.high - this.x.low);
+    const wanted = this.x.back(share), tolerance = 0.02 * (this.x.log ? 1 : this.x.high - this.x.low);
     const near = this.lines.map(line => {
       let best = -1, least = Infinity;
       if (line.style.includes("steps")) {  // constant since the previous time
@@ -178,7 +178,7 @@ class Chart {
         const away = Math.abs(this.x.log ? Math.log(x / wanted) : x - wanted);
         if (away < least && !Number.isNaN(line.y[k])) { least = away; best = k; }
       });
-      return least <= reach || this.x.log ? best : -1;
+      return least <= tolerance || this.x.log ? best : -1;
     });
     const at = this.lines.findIndex((line, k) => near[k] >= 0);
     const value = at < 0 ? wanted : this.lines[at].x[near[at]];
@@ -266,8 +266,8 @@ function mapOf(map, [columns, rows], {title, note, rest, label, colour, text, ke
     tip.style.left = `${Math.max(0, Math.min(across * box.width + 12, box.width - tip.offsetWidth))}px`;
   });
   const [low, high] = [where[0], where[rows - 1]].map(value => quantity(value, "m"));
-  const told = `Upwards ${note}${rows > 1 ? `: ${low} to ${high}` : ""}. ${rest}`;
+  const explanation = `Upwards ${note}${rows > 1 ? `: ${low} to ${high}` : ""}. ${rest}`;
   const [from, to] = [map.from, map.to].map(time => make("span", {}, quantity(time, "s")));
   const ends = make("div", {class: "ends"}, from, key, to);
-  return make("figure", {class: "chart", id: name && `map-${name}`}, make("figcaption", {}, title, make("small", {}, told)), plot, ends);
+  return make("figure", {class: "chart", id: name && `map-${name}`}, make("figcaption", {}, title, make("small", {}, explanation)), plot, ends);
 }

@@ -6,10 +6,10 @@ const code = text => make("code", {}, text);
 const percent = value => `${digits(100 * value, 3)} %`;
 
 /** Text for a figure of the run, with its exact value as an attribute. */
-const told = (key, value, text) => make("span", {"data-key": key, "data-value": JSON.stringify(value)}, text);
+const keyed = (key, value, text) => make("span", {"data-key": key, "data-value": JSON.stringify(value)}, text);
 
 const figure = (key, value, unit) =>
-  told(key, value, typeof value === "number" ? quantity(value, unit) : value === null ? "–" : String(value));
+  keyed(key, value, typeof value === "number" ? quantity(value, unit) : value === null ? "–" : String(value));
 
 /** The components of a vector as text. Components that are round-off of the largest one are shown as 0. */
 function vector(values, unit) {
@@ -62,9 +62,9 @@ function listed(list, path, keys, name) {
 function verdict() {
   if (run.static) {
     const names = (run.asked.contact?.pair ?? []).map(pair => pair.between.join(" and "));
-    const one = summary.pairs.length === 1, told = (pair, k) => (one ? "The bodies" : names[k] ?? `Pair ${k + 1}`) +
+    const one = summary.pairs.length === 1, sentence = (pair, k) => (one ? "The bodies" : names[k] ?? `Pair ${k + 1}`) +
       (pair.contact_points > 0 ? ` press on each other with ${quantity(pair.force_n, "N", 3)}` : " do not press on each other");
-    return `${summary.pairs.map(told).join("; ")}.`;
+    return `${summary.pairs.map(sentence).join("; ")}.`;
   }
   if (summary.contact_start_s === null) return "Nothing touched.";
   const start = quantity(summary.contact_start_s, "s"), end = summary.contact_end_s;
@@ -92,10 +92,10 @@ function highlights() {
   if (has("contact_end_s"))
     card("Duration of contact", quantity(s.contact_end_s - s.contact_start_s, "s"), plural(s.episodes.length, "episode"));
   for (const [name, v] of Object.entries(s.exit_velocity ?? {}))
-    card(`Exit velocity of ${name}`, told(`exit_velocity.${name}`, v, quantity(Math.hypot(...v), "m/s")), vector(v, "m/s"));
+    card(`Exit velocity of ${name}`, keyed(`exit_velocity.${name}`, v, quantity(Math.hypot(...v), "m/s")), vector(v, "m/s"));
   if (s.error_estimate) card("Estimated error", percent(s.error_estimate.total), `of the ${spaced(s.error_estimate.quantity)}`);
   if (has("energy_lost_friction"))
-    card("Heat of friction", told("energy_lost_friction", s.energy_lost_friction, percent(s.energy_lost_friction)),
+    card("Heat of friction", keyed("energy_lost_friction", s.energy_lost_friction, percent(s.energy_lost_friction)),
          "of the energy at first touch");
   if (has("max_slip_m") && has("friction_impulse_ns"))
     card("Longest slip", figure("max_slip_m", s.max_slip_m, "m"), `friction passes ${quantity(s.friction_impulse_ns, "N s", 3)}`);
@@ -148,7 +148,7 @@ function contactSection() {
   }
   const rows = Object.entries(exit ?? {}).map(([name, v]) => {
     const before = run.bodies.find(body => body.name === name)?.velocity;
-    return row(name, before ? vector(before, "m/s") : "–", told(`exit_velocity.${name}`, v, vector(v, "m/s")));
+    return row(name, before ? vector(before, "m/s") : "–", keyed(`exit_velocity.${name}`, v, vector(v, "m/s")));
   });
   if (rows.length)
     at.append(make("h3", {}, "Velocities, mean of the mass"), table(["", "before", "when contact last ended"], rows));
@@ -190,7 +190,7 @@ function soundSection() {
 
 function energySection() {
   const at = section("energy");
-  if (run.by_table) return at.append(note("Table kernels keep no energy ledger."));
+  if (run.by_table) return at.append(note("Runs with sampled responses keep no energy ledger."));
   at.append(...run.charts.energy.map(spec => new Chart(spec).element));
   const {strain, residual, kinetic, damping, contact, friction} = run.labels, stored = `strain + ${residual} − work of loads`;
   const labels = run.static ? {total: stored, strain, residual, loads: "work of loads"}
@@ -222,7 +222,7 @@ function errorsSection() {
   const rows = Object.entries(causes).map(([key, label]) => {
     const bar = make("i", {class: "bar"}), share = estimate[key];
     bar.style.width = `${12 * (share ?? 0) / largest}rem`;
-    return row(label, told(`error_estimate.${key}`, share, shown(share)), bar,
+    return row(label, keyed(`error_estimate.${key}`, share, shown(share)), bar,
                ...quantities.map(([, errors]) => shown(errors[key])));
   });
   const asked = run.asked.accuracy ? `; ${digits(run.asked.accuracy)} was asked for` : "";

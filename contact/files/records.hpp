@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The histories that a study keeps of an impact, without its result file: the datasets of
+// The records that a study keeps of an impact, without its result file: the datasets of
 // docs/formats/result.md that are asked for, and the total contact force.
 #pragma once
 
@@ -18,7 +18,7 @@
 
 namespace ricochet::contact {
 
-struct HistoryOptions {
+struct RecordOptions {
   bool force = false;      ///< /contact/time, total_force
   bool receivers = false;  ///< /receivers/time, NAME/velocity
   bool bodies = false;     ///< /time, /bodies/NAME/velocity
@@ -27,13 +27,13 @@ struct HistoryOptions {
   int receivers_every = 1;
 };
 
-class Histories {
+class Records {
  public:
   /// Writes the rows of t = 0. Energies and receivers are absent with a table. Throws InputError, like all
   /// members, if the folder of temporary files cannot be written.
-  Histories(const MotionSource& source, const StepOptions& step, const HistoryOptions& options);
+  Records(const MotionSource& source, const StepOptions& step, const RecordOptions& options);
   /// Records of bodies at rest, without rows and velocities.
-  Histories(const Model& model, const HistoryOptions& options);
+  Records(const Model& model, const RecordOptions& options);
 
   /// Call it after each step of `stepper`.
   void record(const Stepper& stepper);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "contact/files/histories.hpp"
+#include "contact/files/records.hpp"
 
 #include "contact/files/rows.hpp"
 #include "contact/stepping/step_system.hpp"
 
 namespace ricochet::contact {
 
-Histories::Histories(const MotionSource& source, const StepOptions& step, const HistoryOptions& options)
+Records::Records(const MotionSource& source, const StepOptions& step, const RecordOptions& options)
     : source_(source), step_(step.step), every_(options.every), file_(base::hdf5::Unnamed{}) {
   const Model* const model = source_.modes();
   file_.attribute("/", "format", "ricochet-histories");
@@ -31,10 +31,10 @@ Histories::Histories(const MotionSource& source, const StepOptions& step, const 
   receiver_rows_->record(*receivers_);
 }
 
-Histories::Histories(const Model& model, const HistoryOptions& options)
-    : Histories(model, {.scheme = Scheme::at_rest}, {.force = options.force, .energy = options.energy}) {}
+Records::Records(const Model& model, const RecordOptions& options)
+    : Records(model, {.scheme = Scheme::at_rest}, {.force = options.force, .energy = options.energy}) {}
 
-void Histories::record(const Stepper& stepper) {
+void Records::record(const Stepper& stepper) {
   if (force_) force_row(stepper);
   if (!stepper.at_sample()) return;
   const double t = stepper.time();
@@ -50,7 +50,7 @@ void Histories::record(const Stepper& stepper) {
 
 /// Appends the total force of every n-th step in contact. The rows before and after are 0, so that straight
 /// lines between rows show the force.
-void Histories::force_row(const Stepper& stepper) {
+void Records::force_row(const Stepper& stepper) {
   const auto force = stepper.force().head(stepper.points());
   const bool touching = (force.array() > 0).any();
   const std::int64_t k = stepper.steps(), next = force_end_ + every_;
@@ -66,23 +66,23 @@ void Histories::force_row(const Stepper& stepper) {
   pressed_ = true;
 }
 
-void Histories::add_force(double time, double force) {
+void Records::add_force(double time, double force) {
   force_time_->append(time);
   force_->append(force);
 }
 
-void Histories::record(const Equilibrium& equilibrium) {
+void Records::record(const Equilibrium& equilibrium) {
   if (force_) add_force(equilibrium.time, equilibrium.force.head(source_.gap().size()).sum());
   if (time_) time_->append(equilibrium.time);
   if (energy_) energy_->append(equilibrium.energy);
 }
 
-void Histories::bodies_row(const Vector& state, double time) {
+void Records::bodies_row(const Vector& state, double time) {
   for (std::size_t k = 0; k < velocity_.size(); ++k)
     append(velocity_[k], source_.momentum(static_cast<int>(k), state, time) / source_.bodies()[k].mass);
 }
 
-std::string Histories::file() {
+std::string Records::file() {
   if (receiver_rows_) receiver_rows_->finish();
   return file_.content();
 }

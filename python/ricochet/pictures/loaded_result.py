@@ -35,8 +35,8 @@ def low_passed(force: Array, time: Array, spacing: float, hertz: float) -> Array
     return out
 
 
-class History(Result):
-    """A result whose arrays are read at once. A run with table kernels has no `energy` and no `sides`."""
+class LoadedResult(Result):
+    """A result whose arrays are read at once. A run with sampled responses has no `energy` and no `sides`."""
 
     LABELS = {
         "kinetic": "kinetic",

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The histories that a study keeps: the rows of the total force. Those of other quantities are compared with
+// The records that a study keeps: the rows of the total force. Those of other quantities are compared with
 // result files in tests/programs/sweep.py.
-#include "contact/files/histories.hpp"
+#include "contact/files/records.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 #include "tests/contact/falling_body.hpp"
 #include "tests/support.hpp"
 
-namespace histories_test {
+namespace records_test {
 
 using namespace ricochet::contact;
 using ricochet::StepOptions;
@@ -27,7 +27,7 @@ constexpr double step = 1e-5;
 
 struct Bounces {
   std::vector<double> contact_time, force;  ///< of the steps with a force, as in a result file
-  std::vector<double> time, total_force;    ///< of the histories
+  std::vector<double> time, total_force;    ///< of the records
   std::size_t episodes = 0;
 };
 
@@ -37,12 +37,12 @@ Bounces bounce(std::int64_t every) {
   const Model model = dropped(3, 2, 1e-3);
   const StepOptions options{.step = step, .steps_per_sample = 4};
   const auto stepper = make_stepper(model, options);
-  Histories histories(model, options, {.force = true, .every = every});
+  Records records(model, options, {.force = true, .every = every});
   Bounces out;
   bool touching = false;
   while (stepper->time() < 0.08) {
     EXPECT_EQ(stepper->step(), StepStatus::ok);
-    histories.record(*stepper);
+    records.record(*stepper);
     const Vector& force = stepper->force();
     const bool touched = std::exchange(touching, force(0) > 0 || force(1) > 0);
     if (!touching) continue;
@@ -51,7 +51,7 @@ Bounces bounce(std::int64_t every) {
     out.contact_time.push_back(stepper->time());
     out.force.push_back(force(0) + force(1));
   }
-  std::ofstream(folder / "kept.h5", std::ios::binary) << histories.file();
+  std::ofstream(folder / "kept.h5", std::ios::binary) << records.file();
   const Reader kept(folder / "kept.h5", "");
   out.time = kept.read<double>("/contact/time", {any});
   out.total_force = kept.read<double>("/contact/total_force", {any});
@@ -88,4 +88,4 @@ TEST(TotalForce, is_that_of_every_step_of_contact_with_0_around_each_episode) {
   }
 }
 
-}  // namespace histories_test
+}  // namespace records_test
