@@ -228,16 +228,16 @@ TEST(Restart, computes_only_the_slices_that_are_missing_on_any_teams) {
       expect_lowest(second, again, count);
       // The shapes on each team belong to the eigenvalues of its slices.
       const modes::Operators operators(second.mesh, second.body);
-      std::int64_t counted = 0;
+      std::int64_t modes_here = 0;
       for (std::size_t s = 0; s < again.slices.size(); ++s) {
         if (again.team[s] != second.teams.mine()) continue;
         const auto& lambda = again.slices[s].lambda;
         ASSERT_EQ(again.shape[s].cols(), std::ssize(lambda));
         const Eigen::Map<const Eigen::VectorXd> values(lambda.data(), std::ssize(lambda));
         EXPECT_LT(operators.residuals(again.shape[s], values).maxCoeff(), 1e-7) << s;
-        counted += std::ssize(lambda);
+        modes_here += std::ssize(lambda);
       }
-      EXPECT_GT(counted, 0);
+      EXPECT_GT(modes_here, 0);
       MPI_Barrier(PETSC_COMM_WORLD);
       parallel::on_first_rank(PETSC_COMM_WORLD, [&] { std::filesystem::remove_all(folder); });
     }
