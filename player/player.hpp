@@ -23,7 +23,7 @@ struct Strike {
   int place = 0;           ///< of Instrument::places
   int mallet = 0;          ///< of Instrument::mallets
   double speed = 1;        ///< towards the place, above 0 [m/s]
-  std::int64_t after = 0;  ///< samples from the begin of the next block
+  std::int64_t after = 0;  ///< samples from the beginning of the next block
 };
 
 /// Only the constructor allocates. Functions that are noexcept neither allocate nor lock nor call the system.

@@ -50,7 +50,7 @@ class StruckBody {
   bool step() noexcept;
   /// Advances the body across one free flight; only if it is alone.
   void advance_in_flight() noexcept;
-  /// Sets modes to rest whose energy is below `least` [J] each. Returns whether all rest.
+  /// Sets each mode to rest whose energy is below `least` [J]. Returns whether all modes are at rest.
   bool rest_below(double least) noexcept;
   void rest() noexcept;  ///< takes all mallets away and stops all motion
 

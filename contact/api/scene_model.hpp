@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the scene of the embedding interface means to the steppers. All functions refuse what they cannot use
+// Converts the scene of the embedding interface for the steppers. All functions refuse what they cannot use
 // in one line.
 #pragma once
 

@@ -19,8 +19,8 @@ namespace ricochet::contact {
 /// the two top octaves of the band: p = 1 for rods, and up to 3 for solids. Patterns narrower than the
 /// shortest wave have a constant ⟨b²⟩; for wider ones it falls, and E is an upper bound.
 ///
-/// No force falls more slowly than that of a front, |F|² ∝ 1/ω². The recorded one does where it has ripple,
-/// which the end of the band causes; then |F|² follows from the top octave of the band by that law.
+/// No force falls more slowly than that of a wave front, |F|² ∝ 1/ω². Where ripple, caused by the end of the
+/// band, makes the recorded force fall more slowly, |F|² follows from the top octave by this law.
 ///
 /// F is sampled at frequencies that are spread evenly over the logarithm and off the period of a touch, which
 /// leaves an error of about a tenth. This takes constant memory and the time of about four modes in each step

@@ -20,7 +20,7 @@ struct Figure {
 /// Velocities are those when contact last ended, or at the end of the run if bodies still touch. They are
 /// relative to V, the largest speed at which a pair of bodies approached along its impulse when contact
 /// began, or half of the largest change of velocity if that is larger (bodies that are pressed together have
-/// no approach speed). With one free body, the relative error of its velocity is thus the error of the
+/// no approach speed). With one free body, the relative error of its velocity is therefore the error of the
 /// coefficient of restitution. Angular velocities are relative to V divided by the body's radius of gyration,
 /// and energies to kinetic + strain energy when contact began, above the strain under dead loads at t = 0.
 /// All other quantities are relative to themselves.

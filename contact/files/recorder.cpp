@@ -112,7 +112,7 @@ void Recorder::write_place(const Bodies::Block& body, std::size_t number, const 
   file_.attribute(group, "translation", flat(Vector(body.translation)));
 }
 
-/// Adds the rows of what only modes tell, for those of t = 0 too.
+/// Adds the rows of quantities that only modes give, also for t = 0.
 void Recorder::add_model_rows(const Model& model, const StepOptions& step, const RecorderOptions& options) {
   const auto m = static_cast<std::size_t>(model.points());
   sides_.emplace(model, step);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The records that a study keeps of an impact, without its result file: the datasets of
-// docs/formats/result.md that are asked for, and the total contact force.
+// docs/formats/result.md that are requested, and the total contact force.
 #pragma once
 
 #include <cstdint>

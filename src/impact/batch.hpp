@@ -23,9 +23,9 @@ namespace ricochet::impact {
 ///
 ///     {"status": 0, "summary": {…}}                 keys of summary.json
 ///     {"histories": 5120, "status": 0, "summary": {…}}
-///                                   after this line follow so many bytes, an HDF5 file
+///                                   an HDF5 file of so many bytes follows this line
 ///     {"status": 0, "kernels": [{"file": "…", "there": true}, …], "reads": {…}}
-///                                   reads: tables and histories
+///                                   reads: sampled responses and histories
 ///     {"status": 2, "error": "…"}                   the request was refused; 1: the computation failed
 ///
 /// A damaged kernel counts as missing, but a kernel of a newer format is an error. A request that is not a

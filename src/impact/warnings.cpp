@@ -18,7 +18,7 @@ constexpr double few_steps = 20;
 /// Share of the energy that contact may remove. A frictionless contact of elastic bodies removes none.
 constexpr double lost_share = 0.01;
 
-/// A coefficient of restitution from 0 to 1 may leave this interval by the accuracy that is asked for by
+/// A coefficient of restitution from 0 to 1 may leave this interval by the accuracy that is requested by
 /// default, and by what gravity adds to the speeds during a touch.
 constexpr double slack_of_restitution = 0.01;
 

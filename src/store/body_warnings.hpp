@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Mass, size and wave speed of a body, and warnings about a body that is probably not the one that is meant.
+// Mass, size and wave speed of a body, and warnings about a body that is probably not the intended one.
 #pragma once
 
 #include <string>

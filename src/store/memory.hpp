@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// States the memory of an impact before it is allocated, and refuses what does not fit, because the system
-// would kill it without a word.
+// States the memory of an impact before it is allocated, and refuses an impact that does not fit, because
+// the system would kill the process without a message.
 #pragma once
 
 #include <string>
