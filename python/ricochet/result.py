@@ -386,8 +386,8 @@ class Result(_Data):
         return f"<b>{html.escape(self.title)}</b>{warned}<table>{rows}</table>{self._force_drawing()}"
 
     def _force_drawing(self) -> str:
-        """The total force over the time of contact as a small SVG. Empty if nothing touches or there is no
-        history."""
+        """The total force over the time of contact as a small SVG. Empty if nothing touches or the result
+        has only one time."""
         if len(self.contact_time) == 0 or len(self.time) < 3:
             return ""
         step = self.time[1] - self.time[0]

@@ -54,9 +54,9 @@ def by_contact(result: File, kernel: File, group: str, size: tuple[int, int]) ->
     candidates, place = np.unique(candidate, return_inverse=True)
     if len(candidate) != len(snapshot) or not within(snapshot, count):
         raise InputError(f'{result.path}: "{group}" names snapshots that do not exist. Compute it again.')
-    history = np.zeros((count, len(candidates), components))
-    np.add.at(history, (snapshot, place.ravel()), force)
-    left, weight, patterns = np.linalg.svd(history.reshape(count, -1), full_matrices=False)
+    forces = np.zeros((count, len(candidates), components))
+    np.add.at(forces, (snapshot, place.ravel()), force)
+    left, weight, patterns = np.linalg.svd(forces.reshape(count, -1), full_matrices=False)
     error = np.sqrt(np.append(np.cumsum(weight[::-1] ** 2)[::-1], 0))  # with the first 0, 1, … patterns
     r = int(np.argmax(error <= LEFT_OUT * error[0]))
     mix = patterns[:r].T.astype("f4")

@@ -209,7 +209,7 @@ function spaced(name) {
 
 function errorsSection() {
   const at = section("errors"), estimate = summary.error_estimate;
-  if (run.by_table) return at.append(note("Table kernels have no error estimate."));
+  if (run.by_table) return at.append(note("Runs with sampled responses have no error estimate."));
   if (!estimate && run.static) return at.remove();
   if (!estimate)
     return at.append(note("Not estimated. With accuracy = 1e-2 in the scene, or --accuracy 1e-2 for both programs, the run says " +
