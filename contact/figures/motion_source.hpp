@@ -14,7 +14,8 @@
 
 namespace ricochet::contact {
 
-/// The state of a run is q̇ (N) with modes, and the velocities (3·bodies) of the free bodies with a table.
+/// The state of a run is q̇ (N) with modes, and the velocities (3·bodies) of the free bodies with sampled
+/// responses.
 class MotionSource {
  public:
   struct Body {
@@ -23,7 +24,7 @@ class MotionSource {
     bool moves = false;  ///< whether it can move rigidly
   };
   struct Pair {
-    int a = -1, b = -1;                  ///< bodies; −1: an obstacle or, with a table, a supported body
+    int a = -1, b = -1;  ///< bodies; −1: an obstacle or, with sampled responses, a supported body
     Eigen::Index first = 0, points = 0;  ///< its points
     Matrix normal;                       ///< (points,3) out of a; 0 at points of other pairs
   };
@@ -38,9 +39,9 @@ class MotionSource {
   const Vector& gap() const { return *gap_; }    ///< (m) [m]
   const Vector& area() const { return *area_; }  ///< (m) [m²]; empty if unknown
 
-  /// Null with a table: deformation, energies and receivers are unknown.
+  /// Null with sampled responses: deformation, energies and receivers are unknown.
   const Model* modes() const { return table_ ? nullptr : places_; }
-  /// The points, bodies and modes that the responses represent. Null if unknown, with a table from a file.
+  /// The points, bodies and modes that the responses represent. Null if they are read from a file.
   const Model* places() const { return places_; }
 
   Vector initial_state() const;

@@ -13,8 +13,8 @@
 
 namespace ricochet::contact {
 
-/// Observes a run. Call `observe` after each step. With a table, energies are not known, and there are no
-/// warnings.
+/// Observes a run. Call `observe` after each step. With sampled responses, energies are not known, and there
+/// are no warnings.
 class SummaryObserver {
  public:
   /// @param wave_speed  smallest √(E/ρ) of the bodies [m/s], for the warning on fast impacts; 0 if unknown,

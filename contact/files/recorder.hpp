@@ -42,8 +42,9 @@ double least_bytes(const MotionSource& source, const RecorderOptions& options, s
 
 class Recorder {
  public:
-  /// Creates the file and writes the row of t = 0. With a table, the datasets of energies, of the motion of
-  /// the two sides and of modal coordinates are absent. Throws InputError if the file cannot be created.
+  /// Creates the file and writes the row of t = 0. With sampled responses, the datasets of energies, of the
+  /// motion of the two sides and of modal coordinates are absent. Throws InputError if the file cannot be
+  /// created.
   Recorder(const MotionSource& source, const StepOptions& step, const RecorderOptions& options);
 
   /// Creates the file for bodies at rest, without rows. Throws as above.
@@ -54,7 +55,7 @@ class Recorder {
   /// Writes a row. Throws as above.
   void record(const Equilibrium& equilibrium);
 
-  /// Motion of the receivers after the last step. Must not be called with a table.
+  /// Motion of the receivers after the last step. Must not be called with sampled responses.
   const Receivers& receivers() const { return *receivers_; }
 
   /// Writes buffered rows and gives the file its final name. No member may be called afterwards.

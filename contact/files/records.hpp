@@ -22,15 +22,15 @@ struct RecordOptions {
   bool force = false;      ///< /contact/time, total_force
   bool receivers = false;  ///< /receivers/time, NAME/velocity
   bool bodies = false;     ///< /time, /bodies/NAME/velocity
-  bool energy = false;     ///< /time, /energy; absent with a table
+  bool energy = false;     ///< /time, /energy; absent with sampled responses
   std::int64_t every = 1;  ///< as in RecorderOptions
   int receivers_every = 1;
 };
 
 class Records {
  public:
-  /// Writes the rows of t = 0. Energies and receivers are absent with a table. Throws InputError, like all
-  /// members, if the folder of temporary files cannot be written.
+  /// Writes the rows of t = 0. Energies and receivers are absent with sampled responses. Throws InputError,
+  /// like all members, if the folder of temporary files cannot be written.
   Records(const MotionSource& source, const StepOptions& step, const RecordOptions& options);
   /// Records of bodies at rest, without rows and velocities.
   Records(const Model& model, const RecordOptions& options);

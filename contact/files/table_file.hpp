@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Reads table files (docs/formats/responses.md).
+// Reads files of sampled responses (docs/formats/responses.md).
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace ricochet::contact {
 
-/// Reads and validates a table file. Throws a one-line InputError.
+/// Reads and validates such a file. Throws a one-line InputError.
 Table read_table(const std::filesystem::path& path);
 
 }  // namespace ricochet::contact

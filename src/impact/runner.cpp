@@ -29,7 +29,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// The pairs of a scene and the model of its kernels, both empty if the table comes from a file.
+/// The pairs of a scene and the model of its kernels, both empty if the responses come from a file.
 struct Paired {
   store::Prepared prepared{};
   contact::Model model{};

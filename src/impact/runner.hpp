@@ -31,8 +31,8 @@ struct ImpactRequest {
 /// The data of one impact.
 struct Impact {
   scene::Scene scene;        ///< at first as read, later with the settings chosen for its accuracy
-  store::Kernels kernels{};  ///< empty if the table comes from a file
-  std::shared_ptr<const contact::Model> model{};  ///< folded; null if the table comes from a file
+  store::Kernels kernels{};  ///< empty if the responses come from a file
+  std::shared_ptr<const contact::Model> model{};  ///< folded; null if the responses come from a file
   std::optional<contact::Table> table{};          ///< with sampled responses only
   StepOptions options{};
   std::int64_t steps = 0;  ///< contact steps; 0 at rest

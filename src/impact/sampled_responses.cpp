@@ -11,7 +11,7 @@
 namespace ricochet::impact {
 namespace {
 
-/// Throws InputError if the samples of a table, their copy in the convolution and the spectra do not fit into
+/// Throws InputError if the sampled responses, their copy in the convolution and the spectra do not fit into
 /// memory.
 void check_table(const Impact& impact) {
   const auto points = impact.model->gap.size();

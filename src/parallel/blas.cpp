@@ -24,8 +24,8 @@ void prepare_blas(char** argv) {
       __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
     better = "SkylakeX";
   if (better == nullptr) return;
-  // OpenBLAS chooses its kernels when it is loaded, so another choice requires a new process. If execv fails,
-  // the program continues with the slow kernels.
+  // OpenBLAS chooses its routines when it is loaded, so another choice requires a new process. If execv
+  // fails, the program continues with the slow ones.
   setenv("OPENBLAS_CORETYPE", better, 1);
   execv("/proc/self/exe", argv);
 }

@@ -5,7 +5,7 @@
 namespace ricochet::parallel {
 
 /// Must be the first call of `main`. Limits OpenBLAS to one thread per rank, and restarts the program with
-/// OPENBLAS_CORETYPE set if OpenBLAS chose its oldest kernels on a processor with newer instructions.
+/// OPENBLAS_CORETYPE set if OpenBLAS chose its oldest routines on a processor with newer instructions.
 /// Settings of the environment take precedence.
 ///
 /// OpenBLAS 0.3.21 of Debian 12 identifies processors by their model numbers and falls back to "Prescott"
