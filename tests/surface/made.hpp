@@ -78,7 +78,7 @@ struct Made {
   kernels::Kernel trace(modes::Factorisation& factor, const modes::ModeSet& set) {
     kernels::Kernel made;
     surface::trace(one_team(), mesh, matrices, factor, set, patches, surface::patch_loads(mesh, patches),
-                   surface::Residual::all, false, made, sources);
+                   surface::Correction::all, false, made, sources);
     made.modes.angular_frequency = set.angular_frequency;
     return made;
   }

@@ -44,7 +44,7 @@ TEST(Traction, of_a_surface_is_its_area_times_the_vector) {
     modes::Factorisation factor(made.matrices.stiffness, made.matrices.mass);
     kernels::Kernel kernel;
     surface::trace(test::one_team(), made.mesh, made.matrices, factor, made.linear_fields(), made.patches,
-                   surface::patch_loads(made.mesh, made.patches), surface::Residual::none, false, kernel,
+                   surface::patch_loads(made.mesh, made.patches), surface::Correction::none, false, kernel,
                    made.sources);
     const MatrixXd part = rows(kernel.applied[0].participation, 3);
     const Point exact = top * (gradient * centre + offset);
@@ -68,7 +68,7 @@ TEST(Receiver, of_a_linear_field_is_its_value_at_any_position) {
       modes::Factorisation factor(made.matrices.stiffness, made.matrices.mass);
       kernels::Kernel kernel;
       surface::trace(test::one_team(), made.mesh, made.matrices, factor, made.linear_fields(), made.patches,
-                     surface::patch_loads(made.mesh, made.patches), surface::Residual::none, false, kernel,
+                     surface::patch_loads(made.mesh, made.patches), surface::Correction::none, false, kernel,
                      made.sources);
       ASSERT_EQ(kernel.receivers.size(), 5U);
       for (std::size_t r = 0; r < 5; ++r) {

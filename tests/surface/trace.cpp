@@ -53,7 +53,7 @@ struct Body {
     kernels::Kernel kernel;
     surface::trace(test::one_team(), mesh, matrices, *factor, set, patches,
                    surface::patch_loads(mesh, patches),
-                   residual ? surface::Residual::all : surface::Residual::none, view, kernel,
+                   residual ? surface::Correction::all : surface::Correction::none, view, kernel,
                    surface::make_sources(mesh, {}));
     return kernel;
   }
@@ -105,7 +105,7 @@ TEST(Trace, of_a_rigid_mode_is_its_value_at_the_point_from_which_gaps_are_measur
     kernel.centre = body.matrices.centre;
     kernel.inertia = body.matrices.inertia;
     surface::trace(test::one_team(), body.mesh, body.matrices, *body.factor, set, body.patches,
-                   surface::patch_loads(body.mesh, body.patches), surface::Residual::none, false, kernel,
+                   surface::patch_loads(body.mesh, body.patches), surface::Correction::none, false, kernel,
                    surface::make_sources(body.mesh, {}));
     const kernels::Surface& geometry = kernel.surface;
     int moved = 0;
