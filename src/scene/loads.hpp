@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "src/scene/data/output.hpp"
 #include "src/scene/request.hpp"
 
 namespace ricochet::scene {
