@@ -6,7 +6,9 @@
 #include <functional>
 #include <limits>
 #include <random>
+#include <utility>
 
+#include "contact/accuracy/inertia.hpp"
 #include "contact/model/coarsening.hpp"
 #include "contact/stepping/run_steps.hpp"
 #include "kernels/algebra.hpp"
@@ -68,6 +70,27 @@ double largest_growing(const Errors& last, const std::optional<Errors>& before,
     if (const auto d = previous(last, quantity); d && *d > growing * earlier) out = std::max(out, *d);
   }
   return out;
+}
+
+/// Frequencies at which the modes of the octave above a band are tried, and the part of R that they have.
+constexpr int tried = 4;
+constexpr double of_octave = 0.5;
+
+/// Fewer modes in the upper half of a band do not represent those above it.
+constexpr double fewest = 2;
+
+/// Whether the impulses of a pair excite fewer modes in the upper half of its band: (Σ b²)²/Σ b⁴ of their
+/// participations b, which is N if N modes take part alike. @param end  of the band of each pair [rad/s]
+bool excites_few(const Model& model, const Vector& impulse, const Vector& end) {
+  for (std::size_t p = 0; p < model.pairs.size(); ++p) {
+    const Vector w = model.pairs[p].part_of(impulse);
+    const Eigen::ArrayXd square = (model.B.transpose() * w).array().square(),
+                         top =
+                             (model.omega.array() > end[static_cast<Eigen::Index>(p)] / 2).select(square, 0);
+    if (!w.isZero(0) && !(std::pow(top.sum(), 2) >= fewest * top.square().sum() && top.sum() > 0))
+      return true;
+  }
+  return false;
 }
 
 /// A lever arm that is this part of the radius of gyration changes the effective mass of a body by 1 %.
@@ -265,8 +288,34 @@ std::optional<Errors> Estimator::precision(const StepOptions& options) {
   return scaled(*found, is_single ? 1 : double_over_single);
 }
 
+std::optional<Estimator::AboveBand> Estimator::above_band(const StepOptions& options,
+                                                          const Quantities& base) const {
+  const bool known = model_.has_residual && std::ranges::none_of(subject_.kernels, [](const auto& kernel) {
+                       return is_rod(kernel) || kernel.modes.contact_adapted();
+                     });
+  if (!known || subject_.at_rest || options.scheme != Scheme::compliant) return std::nullopt;
+  Vector end(std::ssize(model_.pairs));
+  for (std::size_t p = 0; p < model_.pairs.size(); ++p) {
+    double& lowest = end[static_cast<Eigen::Index>(p)] = std::numeric_limits<double>::infinity();
+    for (const int k : {model_.pairs[p].a, model_.pairs[p].b})
+      if (k >= 0) lowest = std::min(lowest, end_of(subject_.kernels[static_cast<std::size_t>(k)], 1).value);
+    if (!(lowest > 0)) return std::nullopt;
+  }
+  AboveBand out{none(base), excites_few(model_, base.impulse, end)};
+  for (int k = 0; k < tried; ++k) {
+    const auto found =
+        change(base, run(with_inertia(model_, base.impulse, std::exp2((k + 0.5) / tried) * end), options));
+    if (!found) return std::nullopt;
+    for (auto& [quantity, square] : out.error) square += std::pow(found->at(quantity), 2) / tried;
+  }
+  for (auto& [quantity, error] : out.error) error = std::sqrt(error) / of_octave;
+  return out;
+}
+
 std::optional<Errors> Estimator::modes(const StepOptions& options, const Quantities& base) {
   if (subject_.at_rest && model_.has_residual) return none(base);
+  const auto above = above_band(options, base);
+  if (above && above->alone) return above->error;
   const bool fewer = std::ranges::any_of(subject_.kernels, [](const kernels::Kernel& kernel) {
     return kernel.modes.size() > 0 && kernel.modes.angular_frequency.back() > end_of(kernel, 0.5).value;
   });
@@ -280,7 +329,11 @@ std::optional<Errors> Estimator::modes(const StepOptions& options, const Quantit
   const auto before = change(half, quarter);
   growing_change_ =
       largest_growing(*last, before, change(quarter, up_to(0.125, options)), subject_.requested);
-  return remaining(*last, before, of_series);
+  Errors out = remaining(*last, before, of_series);
+  if (!above) return out;
+  if (std::exchange(growing_change_, 0) > 0) return above->error;
+  for (auto& [quantity, e] : out) e = std::min(e, above->error.at(quantity));
+  return out;
 }
 
 std::optional<Errors> Estimator::basis(const StepOptions& options, const Quantities& base) {

@@ -24,6 +24,7 @@ class QuantityObserver {
         step_(options.step),
         figures_(model, options.step),
         pressed_(model.gap.size(), false),
+        impulse_(Vector::Zero(model.rows())),
         linearity_(model, 0) {
     if (receivers && !model.receivers.empty()) receivers_.emplace(model, options);
     heard_.resize(3 * model.receivers.size());
@@ -42,6 +43,7 @@ class QuantityObserver {
     open_ = 0;
     longest_ = std::max(longest_, static_cast<double>(touch_) * step_);
     linearity_.observe(stepper, figures_.before(), figures_.begins());
+    impulse_ += step_ * stepper.force();
     for (Eigen::Index i = 0; i < stepper.points(); ++i)
       if (stepper.force()[i] > 0) pressed_[static_cast<std::size_t>(i)] = true;
   }
@@ -51,6 +53,7 @@ class QuantityObserver {
                    .longest_touch = longest_,
                    .pressed = pressed_,
                    .force = force_,
+                   .impulse = impulse_,
                    .nearer = linearity_.nearer()};
     if (receivers_) out.figures[Quantity::receivers] = bands();
     if (force_.empty()) {
@@ -84,6 +87,7 @@ class QuantityObserver {
   double step_;
   FigureObserver figures_;
   std::vector<bool> pressed_;
+  Vector impulse_;
   LinearityCheck linearity_;
   std::vector<double> force_;
   std::optional<Receivers> receivers_;

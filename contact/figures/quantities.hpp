@@ -21,6 +21,7 @@ struct Quantities {
   double longest_touch = 0;
   std::vector<bool> pressed{};  ///< (m) points with a force in some step; empty at rest
   std::vector<double> force{};  ///< Σ λ_i of each step [N]; empty at rest
+  Vector impulse{};             ///< (n) impulses of the rows [N s]; empty at rest
   double nearer = 0;            ///< farthest rigid approach of pressed points [m]; 0 at rest
   /// If nothing touched in an impact: the smallest distance of a pair of points [m], and the side of a square
   /// with the area of this point [m].

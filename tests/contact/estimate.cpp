@@ -9,6 +9,7 @@
 
 #include "contact/accuracy/dial.hpp"
 #include "contact/accuracy/error_report.hpp"
+#include "contact/accuracy/inertia.hpp"
 #include "contact/stepping/stepper.hpp"
 #include "tests/contact/rigid_plate.hpp"
 
@@ -212,6 +213,56 @@ TEST(ModesShare, is_unknown_if_accuracy_would_rest_on_changes_that_still_grow) {
   }
 }
 
+/// A solid of unit mass, one point of which hits a wall. Its modes n ≤ `last` have the frequencies nπ and
+/// move the point by √2 weight(n); those above `modes` respond at once.
+Subject solid(int modes, int last, const std::function<double(int)>& weight) {
+  Kernel kernel = rod(modes + 1, 1);
+  kernel.surface.element_corners = 3;
+  kernel.surface.element.clear();
+  std::ranges::fill(kernel.surface.residual_flexibility, 0);
+  for (int n = 1; n <= last; ++n)
+    if (n <= modes)
+      for (const int end : {0, 1})
+        kernel.surface.shape[static_cast<std::size_t>(end * (modes + 1) + n)] *= weight(n);
+    else
+      kernel.surface.residual_flexibility[3] += 2 * std::pow(weight(n) / (n * std::numbers::pi), 2);
+  const auto place = [](const std::vector<Kernel>& kernels) {
+    return build_model({{.name = "solid", .kernel = kernels.data(), .velocity = {1, 0, 0}}},
+                       {{.name = "wall", .point = {1, 0, 0}, .normal = {-1, 0, 0}}},
+                       {PairRequest{"solid", "wall", {}, {}, {}}}, {0, 0, 0});
+  };
+  return {.rebuild = place, .kernels = {std::move(kernel)}, .duration = 3};
+}
+
+struct SolidCase {
+  std::string name;
+  std::function<double(int)> weight;
+};
+
+// Patches far smaller than the shortest wave make the force smooth; the mean of a face meets a front; and
+// modes of another kind, which leave the point at rest, say nothing of those that move it.
+TEST(ModesShare, of_solids_follows_smooth_forces_fronts_and_modes_of_a_kind_that_the_band_lacks) {
+  const auto small_patch = [](int n) { return n / 20.0; };
+  const auto face = [](int) { return 1.0; };
+  const auto two_kinds = [](int n) { return n <= 12 ? 0.0 : 1.0; };
+  for (const auto& [name, weight] :
+       {SolidCase{"patch", small_patch}, SolidCase{"face", face}, SolidCase{"kinds", two_kinds}})
+    for (const int modes : {10, 12, 14, 20, 28, 40}) {
+      const StepOptions options{.step = 1.0 / modes / 16};
+      Estimated estimated(solid(modes, 400, weight));
+      const ErrorEstimate found = estimated.estimator.estimate(options);
+      const Subject all = solid(400, 400, weight);
+      const auto truth = impact_quantities(all.rebuild(all.kernels), {.step = 1e-4}, 30000);
+      ASSERT_TRUE(truth);
+      const double error = distance(*truth, *estimated.estimator.quantities(options));
+      const double share = largest(found.by_cause.at(Cause::modes));
+      EXPECT_LT(error, 3 * share) << name << ", " << modes << " modes";
+      // The phase of a front may leave the modes above a band without energy.
+      EXPECT_LT(share, (name == "face" ? 300 : 5) * error) << name << ", " << modes << " modes";
+      EXPECT_EQ(estimated.estimator.growing_change(), 0);
+    }
+}
+
 TEST(ModesShare, is_unknown_where_there_is_no_mode_to_leave_out) {
   Estimated estimated(subject(1));
   Estimator& estimator = estimated.estimator;
@@ -406,6 +457,27 @@ TEST(SpacingShare, is_unknown_where_fewer_points_would_let_the_body_turn) {
   };
   EXPECT_FALSE(share(0.2, 0.01));
   EXPECT_TRUE(share(0, 1));
+}
+
+TEST(Inertia, leaves_static_responses_and_halves_the_instant_one_to_the_impulse) {
+  const Kernel kernel = block(5);
+  Model model = build_model(
+      {{.name = "block", .kernel = &kernel, .rotation = upside_down(), .translation = {0, 1, 1}}},
+      {{.name = "floor", .normal = {0, 0, 1}}}, {PairRequest{"block", "floor", {}, {}, {}}}, {0, 0, 0});
+  const Eigen::Index n = model.rows(), modes = model.omega.size();
+  const Matrix root = Matrix::Random(n, n);
+  model.R = root * root.transpose() + 0.1 * Matrix::Identity(n, n);
+  const Vector impulse = Vector::Random(n).cwiseAbs();
+  const Model with = with_inertia(model, impulse, Vector::Constant(1, 50));
+  ASSERT_EQ(with.omega.size(), modes + 1);
+  const auto instant = [&](const Model& of) { return impulse.dot(of.R * impulse); };
+  EXPECT_NEAR(instant(with), instant(model) / 2, 1e-12 * instant(model));
+  EXPECT_GT(with.R.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(), 0);
+  for (int k = 0; k < 3; ++k) {  // under a constant force f, a mode moves to Bᵀf/ω²
+    const Vector force = Vector::Random(n);
+    const double moved = with.B.col(modes).dot(force) / std::pow(with.omega[modes], 2);
+    EXPECT_LT((with.R * force + moved * with.B.col(modes) - model.R * force).norm(), 1e-12 * force.norm());
+  }
 }
 
 TEST(BasisShare, of_rods_is_unknown) {

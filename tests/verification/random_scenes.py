@@ -242,7 +242,7 @@ def add_arguments(parser):
         "--limit", type=float, default=60, help="processor time of one program [s] (default: 60)"
     )
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "random", help="(default: out/random)")
-    parser.add_argument("--ranks", type=int, default=2, help="ranks of ricochet-kernel (default: 2)")
+    parser.add_argument("--ranks", type=int, default=1, help="ranks of ricochet-kernel (default: 1)")
 
 
 def run(given):
