@@ -77,7 +77,7 @@ constexpr int tried = 4;
 constexpr double of_octave = 0.5;
 
 /// Fewer modes in the upper half of a band do not represent those above it.
-constexpr double fewest = 2;
+constexpr double fewest_excited = 2;
 
 /// Whether the impulses of a pair excite fewer modes in the upper half of its band: (Σ b²)²/Σ b⁴ of their
 /// participations b, which is N if N modes take part alike. @param end  of the band of each pair [rad/s]
@@ -87,7 +87,7 @@ bool excites_few(const Model& model, const Vector& impulse, const Vector& end) {
     const Eigen::ArrayXd square = (model.B.transpose() * w).array().square(),
                          top =
                              (model.omega.array() > end[static_cast<Eigen::Index>(p)] / 2).select(square, 0);
-    if (!w.isZero(0) && !(std::pow(top.sum(), 2) >= fewest * top.square().sum() && top.sum() > 0))
+    if (!w.isZero(0) && !(std::pow(top.sum(), 2) >= fewest_excited * top.square().sum() && top.sum() > 0))
       return true;
   }
   return false;
