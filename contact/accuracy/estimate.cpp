@@ -6,7 +6,6 @@
 #include <functional>
 #include <limits>
 #include <random>
-#include <utility>
 
 #include "contact/accuracy/inertia.hpp"
 #include "contact/model/coarsening.hpp"
@@ -288,12 +287,11 @@ std::optional<Errors> Estimator::precision(const StepOptions& options) {
   return scaled(*found, is_single ? 1 : double_over_single);
 }
 
-std::optional<Estimator::AboveBand> Estimator::above_band(const StepOptions& options,
-                                                          const Quantities& base) const {
+std::optional<Vector> Estimator::ends_of_bands() const {
   const bool known = model_.has_residual && std::ranges::none_of(subject_.kernels, [](const auto& kernel) {
                        return is_rod(kernel) || kernel.modes.contact_adapted();
                      });
-  if (!known || subject_.at_rest || options.scheme != Scheme::compliant) return std::nullopt;
+  if (!known) return std::nullopt;
   Vector end(std::ssize(model_.pairs));
   for (std::size_t p = 0; p < model_.pairs.size(); ++p) {
     double& lowest = end[static_cast<Eigen::Index>(p)] = std::numeric_limits<double>::infinity();
@@ -301,21 +299,27 @@ std::optional<Estimator::AboveBand> Estimator::above_band(const StepOptions& opt
       if (k >= 0) lowest = std::min(lowest, end_of(subject_.kernels[static_cast<std::size_t>(k)], 1).value);
     if (!(lowest > 0)) return std::nullopt;
   }
-  AboveBand out{none(base), excites_few(model_, base.impulse, end)};
+  return end;
+}
+
+std::optional<Errors> Estimator::above_band(const StepOptions& options, const Quantities& base,
+                                            const Vector& end) const {
+  Errors out = none(base);
   for (int k = 0; k < tried; ++k) {
     const auto found =
         change(base, run(with_inertia(model_, base.impulse, std::exp2((k + 0.5) / tried) * end), options));
     if (!found) return std::nullopt;
-    for (auto& [quantity, square] : out.error) square += std::pow(found->at(quantity), 2) / tried;
+    for (auto& [quantity, square] : out) square += std::pow(found->at(quantity), 2) / tried;
   }
-  for (auto& [quantity, error] : out.error) error = std::sqrt(error) / of_octave;
+  for (auto& [quantity, error] : out) error = std::sqrt(error) / of_octave;
   return out;
 }
 
 std::optional<Errors> Estimator::modes(const StepOptions& options, const Quantities& base) {
   if (subject_.at_rest && model_.has_residual) return none(base);
-  const auto above = above_band(options, base);
-  if (above && above->alone) return above->error;
+  const auto end = options.scheme == Scheme::compliant ? ends_of_bands() : std::nullopt;
+  if (end && excites_few(model_, base.impulse, *end))
+    if (const auto above = above_band(options, base, *end)) return above;
   const bool fewer = std::ranges::any_of(subject_.kernels, [](const kernels::Kernel& kernel) {
     return kernel.modes.size() > 0 && kernel.modes.angular_frequency.back() > end_of(kernel, 0.5).value;
   });
@@ -329,11 +333,12 @@ std::optional<Errors> Estimator::modes(const StepOptions& options, const Quantit
   const auto before = change(half, quarter);
   growing_change_ =
       largest_growing(*last, before, change(quarter, up_to(0.125, options)), subject_.requested);
-  Errors out = remaining(*last, before, of_series);
-  if (!above) return out;
-  if (std::exchange(growing_change_, 0) > 0) return above->error;
-  for (auto& [quantity, e] : out) e = std::min(e, above->error.at(quantity));
-  return out;
+  if (end && growing_change_ > 0)
+    if (const auto above = above_band(options, base, *end)) {
+      growing_change_ = 0;
+      return above;
+    }
+  return remaining(*last, before, of_series);
 }
 
 std::optional<Errors> Estimator::basis(const StepOptions& options, const Quantities& base) {

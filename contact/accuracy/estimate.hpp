@@ -107,12 +107,11 @@ class Estimator {
                                 const StepOptions& options) const;
   /// The subject with modes up to a share of its band.
   const std::optional<Quantities>& up_to(double share, const StepOptions& options);
-  struct AboveBand {
-    Errors error;  ///< e_a
-    bool alone;    ///< whether the band says nothing about the modes above it
-  };
-  /// No value if nothing is known of the modes above the band.
-  std::optional<AboveBand> above_band(const StepOptions& options, const Quantities& base) const;
+  /// Of the band of each pair [rad/s]; no value if R says nothing about the modes above one.
+  std::optional<Vector> ends_of_bands() const;
+  /// The error due to the modes above the bands, from R. @param end  of the band of each pair [rad/s]
+  std::optional<Errors> above_band(const StepOptions& options, const Quantities& base,
+                                   const Vector& end) const;
   std::optional<Errors> modes(const StepOptions& options, const Quantities& base);
   std::optional<Errors> basis(const StepOptions& options, const Quantities& base);
   std::optional<Errors> mesh(const StepOptions& options, const Quantities& base);

@@ -118,9 +118,10 @@ TEST(Blocks, make_up_for_earlier_forces_at_points_that_come_into_sight) {
   }
   EXPECT_GT(stepper->force()(1), 0);
   EXPECT_GT(stepper->steps(), 30);
+  // 1e-8: R p is twenty times M p here, so that its round-off in M p is, too.
   const Difference difference = compare(model, options, 64);
-  EXPECT_LT(difference.force, 1e-9);
-  EXPECT_LT(difference.motion, 1e-9);
+  EXPECT_LT(difference.force, 1e-8);
+  EXPECT_LT(difference.motion, 1e-8);
 }
 
 // Knots lie within steps and within blocks. The load repeatedly throws the

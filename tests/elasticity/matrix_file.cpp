@@ -225,11 +225,11 @@ TEST(MatrixFile, couples_supports_with_the_free_rows) {
   shape(27, 0) = shape(28, 1) = shape(29, 5) = 1;
   Eigen::VectorXd free = Eigen::VectorXd::Ones(30);
   for (const Index row : {3, 4, 9, 11, 19, 27, 28, 29}) free[row] = 0;
-  const Eigen::VectorXd fixed = Eigen::VectorXd::Ones(30) - free;
+  const Eigen::VectorXd still = Eigen::VectorXd::Ones(30) - free;
   const auto kept = free.asDiagonal();
 
   EXPECT_EQ(read.body.free_rows, 22);
-  const MatrixXd diagonal = model.K.diagonal().maxCoeff() * MatrixXd(fixed.asDiagonal());
+  const MatrixXd diagonal = model.K.diagonal().maxCoeff() * MatrixXd(still.asDiagonal());
   EXPECT_EQ(test::largest_entry(read.stiffness() - (kept * model.K * kept + diagonal)), 0);
   EXPECT_EQ(test::largest_entry(read.mass() - kept * model.M * kept), 0);
   const elasticity::Imposed& imposed = read.body.imposed;
