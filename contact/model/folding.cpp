@@ -3,23 +3,17 @@
 
 #include <cassert>
 
+#include "contact/model/forcing.hpp"
+
 namespace ricochet::contact {
 namespace {
-
-/// The part of a column of B that is the motion of body a of each pair, if the mode is one of body k.
-Vector part_of_a(const Model& model, int k, const Vector& column) {
-  Vector out = Vector::Zero(column.size());
-  for (const Model::PairBlock& pair : model.pairs)
-    if (pair.a == k) out += pair.part_of(column);
-  return out;
-}
 
 /// Moves a mode of a body into R, the static displacements, the forcing and the receivers.
 void fold_mode(Model& model, int k, int n) {
   const double stiffness = model.omega(n) * model.omega(n);
   const Vector B = model.B.col(n), flexible = B / stiffness;
   const bool apart = model.static_a.size() > 0;  // whether the shares of body a are known
-  const Vector of_a = apart ? part_of_a(model, k, flexible) : Vector();
+  const Vector of_a = apart ? share_of_a(model, k, flexible) : Vector();
   model.R.noalias() += B * B.transpose() / stiffness;
   model.static_displacement += flexible * model.load(n);
   if (apart) {

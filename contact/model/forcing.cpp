@@ -41,14 +41,6 @@ void refuse_jump(const ForcingRequest& request) {
       request.name, request.body, request.history.value.front(), request.history.time.front()));
 }
 
-/// The part of `u` (n) in the rows of pairs whose body a is body k.
-Vector share_of_a(const Model& model, int k, const Vector& u) {
-  Vector out = Vector::Zero(u.size());
-  for (const Model::PairBlock& pair : model.pairs)
-    if (pair.a == k) out += pair.part_of(u);
-  return out;
-}
-
 /// Displacement of a receiver by its residual, which has three columns for each load or each motion.
 Vector3d column(const std::vector<double>& residual, const Model::Forcing& one, const Vector3d& along) {
   if (residual.empty()) return Vector3d::Zero();
@@ -56,6 +48,13 @@ Vector3d column(const std::vector<double>& residual, const Model::Forcing& one, 
 }
 
 }  // namespace
+
+Vector share_of_a(const Model& model, int k, const Vector& u) {
+  Vector out = Vector::Zero(u.size());
+  for (const Model::PairBlock& pair : model.pairs)
+    if (pair.a == k) out += pair.part_of(u);
+  return out;
+}
 
 void add_forcing(Model& model, int k, const std::vector<ForcingRequest>& forcing) {
   const Bodies::Block& block = model.bodies[k];

@@ -53,7 +53,7 @@ class KeptPoints {
   /// u of a row there, or null if the block did not keep it.
   const double* ended(int row) const { return was_kept_[row] != 0 ? &ended_(row) : nullptr; }
 
-  /// The rows that the matrices contain. @{
+  /// The rows that the matrices contain.
   std::span<const int> gathered() const { return gathered_; }
   /// Gathers the matrices of the kept rows, and what the held force does.
   void gather(const BlockSystem<T>& system, const BlockForce<T>& held) noexcept;
@@ -65,7 +65,6 @@ class KeptPoints {
   /// u from step l on, minus M times changes of force in step l. @param positions, changes  of these changes
   void push(const BlockSystem<T>& system, int l, std::span<const int> positions,
             std::span<const T> changes) noexcept;
-  /// @}
 
  private:
   void need_lags(const BlockSystem<T>& system, int position) noexcept;
