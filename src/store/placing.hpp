@@ -34,7 +34,8 @@ auto in_file(const std::filesystem::path& file, Action action) {
 using KernelPointers = std::vector<const kernels::Kernel*>;
 
 /// The scene that the library runs (ricochet/ricochet.hpp), without what follows a history.
-/// @param kernels  of the scene's bodies, in their order; must outlive all that is made of the result
+/// @param kernels  of the scene's bodies, in their order; must outlive all that is made of the result.
+/// Without any, the result has no bodies, and serves for step_options and read_histories alone.
 Scene library_scene(const scene::Scene& scene, const KernelPointers& kernels);
 /// Adds loads, moving supports and moving obstacles. Throws InputError if a history cannot be read.
 void read_histories(const scene::Scene& scene, Scene& out);

@@ -121,6 +121,21 @@ TEST(Islands, merge_when_a_point_between_them_closes) {
   }
 }
 
+// The second rod meets the first one while this presses against its wall. The forces at the wall then move
+// the point between both, which had no force. 1e-12: round-off of displacements of order 1.
+TEST(Islands, that_merge_while_one_presses_move_their_points_as_the_modes_do) {
+  const Model model = chain_of({{10, -1}, {10, -1}}, {{0, -1, 0, -1}, {0, 1, 5}});
+  const auto stepper = make_stepper(model, {.step = 0.1, .block = 1});
+  int together = 0;
+  for (int k = 0; k < 300; ++k) {
+    ASSERT_EQ(stepper->step(), StepStatus::ok);
+    together += stepper->end_force().minCoeff() > 0 ? 1 : 0;
+    const Vector u = model.B * stepper->modal()->q - model.R * stepper->end_force();
+    ASSERT_LT((stepper->displacement() - u).cwiseAbs().maxCoeff(), 1e-12) << k;
+  }
+  EXPECT_GT(together, 0);
+}
+
 // Three rods between two walls meet and part hundreds of times, with steps of a tenth of a wave's crossing.
 TEST(Islands, that_merge_and_part_never_gain_energy) {
   const Model model =
