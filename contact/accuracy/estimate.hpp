@@ -6,13 +6,13 @@
 //
 //   step         d + e(d, |r(Δ) − r(2Δ)|) with d = |r(Δ) − r(Δ/2)|; 2 d for the impulse scheme, which is of
 //                first order and may be unstable at 2Δ
-//   modes        min(e₁(d₂, d₄), e_a) with d₂ = |r − r of the modes up to half of the band|, and d₄ the
-//                change if the band is halved once more; growing_change() tells whether these changes show
-//                no convergence. e_a is twice the root mean square of |r − r with a mode in the octave above
-//                the band| over frequencies of this mode, which has half of the residual flexibility R
-//                (inertia.hpp). It alone counts if changes grow, or if the upper half of the band has
-//                fewer than two modes that the impulse excites. e_a is unknown without R, of Ritz vectors,
-//                and of rods, whose modes end an impact in the same phase
+//   modes        e₁(d₂, d₄) with d₂ = |r − r of the modes up to half of the band|, or up to three quarters
+//                of it if that changes more, and d₄ the change if the band is halved once more. e_a instead
+//                if these changes grow, or if the upper half of the band has fewer than two modes that the
+//                impulse excites: twice the root mean square of |r − r with a mode in the octave above the
+//                band| over frequencies of this mode, which has half of the residual flexibility R
+//                (inertia.hpp). e_a is unknown without R, of Ritz vectors, and of rods, whose modes end an
+//                impact in the same phase; growing_change() then tells that nothing shows convergence
 //   basis        d₂ ε/ε₂ for Ritz vectors that were made with a flexibility error ε; ε₂ is the error of those
 //                up to half of the band (kernels/band.hpp). Unknown on rods: their vectors ring at
 //                frequencies of their own, which no run with fewer vectors reveals

@@ -57,7 +57,8 @@ std::string text_of(const KernelSettings& settings, const scene::Scene& scene) {
   return text;
 }
 
-struct Judged {
+/// The impact of one round.
+struct RoundImpact {
   store::Kernels kernels;  ///< to which the model of `dialled` refers
   contact::Dialled dialled;
   std::vector<BodySize> sizes;
@@ -73,7 +74,7 @@ double modes_in_band(const scene::Scene& scene, std::size_t k, const kernels::Ke
 }
 
 /// Runs the impact with the kernels of one round, on one rank.
-Judged judge(const scene::Scene& scene, const Settings& settings, const fs::path& folder) {
+RoundImpact impact_of(const scene::Scene& scene, const Settings& settings, const fs::path& folder) {
   const scene::Scene closed = with_settings(scene, settings.found);
   store::KernelStore store;
   store::Kernels kernels = store::read_kernels(closed, folder, store);
@@ -113,7 +114,7 @@ Outcome outcome_of_round(const scene::Scene& scene, Settings settings, const fs:
                          MPI_Comm comm) {
   std::string found, next, line;
   parallel::on_first_rank(comm, [&] {
-    const auto [kernels, dialled, sizes] = judge(scene, settings, folder);
+    const auto [kernels, dialled, sizes] = impact_of(scene, settings, folder);
     settings.rate = dialled.rate.value_or(Hertz{1 / scene.time.step()});
     const Decision decision = decide(scene, settings, dialled, sizes);
     if (dialled.estimate) line = "error " + contact::formatted(*dialled.estimate);
