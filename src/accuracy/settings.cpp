@@ -3,14 +3,13 @@
 
 #include <fmt/format.h>
 
-#include <toml++/toml.h>
 #include <algorithm>
 #include <fstream>
 #include <sstream>
 
 #include "base/atomic_file.hpp"
+#include "src/scene/keys.hpp"
 #include "src/scene/scene.hpp"
-#include "src/scene/write.hpp"
 
 namespace ricochet::accuracy {
 namespace {
@@ -60,72 +59,55 @@ std::filesystem::path settings_path(const std::filesystem::path& folder, const s
 
 namespace {
 
+using scene::choice, scene::none, scene::required, scene::SectionOf, scene::Type;
+
+const SectionOf<MeshSettings> mesh_keys{
+    "a body",
+    "",
+    {{"order", &MeshSettings::order, "", required("give the order"), scene::from_to("1", "10")},
+     {"size_factor", &MeshSettings::size_factor, "", required(), scene::above("0")},
+     {"refine", scene::list(&MeshSettings::refine, scene::refine_keys).if_changed()}}};
+
+const SectionOf<KernelSettings> kernel_keys{
+    "the settings of kernels",
+    "",
+    {{"basis", choice(&KernelSettings::basis, {"modes", "contact"}), "", required("give the basis")},
+     {"up_to_hz", &KernelSettings::up_to, "", required(), scene::above("0")},
+     {"flexibility_error", &KernelSettings::flexibility_error},
+     {"zone", &KernelSettings::zone, "", none, scene::above("0")},
+     {"bodies", Type::table}}};
+
+const SectionOf<Settings> settings_keys{"the settings",
+                                        "",
+                                        {{"rate_hz", &Settings::rate},
+                                         {"for_few_candidates", &Settings::for_few_candidates},
+                                         {"found", Type::table},
+                                         {"coarser", Type::table},
+                                         {"coarser_change", Type::table},
+                                         {"change_near_contact", Type::table}}};
+
 std::string toml_of(const KernelSettings& settings, const std::string& table) {
-  std::string text = fmt::format("\n[{}]\nbasis = \"{}\"\nup_to_hz = {}\n", table,
-                                 settings.basis == scene::Basis::contact ? "contact" : "modes",
-                                 scene::toml_number(settings.up_to.value));
-  text += fmt::format("flexibility_error = {}\n", scene::toml_number(settings.flexibility_error));
-  if (settings.zone) text += fmt::format("zone = {}\n", scene::toml_number(*settings.zone));
+  std::string text = fmt::format("\n[{}]\n{}", table, kernel_keys.write(settings));
   for (const auto& [body, mesh] : settings.mesh)
-    text += fmt::format("bodies.{} = {{ order = {}, size_factor = {}{} }}\n", body, mesh.order,
-                        scene::toml_number(mesh.size_factor),
-                        mesh.refine.empty() ? "" : ", refine = " + scene::toml_refine(mesh.refine));
+    text += fmt::format("bodies.{} = {}\n", body, mesh_keys.inline_table(mesh));
   return text;
 }
 
-/// @return no value if an entry is missing or has another type
-std::optional<std::vector<scene::FineBall>> balls_of(const toml::table& mesh) {
-  std::vector<scene::FineBall> out;
-  if (!mesh.contains("refine")) return out;
-  const toml::array* const balls = mesh["refine"].as_array();
-  if (balls == nullptr) return std::nullopt;
-  for (const toml::node& node : *balls) {
-    const toml::node_view<const toml::node> ball(node);
-    scene::FineBall& one = out.emplace_back();
-    one.radius = ball["radius"].value_or(0.0);
-    one.size = ball["size"].value_or(0.0);
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto x = ball["at"][k].value<double>();
-      if (!x) return std::nullopt;
-      one.at[k] = *x;
-    }
-    if (!(one.radius > 0) || !(one.size > 0)) return std::nullopt;
-  }
-  return out;
-}
-
-/// @return no value if an entry is missing or has another type
-std::optional<KernelSettings> kernel_settings_of(const toml::table& root, const char* name) {
-  const toml::table* const table = root[name].as_table();
-  if (table == nullptr) return std::nullopt;
-  const auto basis = (*table)["basis"].value<std::string>();
-  const auto up_to = (*table)["up_to_hz"].value<double>();
-  if (!basis || !up_to || !(*up_to > 0)) return std::nullopt;
-  KernelSettings out{.mesh = {},
-                     .basis = *basis == "contact" ? scene::Basis::contact : scene::Basis::modes,
-                     .up_to = Hertz{*up_to},
-                     .flexibility_error = (*table)["flexibility_error"].value_or(0.0),
-                     .zone = (*table)["zone"].value<double>()};
-  if (out.zone && !(*out.zone > 0)) return std::nullopt;
-  if (out.basis == scene::Basis::contact && !(out.flexibility_error > 0)) return std::nullopt;
-  if (const toml::table* const bodies = (*table)["bodies"].as_table())
-    for (auto&& [body, node] : *bodies) {
-      const toml::table* const mesh = node.as_table();
-      const auto order = mesh ? (*mesh)["order"].value<std::int64_t>() : std::nullopt;
-      const auto factor = mesh ? (*mesh)["size_factor"].value<double>() : std::nullopt;
-      auto balls = mesh ? balls_of(*mesh) : std::nullopt;
-      if (!order || *order < 1 || *order > 10 || !factor || !(*factor > 0) || !balls) return std::nullopt;
-      out.mesh[std::string(body.str())] = {static_cast<int>(*order), *factor, std::move(*balls)};
-    }
+std::optional<KernelSettings> kernel_settings_of(const scene::Table& root, const char* name) {
+  const auto table = root.table(name, kernel_keys);
+  if (!table) return std::nullopt;
+  KernelSettings out;
+  kernel_keys.read(*table, out);
+  if (out.basis == scene::Basis::contact && !(out.flexibility_error > 0))
+    table->complain("flexibility_error", "must be above 0");
+  for (const auto& [body, mesh] : table->named("bodies", mesh_keys)) mesh_keys.read(mesh, out.mesh[body]);
   return out;
 }
 
 }  // namespace
 
 std::string to_toml(const Settings& settings) {
-  std::string text = fmt::format("rate_hz = {}\nfor_few_candidates = {}\n",
-                                 scene::toml_number(settings.rate.value), settings.for_few_candidates);
-  text += toml_of(settings.found, "found");
+  std::string text = settings_keys.write(settings) + toml_of(settings.found, "found");
   if (settings.coarser)
     text += "\n# The next coarser mesh, from which the error of the mesh is estimated." +
             toml_of(*settings.coarser, "coarser");
@@ -143,7 +125,7 @@ std::string to_toml(const Settings& settings) {
 
 namespace {
 
-/// @return no value if an entry has another name or type
+/// Changes may be infinite. Returns no value if an entry has another name or type.
 std::optional<std::map<Quantity, double>> changes_of(const toml::table& root, const char* name) {
   std::map<Quantity, double> out;
   if (const toml::table* const changes = root[name].as_table())
@@ -158,25 +140,24 @@ std::optional<std::map<Quantity, double>> changes_of(const toml::table& root, co
 
 }  // namespace
 
-std::optional<Settings> parse_settings(const std::string& text) {
-  toml::table root;
-  try {
-    root = toml::parse(text);
-  } catch (const toml::parse_error&) {
-    return std::nullopt;
-  }
+std::optional<Settings> parse_settings(const std::string& text) try {
+  const toml::table parsed = toml::parse(text);
+  const scene::Table root(parsed, settings_keys, "settings");
+  Settings settings;
+  settings_keys.read(root, settings);
   auto found = kernel_settings_of(root, "found");
-  auto coarser = kernel_settings_of(root, "coarser");
-  auto coarser_change = changes_of(root, "coarser_change"),
-       change_near_contact = changes_of(root, "change_near_contact");
-  if (!found || !coarser_change || !change_near_contact || (root.contains("coarser") && !coarser))
-    return std::nullopt;
-  return Settings{.found = std::move(*found),
-                  .coarser = std::move(coarser),
-                  .coarser_change = std::move(*coarser_change),
-                  .change_near_contact = std::move(*change_near_contact),
-                  .rate = Hertz{root["rate_hz"].value_or(0.0)},
-                  .for_few_candidates = root["for_few_candidates"].value_or(0)};
+  auto coarser_change = changes_of(parsed, "coarser_change"),
+       change_near_contact = changes_of(parsed, "change_near_contact");
+  if (!found || !coarser_change || !change_near_contact) return std::nullopt;
+  settings.found = std::move(*found);
+  settings.coarser_change = std::move(*coarser_change);
+  settings.change_near_contact = std::move(*change_near_contact);
+  settings.coarser = kernel_settings_of(root, "coarser");
+  return settings;
+} catch (const toml::parse_error&) {
+  return std::nullopt;
+} catch (const InputError&) {
+  return std::nullopt;
 }
 
 void write_settings(const Settings& settings, const scene::Scene& scene, const std::filesystem::path& path) {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "ricochet/quantity.hpp"
 #include "src/scene/data/modes.hpp"
 #include "src/scene/request.hpp"
 

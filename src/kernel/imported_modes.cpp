@@ -46,7 +46,7 @@ void refuse_what_modes_fix(const scene::KernelRequest& request, const Reader& fi
   const scene::Modes& modes = request.modes;
   if (modes.basis == scene::Basis::contact || modes.flexibility_error)
     file.fail("contains modes: a contact-adapted basis and modes.flexibility_error need matrices.");
-  if (!request.body.support.empty() || !request.motions.empty())
+  if (!request.body.support.empty() || !request.loads.motions.empty())
     file.fail(
         fmt::format("contains modes, which already include their supports: leave out bodies.{}.support and "
                     "moving supports.",

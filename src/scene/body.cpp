@@ -4,117 +4,217 @@
 #include <algorithm>
 
 #include "base/similar.hpp"
-#include "src/scene/near_miss.hpp"
-#include "src/scene/table.hpp"
+#include "src/scene/keys.hpp"
+#include "src/scene/scene.hpp"
 
 namespace ricochet::scene {
 
 namespace {
 
-Material read_material(Table& table, const std::string& group) {
-  Material material;
-  material.group = group;
-  material.density = table.required_number("density");
-  material.young = table.required_number("young");
-  material.poisson = table.number("poisson").value_or(material.poisson);
-  material.area = table.number("area").value_or(material.area);
-  material.yield = table.number("yield").value_or(material.yield);
-  table.refuse_unread();
-  return material;
+bool read_order(const Table& table, const Key& key, Body& body) {
+  body.order_open = !table.read(key, body.order);
+  return !body.order_open;
 }
 
-/// Returns an empty list if the table is missing, as for an imported body.
-std::vector<Material> read_materials(Table& body) {
-  const toml::table* given = body.raw()["material"].as_table();
-  const bool nested = given != nullptr &&
-                      std::ranges::all_of(*given, [](const auto& entry) { return entry.second.is_table(); });
-  std::vector<Material> materials;
-  if (nested)
-    for (auto& [group, inner] : body.named("material", material_keys))
-      materials.push_back(read_material(inner, group));
-  else if (auto table = body.table("material", material_keys))
-    materials.push_back(read_material(*table, ""));
-  return materials;
+std::string order_of(const Body& body) { return body.order_open ? "" : toml_value(body.order); }
+
+/// A table for the whole body, or a table of tables, one for each group. An imported body has none.
+bool read_materials(const Table& table, const Key& key, Body& body) {
+  const auto read = [&](const Table& inner, const std::string& group) {
+    body.materials.push_back({.group = group});
+    material_keys.read(inner, body.materials.back());
+  };
+  if (table.has_named_tables(key.name))
+    for (const auto& [group, inner] : table.named(key.name, material_keys)) read(inner, group);
+  else if (const auto inner = table.table(key.name, material_keys))
+    read(*inner, "");
+  return table.has(key.name);
 }
 
-Damping read_damping(Table& body) {
-  Damping damping;
-  auto table = body.table("damping", damping_keys);
-  if (!table) return damping;
-  int given = 0;
-  for (const auto& [key, law] : damping_laws)
-    if (const auto value = table->number(key)) {
-      damping = {law, *value, 0};
-      ++given;
-    }
-  if (const auto value = table->pair("rayleigh", "[alpha, beta]")) {
-    damping = {Damping::Law::rayleigh, (*value)[0], (*value)[1]};
-    ++given;
-  }
-  if (auto rows = table->pairs("t60")) {
-    if (!std::ranges::is_sorted(*rows, std::ranges::less_equal{}, [](const auto& row) { return row[0]; }))
-      table->complain("t60", "the frequencies must ascend: sort the rows, and give each frequency once");
-    damping = {.law = Damping::Law::t60, .table = std::move(*rows)};
-    ++given;
-  }
-  if (auto factors = table->list("by_mode")) {
-    damping = {.law = Damping::Law::by_mode, .by_mode = std::move(*factors)};
-    ++given;
-  }
-  table->refuse_unread();
-  if (given > 1)
-    body.complain("damping", "give one law only: ratio, loss_factor, rayleigh, viscosity, t60 or by_mode");
-  return damping;
+std::string materials_of(const Body& body) {
+  if (body.materials.empty()) return "{}";
+  if (body.materials.size() == 1 && body.materials[0].group.empty())
+    return material_keys.inline_table(body.materials[0]);
+  std::string text;
+  for (const Material& material : body.materials)
+    text += fmt::format("{} {} = {}", text.empty() ? "" : ",", toml_string(material.group),
+                        material_keys.inline_table(material));
+  return '{' + text + " }";
 }
 
-std::map<std::string, std::string> read_support(Table& body) {
-  std::map<std::string, std::string> support;
-  for (const auto& [group, text] : body.strings("support")) {
+/// A law of damping with its parameters.
+template <class T>
+Access<Damping> law(Damping::Law law, T Damping::*member) {
+  return {type_of<T>,
+          [law, member](const Table& table, const Key& key, Damping& damping) {
+            const bool given = table.read(key, damping.*member);
+            if (given) damping.law = law;
+            return given;
+          },
+          [law, member](const Damping& damping) {
+            return damping.law == law ? toml_value(damping.*member) : "";
+          }};
+}
+
+bool read_rayleigh(const Table& table, const Key& key, Damping& damping) {
+  std::array<double, 2> both{};
+  if (!table.read(key, both)) return false;
+  damping = {Damping::Law::rayleigh, both[0], both[1]};
+  return true;
+}
+
+std::string rayleigh_of(const Damping& damping) {
+  return damping.law == Damping::Law::rayleigh ? toml_value(std::array{damping.first, damping.second}) : "";
+}
+
+bool read_damping(const Table& body, const Key& key, Body& out) {
+  const auto table = body.table(key.name, damping_keys);
+  if (!table) return false;
+  damping_keys.read(*table, out.damping);
+  if (std::ranges::count_if(damping_keys.keys, [&](const Key& law) { return table->has(law.name); }) > 1)
+    body.complain(key.name, "give one law only: ratio, loss_factor, rayleigh, viscosity, t60 or by_mode");
+  if (!std::ranges::is_sorted(out.damping.table, std::ranges::less_equal{},
+                              [](const auto& row) { return row[0]; }))
+    table->complain("t60", "the frequencies must ascend: sort the rows, and give each frequency once");
+  return true;
+}
+
+std::string damping_of(const Body& body) { return damping_keys.inline_table(body.damping); }
+
+/// Sorts the components.
+bool read_support(const Table& table, const Key& key, Body& body) {
+  if (!table.read(key, body.support)) return false;
+  for (auto& [group, text] : body.support) {
     std::string components;
     for (char c : {'x', 'y', 'z'})
       if (text.find(c) != std::string::npos) components += c;
     if (components.empty() || text.find_first_not_of("xyz") != std::string::npos)
-      body.complain("support", fmt::format("\"{}\" holds \"{}\": name the fixed components, some of \"xyz\"",
-                                           group, text));
-    support[group] = components;
+      table.complain("support", fmt::format("\"{}\" holds \"{}\": name the fixed components, some of \"xyz\"",
+                                            group, text));
+    text = components;
   }
-  return support;
+  return true;
 }
 
-std::vector<FineBall> read_refine(Table& body) {
-  std::vector<FineBall> balls;
-  for (Table& entry : body.array("refine", refine_keys)) {
-    FineBall ball;
-    ball.at = entry.required("at", entry.vector("at"), "the centre, [x, y, z] in the axes of the mesh");
-    ball.radius = entry.required_number("radius");
-    ball.size = entry.required_number("size");
-    entry.refuse_unread();
-    balls.push_back(ball);
-  }
-  return balls;
-}
+std::string support_of(const Body& body) { return toml_value(body.support); }
 
 }  // namespace
 
-void read_body_matter(Table& table, Body& body) {
-  body.geometry = table.numbers("geometry");
-  const auto order = table.integer("order");
-  body.order_open = !order;
-  body.order = static_cast<int>(order.value_or(body.order));
-  body.size_factor = table.number("size_factor").value_or(body.size_factor);
-  body.refine = read_refine(table);
-  body.scale = table.number("scale").value_or(body.scale);
-  body.materials = read_materials(table);
-  body.damping = read_damping(table);
-  body.contact = table.texts("contact");
-  body.support = read_support(table);
-}
+const SectionOf<Body> body_keys{
+    "[bodies.NAME]",
+    "An elastic body.",
+    {{"mesh", &Body::mesh, "", required(), any(),
+      "mesh file. `.msh` is read as it is; `.geo`, `.step` and `.brep` are meshed by the gmsh library; `.h5` "
+      "is a [body file](interchange.md#bodies-from-another-finite-element-program) from another program"},
+     {"geometry", &Body::geometry, "", "`{}`", any(),
+      "values for the `DefineConstant` names of a `.geo`. Names that the `.geo` does not define are refused, "
+      "and so is `geometry` for other files",
+      "{ size = 4e-3 }"},
+     {"order", Access(Type::integer, read_order, order_of), "", ", or chosen by `accuracy`",
+      from_to("1", "10"), "element order for meshes that gmsh makes; a `.msh` keeps its own"},
+     {"size_factor", Access(&Body::size_factor).if_changed(), "1", ", or chosen by `accuracy` with `order`",
+      above("0"),
+      "factor on the element sizes of a `.geo`, `.step` or `.brep` (gmsh's `Mesh.MeshSizeFactor`). Curves "
+      "with a given number of elements keep it"},
+     {"refine", list(&Body::refine, refine_keys).if_changed(), "",
+      "none, or chosen by `accuracy` with `size_factor`", any(),
+      "`[[bodies.NAME.refine]]`, balls in which a `.geo`, `.step` or `.brep` gets smaller elements"},
+     {"scale", &Body::scale, "1", initial, above("0"),
+      "factor on all coordinates of the mesh (0.001 for a drawing in millimetres, and for any STEP file)"},
+     {"material", Access(Type::table, read_materials, materials_of), "", required(), any(),
+      "one table for the whole body, or one table for each physical volume (for a rod: physical line), named "
+      "after it. A body file has no material",
+      "{ density = 7800, young = 2.1e11, poisson = 0.3 }"},
+     {"damping", Access(Type::table, read_damping, damping_of), "", "`{}`", any(),
+      "one damping law; no damping if empty", "{ ratio = 0.01 }"},
+     {"contact", &Body::contact, "", required(), any(),
+      "physical surface (for a rod: physical point) that may touch, or a list of them. Optional in a scene "
+      "without `[contact]`"},
+     {"support", Access(Type::strings, read_support, support_of), "", "`{}`", any(),
+      "physical group (surface, curve, point or volume) = fixed components, some of `\"xyz\"`, in the axes "
+      "of the mesh (before `rotate_deg`). A rod is fixed unless all named components are normal to its axis",
+      "{ GROUP = \"xyz\" }"},
+     {"translate", &Body::translate, "m", initial, any(), "translation, after `scale` and `rotate_deg`"},
+     {"rotate_deg", &Body::rotate_deg, "degrees", initial, any(),
+      "rotations about the fixed axes x, then y, then z, through the origin of the mesh"},
+     {"velocity", &Body::velocity, "m/s", initial, any(),
+      "initial velocity of the centre of mass, in world axes. A supported body cannot have a velocity that "
+      "its supports prevent; a rod moves along its axis only"},
+     {"angular_velocity", &Body::angular_velocity, "rad/s", initial, any(),
+      "initial angular velocity about the centre of mass, in world axes, for bodies that supports do not "
+      "hold. Rotations are linear: points move along their initial tangents, and the body starts without the "
+      "strain of centrifugal forces"}}};
+
+const SectionOf<Body> matter_keys =
+    body_keys.without({"mesh", "translate", "rotate_deg", "velocity", "angular_velocity"});
+
+const SectionOf<FineBall> refine_keys{
+    "[[bodies.NAME.refine]]",
+    "A ball with small elements, such as the surroundings of a point that is struck. Outside the ball, "
+    "elements grow by 0.4 of the distance from it, up to the size that the geometry asks for. Curves and "
+    "surfaces with a given number of elements keep it.",
+    {{"at", &FineBall::at, "m", required("the centre, [x, y, z] in the axes of the mesh"), any(),
+      "centre, in the axes of the mesh: after `scale`, before `rotate_deg` and `translate`"},
+     {"radius", &FineBall::radius, "m", required(), above("0"), "radius of the ball"},
+     {"size", &FineBall::size, "m", required(), above("0"), "size of elements in the ball"}}};
+
+const SectionOf<Material> material_keys{
+    "[bodies.NAME.material]",
+    "Linear and isotropic. A body of several materials has one table for each: "
+    "`[bodies.NAME.material.GROUP]`.",
+    {{"density", &Material::density, "kg/m³", required(), above("0"), "mass per volume"},
+     {"young", &Material::young, "Pa", required(), above("0"), "Young's modulus"},
+     {"poisson", &Material::poisson, "1", initial,
+      Range{.low = "-1",
+            .high = "0.5",
+            .low_open = true,
+            .high_open = true,
+            .remark = ". Nearly incompressible: try 0.49."},
+      "Poisson's ratio; rods do not use it. Above 0.45 use `order` 2 or more: linear elements lock, and a "
+      "warning is printed"},
+     {"area", Access(&Material::area).if_changed(), "m²", none, above("0"),
+      "cross-section of a rod; other bodies do not use it"},
+     {"yield", Access(&Material::yield).if_changed(), "Pa", none, above("0"),
+      "stress at which the material yields. A run warns if the pressure of a contact exceeds it; nothing "
+      "else depends on it"}}};
+
+const SectionOf<Damping> damping_keys{
+    "[bodies.NAME.damping]",
+    "Give one of these laws for the decay rate δ = ζω of a mode with the angular frequency ω.",
+    {{"ratio", law(Damping::Law::ratio, &Damping::first), "1", none, at_least("0"),
+      "δ = ratio · ω: the same damping ratio ζ for every mode"},
+     {"loss_factor", law(Damping::Law::loss_factor, &Damping::first), "1", none, at_least("0"),
+      "δ = loss_factor · ω / 2"},
+     {"viscosity", law(Damping::Law::viscosity, &Damping::first), "s", none, at_least("0"),
+      "δ = viscosity · ω² / 2 (Kelvin–Voigt)"},
+     {"rayleigh", Access(Type::pair, read_rayleigh, rayleigh_of), "[1/s, s]", none, at_least("0"),
+      "[α, β]: δ = (α + β ω²) / 2; α also damps rigid motion", "[alpha, beta]"},
+     {"t60", law(Damping::Law::t60, &Damping::table), "[Hz, s]", none, above("0"),
+      "rows of a frequency, ascending, and the time T60 in which a mode of this frequency decays by 60 dB: δ "
+      "= ln(1000) / T60. Between rows, log T60 is linear in log f; beyond the first and the last row, T60 is "
+      "constant. Rigid motion is not damped",
+      "[[100, 2.0], [1000, 0.8]]"},
+     {"by_mode", law(Damping::Law::by_mode, &Damping::by_mode), "1", none, at_least("0"),
+      "loss factors of the elastic modes, from the lowest on: δ = η · ω / 2. Further modes have the last "
+      "one. Not for Ritz vectors and not with `flexibility_error`, which leave no mode its number",
+      "[1e-3, 2e-3]"}}};
+
+const SectionOf<Obstacle> obstacle_keys{
+    "[obstacles.NAME]",
+    "A rigid half-space, which can replace one of the two bodies of a pair.",
+    {{"point", &Obstacle::point, "m", initial, any(), "a point of its surface"},
+     {"normal", direction(&Obstacle::normal), "",
+      required("the direction out of the obstacle, for example [0, 0, 1]"), any(),
+      "outward normal of the obstacle"},
+     {"velocity", &Obstacle::velocity, "m/s", initial, any(),
+      "velocity along its surface, in world axes, like that of a conveyor belt; a component along the normal "
+      "is refused. It acts through `friction` only, and not with `scheme = \"static\"`"}}};
 
 namespace {
 
 /// Checks that only geometries have a refinement, that a meshed body has a material, and that an imported
 /// body has none of the keys that its file fixes.
-void check_matter(Table& table, const Body& body) {
+void check_matter(const Table& table, const Body& body) {
   if (!body.refine.empty() && !body.meshable())
     table.complain("refine",
                    fmt::format("has no effect on {}, which is read as it is: remove it, or give the "
@@ -131,33 +231,47 @@ void check_matter(Table& table, const Body& body) {
   if (body.scale != 1) table.complain("scale", fixed);
 }
 
-}  // namespace
-
-Body read_body(const std::string& name, Table& table, const std::vector<std::string>& names,
-               const std::filesystem::path& folder) {
+/// @param names  of all bodies of the scene
+Body read_body(const std::string& name, const Table& table, const std::vector<std::string>& names) {
   Body body;
   body.name = name;
   if (name.empty() ||
       name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") !=
           std::string::npos)
     table.complain("", "the name of a body must consist of letters, digits, - and _");
-  const auto mesh = table.text("mesh");
-  if (!mesh) {
+  if (!table.has("mesh")) {
     std::vector<std::string> others = names;
     std::erase(others, name);
     const std::string similar = base::most_similar(name, others);
     table.complain("mesh", "is missing: name a .geo, .step, .brep or .msh file, or a body file (.h5)" +
                                (similar.empty() ? "" : "; or did you mean bodies." + similar + "?"));
   }
-  body.mesh = (folder / *mesh).lexically_normal();
-  read_body_matter(table, body);
+  body_keys.read(table, body);
   check_matter(table, body);
-  body.translate = table.vector("translate").value_or(Vector3{});
-  body.rotate_deg = table.vector("rotate_deg").value_or(Vector3{});
-  body.velocity = table.vector("velocity").value_or(Vector3{});
-  body.angular_velocity = table.vector("angular_velocity").value_or(Vector3{});
-  table.refuse_unread();
   return body;
+}
+
+Obstacle read_obstacle(const std::string& name, const Table& table, const Scene& scene) {
+  Obstacle obstacle{.name = name};
+  obstacle_keys.read(table, obstacle);
+  if (const double along = along_normal(obstacle, obstacle.velocity); along != 0)
+    table.complain("velocity", fmt::format("has the component {:.6g} m/s along the normal: an obstacle "
+                                           "moves along its surface; leave this component out",
+                                           along));
+  if (scene.find_body(name) != nullptr) table.complain("", "a body has this name already");
+  return obstacle;
+}
+
+}  // namespace
+
+void read_bodies(const Table& root, Scene& scene) {
+  const auto bodies = root.named("bodies", body_keys);
+  if (bodies.empty()) root.complain("bodies", "is missing: a scene needs a body, [bodies.NAME]");
+  std::vector<std::string> names;
+  for (const auto& [name, table] : bodies) names.push_back(name);
+  for (const auto& [name, table] : bodies) scene.bodies.push_back(read_body(name, table, names));
+  for (const auto& [name, table] : root.named("obstacles", obstacle_keys))
+    scene.obstacles.push_back(read_obstacle(name, table, scene));
 }
 
 }  // namespace ricochet::scene

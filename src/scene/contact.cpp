@@ -3,54 +3,165 @@
 
 #include <algorithm>
 
+#include "src/scene/keys.hpp"
 #include "src/scene/near_miss.hpp"
 #include "src/scene/scene.hpp"
-#include "src/scene/table.hpp"
 
 namespace ricochet::scene {
 
 namespace {
 
-std::vector<std::string> names_of(const Scene& scene) {
+bool read_between(const Table& table, const Key& key, Pair& pair) {
   std::vector<std::string> names;
-  for (const Body& body : scene.bodies) names.push_back(body.name);
-  for (const Obstacle& obstacle : scene.obstacles) names.push_back(obstacle.name);
-  return names;
+  if (!table.read(key, names)) return false;
+  if (names.size() != 2)
+    table.complain("between", "must name two bodies, or a body and an obstacle, as in [\"ball\", \"floor\"]");
+  pair.a = names[0];
+  pair.b = names[1];
+  return true;
 }
 
+std::string between_of(const Pair& pair) { return toml_value(std::vector{pair.a, pair.b}); }
+
 /// Reads [contact.friction] or [contact.pair.friction].
-Friction read_coefficients(Table& table) {
+Friction read_coefficients(const Table& table) {
   Friction friction;
-  friction.static_coefficient = table.required_number("static");
-  const auto dynamic = table.number("dynamic"), stribeck = table.number("stribeck_velocity");
-  friction.dynamic_coefficient = dynamic.value_or(friction.static_coefficient);
-  if (stribeck && !dynamic)
+  friction_keys.read(table, friction);
+  const bool has_dynamic = table.has("dynamic"), has_speed = table.has("stribeck_velocity");
+  if (!has_dynamic) friction.dynamic_coefficient = friction.static_coefficient;
+  if (has_speed && !has_dynamic)
     table.complain("dynamic",
                    "is missing: stribeck_velocity leads from static to dynamic: give it, or leave both out");
-  if (!stribeck && friction.dynamic_coefficient != friction.static_coefficient)
+  if (!has_speed && friction.dynamic_coefficient != friction.static_coefficient)
     table.complain("stribeck_velocity",
                    fmt::format("is missing: give the sliding speed in m/s at which friction passes from "
                                "static = {:g} to dynamic = {:g}",
                                friction.static_coefficient, friction.dynamic_coefficient));
-  friction.stribeck_velocity = stribeck.value_or(0);
-  table.refuse_unread();
   return friction;
 }
 
-/// Reads `friction` of one pair; if it is missing, `pair` keeps its own.
+bool read_friction(const Table& table, const Key& key, Pair& pair) {
+  Friction friction;
+  if (table.has_table(key.name))
+    friction = read_coefficients(*table.table(key.name, friction_keys));
+  else if (double both = 0; table.read(key, both))
+    friction = {both, both, 0};
+  else
+    return false;
+  pair.friction = friction;
+  if (friction.static_coefficient == 0 && friction.dynamic_coefficient == 0) pair.friction.reset();
+  return true;
+}
+
+std::string friction_of(const Pair& pair) {
+  if (!pair.friction) return "";
+  const Friction& friction = *pair.friction;
+  return friction.static_coefficient == friction.dynamic_coefficient && friction.stribeck_velocity == 0
+             ? toml_number(friction.static_coefficient)
+             : friction_keys.inline_table(friction);
+}
+
+template <Scheme scheme>
+bool has(const Contact& contact) {
+  return contact.scheme == scheme;
+}
+
+bool is_sampled(const Contact& contact) { return contact.kernel == ContactKernel::table; }
+
+}  // namespace
+
+const SectionOf<Pair> pair_keys{
+    "[[contact.pair]]",
+    "One table for each of several pairs. Keys that a pair does not give are taken from `[contact]`.",
+    {{"between", Access(Type::texts, read_between, between_of), "", required(), any(),
+      "names of two bodies, or of a body and an obstacle. \"Body a\" below is the first body"},
+     {"direction", direction(&Pair::direction), "", none, any(),
+      "the normal of every contact point: out of the first name in `between`, in world axes. Without it each "
+      "point has the mutual normal (n_a − n_b)/|n_a − n_b|. Against an obstacle it must lie along the "
+      "obstacle's normal and point towards the second name"},
+     {"along", direction(&Pair::along), "", none, any(),
+      "merges all nodes of the contact surface on a line in this direction (world axes) into one candidate. "
+      "Each line should meet the surface on one side of the body only"},
+     {"spacing", &Pair::spacing, "m", none, above("0"),
+      "smallest distance between candidates. Without it, every node of the contact surface is one"},
+     {"gap", &Pair::gap, "m", none, at_least("0"),
+      "moves body a along `direction` (or the mean normal) until the closest pair of contact points has this "
+      "distance"},
+     {"reach", &Pair::reach, "m", none, above("0"),
+      "drops the pairs of points whose initial gap, after `gap`, is not below this distance. Kernels leave "
+      "out the candidates that no pair needs"},
+     {"zone", &Pair::zone, "m", std::string(none) + ", or chosen by `accuracy`", above("0"),
+      "drops the pairs of points whose initial gap exceeds that of the closest pair by this distance or "
+      "more, as `reach` does, wherever the bodies start"},
+     {"friction", Access(Type::number_or_table, read_friction, friction_of), "1", none,
+      from_to("0", "10", ": most dry surfaces have 0.1 to 1"),
+      "Coulomb friction: its coefficient, or `[contact.friction]` with its parts. 0: frictionless. Needs "
+      "`scheme = \"compliant\"` or `\"static\"` and `kernel = \"modes\"`. Not on rods, which move along "
+      "their axis alone",
+      "{ static = 0.4, dynamic = 0.3, stribeck_velocity = 0.01 }"}}};
+
+const SectionOf<Friction> friction_keys{
+    "[contact.friction]",
+    "Friction that changes with the sliding speed v of a point: dynamic + (static − dynamic) · exp(−(v / "
+    "stribeck_velocity)²). In a `[[contact.pair]]`: `friction = { static = …, dynamic = …, stribeck_velocity "
+    "= … }`.",
+    {{"static", &Friction::static_coefficient, "1", required(),
+      from_to("0", "10", ": most dry surfaces have 0.1 to 1"), "coefficient of points that stick"},
+     {"dynamic", &Friction::dynamic_coefficient, "1", "that of `static`",
+      from_to("0", "10", ": most dry surfaces have 0.1 to 1"), "coefficient of points that slide fast"},
+     {"stribeck_velocity", Access(&Friction::stribeck_velocity).if_changed(), "m/s", none, above("0"),
+      "sliding speed of the transition; required if `dynamic` differs from `static`, otherwise unused"}}};
+
+const SectionOf<Contact> contact_keys = SectionOf<Contact>{
+    "[contact]",
+    "",
+    {{"kernel", choice(&Contact::kernel, {"modes", "table"}), "", initial, any(),
+      "`\"table\"`: unit-impulse responses are sampled at each step and convolved with forces"},
+     {"table", Access(&Contact::table).only(is_sampled, "kernel = \"table\""), "", none, any(),
+      "file of sampled responses, for `kernel = \"table\"` only. It replaces bodies, modes, pairs and loads, "
+      "which must not be given"},
+     {"scheme", choice(&Contact::scheme, {"compliant", "impulse", "static"}), "", initial, any(),
+      "contact law. `\"compliant\"`: forces with which no point penetrates at the end of a step. "
+      "`\"impulse\"`: impulses on the points that touch. `\"static\"`: equilibrium under gravity, without "
+      "time"},
+     {"solver",
+      choice(&Contact::solver, {"exact", "uzawa"}).only(has<Scheme::at_rest>, "scheme = \"static\""), "",
+      initial, any(), "`static` only. `uzawa`: iteration on the pressures, for comparison; without friction"},
+     {"integration",
+      choice(&Contact::integration, {"conserving", "backward-euler"})
+          .only(has<Scheme::compliant>, "scheme = \"compliant\""),
+      "", initial, any(),
+      "`compliant` only. `\"conserving\"`: the modes are driven by a mean of the forces at the last "
+      "instants, with an error of second order. `\"backward-euler\"`: by the force at the end of the step; "
+      "each change of force costs energy"},
+     {"admittance",
+      choice(&Contact::admittance, {"jump", "difference"}).only(has<Scheme::impulse>, "scheme = \"impulse\""),
+      "", initial, any(),
+      "`impulse` only: velocity jump, or difference quotient over a step. `difference` needs ω_max · step < "
+      "π"},
+     {"instant",
+      choice(&Contact::instant, {"step", "exact"}).only(has<Scheme::impulse>, "scheme = \"impulse\""), "",
+      initial, any(),
+      "`impulse` only: contact at the end of the step, or (event location) at the instant at which a point "
+      "closes"},
+     {"restitution", Access(&Contact::restitution).only(has<Scheme::impulse>, "scheme = \"impulse\""), "1",
+      initial, from_to("0", "1"), "`impulse` only: coefficient of restitution"},
+     {"max_pivots", &Contact::max_pivots, "", none, from_to("1", "1e9"),
+      "bounds the work of a step, for real time: the number of changes of the active set. A step that is cut "
+      "short may let points penetrate; the summary counts such steps"},
+     {"increments",
+      Access(&Contact::increments).if_changed().only(has<Scheme::at_rest>, "scheme = \"static\""), "",
+      initial, from_to("1", "1e6"),
+      "`static` with `friction` only: parts of the preload and of each stage from one time of a history to "
+      "the next. Slip depends on the path, so more parts are more accurate"},
+     {"pair", Type::tables, "", none, any(),
+      "`[[contact.pair]]`, several pairs"}}}.with_keys_of(pair_keys);
+
+namespace {
+
 /// @param contact  with scheme, solver and kernel
-void read_friction(Table& table, const Contact& contact, Pair& pair) {
-  const toml::node* given = table.raw().get("friction");
-  if (given == nullptr) return;
-  if (given->is_table()) {
-    auto inner = table.table("friction", friction_keys);
-    pair.friction = read_coefficients(*inner);
-  } else if (const auto both = table.number("friction")) {
-    pair.friction = {*both, *both, 0};
-  }
-  if (pair.friction->static_coefficient == 0 && pair.friction->dynamic_coefficient == 0)
-    pair.friction.reset();
-  if (!pair.friction) return;
+void check_friction(const Table& table, const Contact& contact, const Pair& pair) {
+  if (!pair.friction || !table.has("friction")) return;
   const auto refuse = [&](const char* with, const char* instead) {
     table.complain("friction",
                    fmt::format("is not possible with {}: set {}, or leave friction out", with, instead));
@@ -61,27 +172,15 @@ void read_friction(Table& table, const Contact& contact, Pair& pair) {
 }
 
 /// Reads the keys of one pair; missing keys keep their values in `pair`.
-void read_pair(Table& table, const Scene& scene, const Contact& contact, Pair& pair) {
-  const auto names = table.texts("between");
-  if (!names.empty()) {
-    if (names.size() != 2)
-      table.complain("between",
-                     "must name two bodies, or a body and an obstacle, as in [\"ball\", \"floor\"]");
-    pair.a = names[0];
-    pair.b = names[1];
-  }
-  for (const auto& [key, target] : {std::pair{"direction", &pair.direction}, std::pair{"along", &pair.along}})
-    if (const auto given = table.direction(key)) *target = given;
-  for (const auto& [key, target] : {std::pair{"spacing", &pair.spacing}, std::pair{"reach", &pair.reach},
-                                    std::pair{"zone", &pair.zone}, std::pair{"gap", &pair.gap}})
-    if (const auto given = table.number(key)) *target = given;
-  read_friction(table, contact, pair);
-  if (names.empty()) return;
+void read_pair(const Table& table, const Scene& scene, const Contact& contact, Pair& pair) {
+  pair_keys.read(table, pair);
+  check_friction(table, contact, pair);
+  if (pair.a.empty()) return;
   if (pair.a == pair.b) table.complain("between", "must name two different bodies");
-  for (const std::string& name : names)
-    if (scene.find_body(name) == nullptr && scene.find_obstacle(name) == nullptr)
-      table.complain("between",
-                     "there is no body or obstacle \"" + name + '"' + existing_names(name, names_of(scene)));
+  std::vector<std::string> names = names_of(scene.bodies);
+  for (const Obstacle& obstacle : scene.obstacles) names.push_back(obstacle.name);
+  for (const std::string& name : {pair.a, pair.b})
+    check_exists(table, "between", "body or obstacle", name, names);
   if (scene.find_body(pair.a) == nullptr && scene.find_body(pair.b) == nullptr)
     table.complain("between", "one of the two must be a body");
 }
@@ -96,79 +195,22 @@ Pair body_first(const Scene& scene, Pair pair) {
   return pair;
 }
 
-void read_kernel(Table& table, const std::filesystem::path& folder, Contact& contact) {
-  const std::string kernel = table.text("kernel").value_or("modes");
-  contact.kernel = kernel == "table" ? ContactKernel::table : ContactKernel::modes;
-  const auto file = table.text("table");
-  if (!file) return;
-  if (contact.kernel != ContactKernel::table)
-    table.complain("table", "belongs to kernel = \"table\": add it, or leave the table out");
-  if (file->empty()) table.complain("table", "must name a file of sampled responses");
-  contact.table = (folder / *file).lexically_normal();
+/// Refuses the keys of pairs in a scene of sampled responses.
+void refuse_pairs(const Table& table) {
+  for (const Key& key : pair_keys.keys)
+    if (table.has(key.name)) table.complain(key.name, replaced_by_table);
+  if (table.has("pair")) table.complain("pair", replaced_by_table);
 }
 
-void read_scheme(Table& table, Contact& contact) {
-  const std::string scheme = table.text("scheme").value_or("compliant");
-  contact.scheme = scheme == "compliant" ? Scheme::compliant
-                   : scheme == "impulse" ? Scheme::impulse
-                                         : Scheme::at_rest;
-  const auto integration = table.text("integration");
-  if (integration && contact.scheme != Scheme::compliant)
-    table.complain("integration", "belongs to scheme = \"compliant\": add it, or leave this key out");
-  if (integration == "backward-euler") contact.integration = ContactStep::backward_euler;
-  const auto admittance = table.text("admittance");
-  const auto instant = table.text("instant");
-  const auto restitution = table.number("restitution");
-  if (contact.scheme != Scheme::impulse && (admittance || instant || restitution))
-    table.complain(admittance ? "admittance"
-                   : instant  ? "instant"
-                              : "restitution",
-                   "belongs to scheme = \"impulse\": add it, or leave this key out");
-  contact.admittance = admittance.value_or("jump") == "jump" ? Admittance::jump : Admittance::difference;
-  contact.instant = instant.value_or("step") == "step" ? Instant::step : Instant::exact;
-  contact.restitution = restitution.value_or(contact.restitution);
-  if (const auto pivots = table.integer("max_pivots")) contact.max_pivots = static_cast<int>(*pivots);
-  const auto solver = table.text("solver");
-  if (solver && contact.scheme != Scheme::at_rest)
-    table.complain("solver", "belongs to scheme = \"static\": add it, or leave this key out");
-  contact.solver = solver.value_or("exact") == "exact" ? Solver::exact : Solver::uzawa;
-}
-
-/// @param has_friction  whether a pair gives its friction
-void read_increments(Table& table, bool has_friction, Contact& contact) {
-  const auto increments = table.integer("increments");
-  if (!increments) return;
-  if (contact.scheme != Scheme::at_rest)
-    table.complain("increments", "belongs to scheme = \"static\": add it, or leave this key out");
-  if (!has_friction)
-    table.complain("increments", "needs friction: add it, as in friction = 0.3, or leave this key out");
-  contact.increments = static_cast<int>(*increments);
-}
-
-}  // namespace
-
-Contact read_contact(Table& root, const Scene& scene) {
-  Contact contact;
-  Table table =
-      root.required("contact", root.table("contact", contact_keys), "give between = [\"body\", \"body\"]");
-  read_kernel(table, scene.file.parent_path(), contact);
-  read_scheme(table, contact);
-  if (!contact.table.empty()) {
-    for (const Key& key : pair_keys.keys)
-      if (table.raw().contains(key.name))
-        table.complain(key.name, "is replaced by contact.table: leave one of them out");
-    read_increments(table, false, contact);
-    table.refuse_unread();
-    return contact;
-  }
+/// Reads the pairs. Returns whether one of them gives its friction.
+bool read_pairs(const Table& table, const Scene& scene, Contact& contact) {
   Pair shared;
   read_pair(table, scene, contact, shared);
-  bool has_friction = table.raw().contains("friction");
-  for (Table& entry : table.array("pair", pair_keys)) {
+  bool has_friction = table.has("friction");
+  for (const Table& entry : table.array("pair", pair_keys)) {
     Pair pair = shared;
     read_pair(entry, scene, contact, pair);
-    has_friction = has_friction || entry.raw().contains("friction");
-    entry.refuse_unread();
+    has_friction = has_friction || entry.has("friction");
     if (pair.a.empty()) entry.complain("between", "is missing: name the two that may touch");
     contact.pairs.push_back(body_first(scene, pair));
   }
@@ -176,8 +218,23 @@ Contact read_contact(Table& root, const Scene& scene) {
     if (shared.a.empty()) table.complain("between", "is missing: name the two that may touch");
     contact.pairs.push_back(body_first(scene, shared));
   }
-  read_increments(table, has_friction, contact);
-  table.refuse_unread();
+  return has_friction;
+}
+
+}  // namespace
+
+Contact read_contact(const Table& root, const Scene& scene) {
+  Contact contact;
+  const auto table = root.table("contact", contact_keys);
+  if (!table) root.complain("contact", "is missing: give between = [\"body\", \"body\"]");
+  contact_keys.read(*table, contact);
+  const bool by_table = table->has("table");
+  if (by_table && !contact.table.has_filename())
+    table->complain("table", "must name a file of sampled responses");
+  if (by_table) refuse_pairs(*table);
+  const bool has_friction = !by_table && read_pairs(*table, scene, contact);
+  if (table->has("increments") && !has_friction)
+    table->complain("increments", "needs friction: add it, as in friction = 0.3, or leave this key out");
   return contact;
 }
 

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "src/scene/derive.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
-#include "src/scene/body.hpp"
-#include "src/scene/loads.hpp"
-#include "src/scene/modes.hpp"
-#include "src/scene/table.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::scene {
 
@@ -37,29 +36,19 @@ bool is_rod(const kernels::Kernel& kernel, const Body& body) {
   });
 }
 
-/// The tables of a stored request, which differ from those of a scene.
-const Section& request_keys() {
-  static const Section section{"a kernel's scene",
-                               "",
-                               {{"body", Type::table, "", "", {}, ""},
-                                {"modes", Type::table, "", "", {}, ""},
-                                {"contact", Type::table, "", "", {}, ""},
-                                {"loads", Type::table, "", "", {}, ""},
-                                {"output", Type::table, "", "", {}, ""}}};
-  return section;
-}
-
-const Section& request_contact_keys() {
-  static const Section section{
-      "[contact] of a kernel's scene",
-      "",
-      {{"direction", Type::vector, "", "", {}, ""},  // rounded, so its length is not exactly 1
-       {"along", Type::vector, "", "", {}, ""},
-       *pair_keys.find("spacing"),
-       {"points", Type::integers, "", "", {}, ""},
-       {"within_reach", Type::text, "", "", {}, ""},
-       {"residual", Type::text, "", "", {}, ""}}};
-  return section;
+/// Whether both requests have the same loads, motions and receivers, in the same order.
+bool same_sources(const KernelRequest& a, const KernelRequest& b) {
+  const auto same = [](const auto& x, const auto& y) {
+    if constexpr (requires { x.group; })
+      if (x.group != y.group) return false;
+    for (std::size_t k = 0; k < 3; ++k)
+      if (std::abs(x.at[k] - y.at[k]) > 2e-12) return false;  // two roundings
+    return x.name == y.name;
+  };
+  return std::ranges::equal(a.loads.tractions, b.loads.tractions, same) &&
+         std::ranges::equal(a.loads.points, b.loads.points, same) &&
+         std::ranges::equal(a.loads.motions, b.loads.motions, same) &&
+         std::ranges::equal(a.receivers, b.receivers, same);
 }
 
 [[noreturn]] void fail(const kernels::Kernel& kernel, const std::string& what) {
@@ -104,50 +93,6 @@ std::vector<std::int64_t> places(const KernelRequest& had, const KernelRequest& 
 }
 
 }  // namespace
-
-KernelRequest request_of(const kernels::Header& header, const std::string& origin) {
-  KernelRequest request;
-  request.mesh_sha256 = header.mesh_sha256;
-  toml::table parsed;
-  try {
-    parsed = parse_toml(header.scene, origin);
-  } catch (const toml::parse_error& error) {
-    throw InputError(
-        one_line(fmt::format("{}: its scene is not TOML ({}). Compute it again with "
-                             "ricochet-kernel.",
-                             origin, error.description())));
-  }
-  Table root(parsed, request_keys(), origin, "");
-  root.refuse_unknown();
-  auto body = root.table("body", body_keys);
-  if (!body) root.complain("body", "is missing. Compute it again with ricochet-kernel.");
-  read_body_matter(*body, request.body);
-  body->refuse_unread();
-  request.modes = read_modes(root);
-  if (auto contact = root.table("contact", request_contact_keys())) {
-    request.direction = contact->vector("direction");
-    request.along = contact->vector("along");
-    request.spacing = contact->number("spacing");
-    request.points = contact->integers("points");
-    if (contact->text("within_reach")) {
-      request.within_reach = true;
-      request.points = header.held;
-    }
-    request.normal_residual = contact->text("residual").has_value();
-    contact->refuse_unread();
-  }
-  if (auto output = root.table("output", output_keys)) {
-    request.view = output->boolean("view").value_or(false);
-    read_sources(root, *output, request);
-    output->refuse_unread();
-  }
-  root.refuse_unread();
-  seal(request);
-  if (request.hash != header.hash)
-    throw InputError(
-        fmt::format("{}: is a kernel of another version. Compute it again with ricochet-kernel.", origin));
-  return request;
-}
 
 std::optional<kernels::Similarity> similarity(const KernelRequest& had, const KernelRequest& wanted) {
   if (wanted.modes.open()) return std::nullopt;

@@ -8,10 +8,6 @@
 
 namespace ricochet::scene {
 
-/// Returns the request that a kernel file answers, read from its header. The body has no name, mesh or
-/// placement. Throws InputError that begins with `origin` if this version would not make such a kernel.
-KernelRequest request_of(const kernels::Header& header, const std::string& origin);
-
 /// Factors that turn the body of `had` into the body of `wanted`; no value if the bodies or their candidates
 /// differ in any other way. The candidates of `wanted` may be a subset of those of `had`, and it may request
 /// one direction where `had` has all three components. Its loads, moving supports and

@@ -152,7 +152,7 @@ std::string expected(const Key& key, const std::string& dotted, const toml::node
     case Type::texts:
       return texts(given);
     case Type::pair:
-      return "must be two numbers";
+      return "must be two numbers, " + key.example;
     case Type::vector:
     case Type::direction:
       return vector(key, given);

@@ -20,7 +20,6 @@ static_assert(names.size() == static_cast<std::size_t>(Type::strings) + 1);
 
 std::string range_of(const Key& key) {
   if (key.type == Type::direction) return "any length but 0";
-  if (key.type == Type::pair) return "at least 0";
   return key.range.text();
 }
 

@@ -1,39 +1,50 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Internal to src/scene: loads with histories, moving supports and receivers.
+// Internal to src/scene: loads with histories and moving supports, and what they share with receivers.
 #pragma once
 
+#include <array>
 #include <string>
+#include <vector>
 
-#include "src/scene/data/output.hpp"
-#include "src/scene/request.hpp"
+#include "src/scene/data/loads.hpp"
+#include "src/scene/keys.hpp"
 
 namespace ricochet::scene {
 
-class Table;
+/// The tables [[loads.NAME]].
+struct LoadKind {
+  const char* name;
+  const SectionOf<Forcing>& keys;
+  std::vector<Forcing> Loads::*list;
+};
+inline const std::array load_kinds{LoadKind{"traction", traction_keys, &Loads::tractions},
+                                   LoadKind{"point", point_keys, &Loads::points},
+                                   LoadKind{"motion", motion_keys, &Loads::motions}};
+
+/// The key `body` of a load or a receiver.
+template <class S>
+Declared<S> body_key() {
+  return {"body", Access(&S::body).if_changed(), "", required("name the body"), any(), "name of a body"};
+}
+
+/// The key `at` of a load or a receiver.
+template <class S>
+Declared<S> place_key(const std::string& what, const std::string& remedy) {
+  return {"at",
+          &S::at,
+          "m",
+          required(remedy + ", [x, y, z] in world axes"),
+          any(),
+          what +
+              ", in world axes, with the bodies placed by `translate` and `rotate_deg`. It must lie inside "
+              "the body or on its surface. A point outside by at most 1e-6 of the body's size is moved onto "
+              "the surface; a point farther outside is refused, with its distance"};
+}
 
 /// Reads [loads] of `root`. `scene` must already contain its bodies. Throws InputError.
-void read_loads(Table& root, Scene& scene);
+void read_loads(const Table& root, Scene& scene);
 
-/// Reads [[output.receiver]]. `scene` must already contain its bodies. Throws InputError.
-std::vector<Receiver> read_receivers(Table& output, const Scene& scene);
-
-/// Reads [output.sound], a sound of these receivers. Throws InputError.
-std::optional<Sound> read_sound(Table& output, const std::vector<Receiver>& receivers);
-
-/// Rounds to 1e-12, so that hashes do not depend on round-off.
-Vector3 rounded(Vector3 vector);
-
-/// Copies the loads, motions and receivers of `all` that belong to the body into the request, reduced to the
-/// data on which its kernel depends.
-void take_sources(const Scene& all, const Body& placed, KernelRequest& request);
-
-/// The loads, motions and receivers of a request as TOML; empty if there are none.
-std::string toml_sources(const KernelRequest& request);
-
-/// Reads [loads] and the receivers in `output`, as toml_sources writes them. Throws InputError.
-void read_sources(Table& root, Table& output, KernelRequest& request);
-
-/// Whether both requests have the same loads, motions and receivers, in the same order.
-bool same_sources(const KernelRequest& a, const KernelRequest& b);
+/// Throws InputError if kernels cannot contain this name.
+void check_name(const Table& table, const std::string& key, const std::string& name);
 
 }  // namespace ricochet::scene

@@ -11,6 +11,6 @@ class Table;
 /// Reads [modes] of `root`.
 /// @param may_stay_open  whether the band or the number of modes may be missing
 /// Throws InputError.
-Modes read_modes(Table& root, bool may_stay_open = false);
+Modes read_modes(const Table& root, bool may_stay_open = false);
 
 }  // namespace ricochet::scene

@@ -174,4 +174,10 @@ std::string existing_names(const std::string& name, const std::vector<std::strin
                      fmt::join(existing, "\", \""));
 }
 
+void check_exists(const Table& table, const std::string& key, const std::string& kind,
+                  const std::string& name, const std::vector<std::string>& names) {
+  if (std::ranges::count(names, name) == 0)
+    table.complain(key, "there is no " + kind + " \"" + name + '"' + existing_names(name, names));
+}
+
 }  // namespace ricochet::scene

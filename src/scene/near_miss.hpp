@@ -18,4 +18,15 @@ std::string unknown_key(const Section& section, const std::string& key, bool is_
 /// Ends a sentence on a name that does not exist: `. Did you mean "floor"?`, or the names that exist.
 std::string existing_names(const std::string& name, const std::vector<std::string>& existing);
 
+/// The names of bodies, obstacles or receivers.
+std::vector<std::string> names_of(const auto& all) {
+  std::vector<std::string> names;
+  for (const auto& one : all) names.push_back(one.name);
+  return names;
+}
+
+/// Throws InputError if `name`, the value of `key`, is not one of the names. `kind`: "body".
+void check_exists(const Table& table, const std::string& key, const std::string& kind,
+                  const std::string& name, const std::vector<std::string>& names);
+
 }  // namespace ricochet::scene

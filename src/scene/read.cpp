@@ -8,109 +8,123 @@
 
 #include "src/scene/body.hpp"
 #include "src/scene/contact.hpp"
+#include "src/scene/keys.hpp"
 #include "src/scene/loads.hpp"
 #include "src/scene/modes.hpp"
+#include "src/scene/output.hpp"
 #include "src/scene/overrides.hpp"
 #include "src/scene/scene_file.hpp"
 #include "src/scene/strikes.hpp"
-#include "src/scene/table.hpp"
 
 namespace ricochet::scene {
 
 namespace {
 
-/// Reads bodies and obstacles.
-void read_bodies(Table& root, Scene& scene) {
-  auto bodies = root.named("bodies", body_keys);
-  if (bodies.empty()) root.complain("bodies", "is missing: a scene needs a body, [bodies.NAME]");
+bool read_quantities(const Table& table, const Key& key, Scene& scene) {
   std::vector<std::string> names;
-  for (const auto& [name, table] : bodies) names.push_back(name);
-  for (auto& [name, table] : bodies)
-    scene.bodies.push_back(read_body(name, table, names, scene.file.parent_path()));
-  for (auto& [name, table] : root.named("obstacles", obstacle_keys)) {
-    Obstacle obstacle{name, table.vector("point").value_or(Vector3{}), {}, {}};
-    obstacle.normal = table.required("normal", table.direction("normal"),
-                                     "the direction out of the obstacle, for example [0, 0, 1]");
-    obstacle.velocity = table.vector("velocity").value_or(Vector3{});
-    if (const double along = along_normal(obstacle, obstacle.velocity); along != 0)
-      table.complain("velocity", fmt::format("has the component {:.6g} m/s along the normal: an obstacle "
-                                             "moves along its surface; leave this component out",
-                                             along));
-    table.refuse_unread();
-    if (scene.find_body(name) != nullptr) table.complain("", "a body has this name already");
-    scene.obstacles.push_back(obstacle);
+  if (!table.read(key, names)) return false;
+  scene.accuracy_of.clear();
+  for (const std::string& name : names) {
+    const auto found = std::ranges::find(quantity_names, name);
+    if (found == quantity_names.end())
+      table.complain("accuracy_of", fmt::format("there is no quantity \"{}\": the quantities are {}", name,
+                                                fmt::join(quantity_names, ", ")));
+    scene.accuracy_of.push_back(static_cast<Quantity>(found - quantity_names.begin()));
   }
+  return true;
 }
 
-void read_time(Table& root, const Contact& contact, const std::optional<double>& accuracy, Time& time) {
-  auto table = root.table("time", time_keys);
+std::string quantities_of(const Scene& scene) {
+  if (!scene.accuracy) return "";
+  std::vector<std::string> names;
+  for (const Quantity quantity : scene.accuracy_of) names.emplace_back(name_of(quantity));
+  return toml_value(names);
+}
+
+}  // namespace
+
+const SectionOf<Scene> scene_keys{
+    "Top level",
+    "",
+    {{"title", &Scene::title, "", "the file's name without `.toml`", any(),
+      "title of the pictures; the names of the result files are made from it"},
+     {"accuracy", &Scene::accuracy, "1",
+      toml_number(default_accuracy) + " if `modes` are left open, otherwise none",
+      Range{.low = "1e-6",
+            .high = "0.5",
+            .choices = {"off"},
+            .remark = ": the relative error that results may have"},
+      "relative error allowed in the quantities of `accuracy_of`; `ricochet-kernel` and `ricochet-contact` "
+      "choose the settings that the scene leaves open. `\"off\"`: nothing is chosen, and no error is "
+      "estimated"},
+     {"accuracy_of", Access(Type::texts, read_quantities, quantities_of), "", "`[\"impulse\", \"rebound\"]`",
+      any(),
+      "quantities to which `accuracy` applies: some of `\"impulse\"`, `\"rebound\"`, `\"spin\"`, "
+      "`\"peak_force\"`, `\"duration\"`, `\"energy\"` and `\"receivers\"`, or their only name. At rest: "
+      "`\"force\"` and `\"approach\"`, always both"},
+     {"bodies", Type::table, "", required(), any(),
+      "`[bodies.NAME]`, one table for each elastic body. NAME consists of letters, digits, `-` and `_`. A "
+      "scene with a `contact.table` has no bodies",
+      "[bodies.NAME], one table for each body"},
+     {"obstacles", Type::table, "", none, any(), "`[obstacles.NAME]`, rigid half-spaces",
+      "[obstacles.NAME], with normal = [0, 0, 1]"},
+     {"modes", Type::table, "", required(), any(),
+      "basis of every body: which modes, or which Ritz vectors. Optional unless `accuracy = \"off\"`",
+      "[modes], with up_to_hz or count"},
+     {"contact", Type::table, "", required(), any(),
+      "contact pairs and contact law. Optional for kernels and modes",
+      "[contact], with between; several pairs are [[contact.pair]]"},
+     {"time", Type::table, "", required(), any(),
+      "time step and duration. Optional for kernels and modes, and with `scheme = \"static\"`",
+      "[time], with duration"},
+     {"loads", Type::table, "", none, any(), "gravity, tractions, point forces, moving supports",
+      "[loads], with gravity = [0, 0, -9.81]"},
+     {"strikes", Type::tables, "", none, any(), "`[[strikes]]`, blows by mallets"},
+     {"output", Type::table, "", none, any(), "what is written, and receivers",
+      "[output], with its keys below"}}};
+
+const SectionOf<Time> time_keys{
+    "[time]",
+    "",
+    {{"rate_hz", &Time::rate, "Hz", initial, above("0"),
+      "output samples per second. In free flight, steps go from sample to sample. With scheme = `impulse` "
+      "and with sampled responses, also the steps per second; `impulse` with `accuracy` chooses it"},
+     {"contact_rate_hz", &Time::contact_rate, "Hz", "rate_hz, or chosen by `accuracy`", above("0"),
+      "steps per second while a point could close, rounded up to a multiple of rate_hz. Needs `scheme = "
+      "\"compliant\"` and `kernel = \"modes\"`"},
+     {"duration", &Time::duration, "s", required(), above("0"),
+      "simulated time. duration · rate_hz is rounded to a whole number of samples, from 1 to 1e9"},
+     {"precision", choice(&Time::precision, {"double", "single"}), "", ", or chosen by `accuracy`", any(),
+      "`\"single\"`: matrix products of the steps in single precision, which is faster with many points. "
+      "Needs `scheme = \"compliant\"` and `kernel = \"modes\"`"}}};
+
+namespace {
+
+void read_time(const Table& root, Scene& scene) {
+  const Contact& contact = scene.contact;
+  Time& time = scene.time;
+  const auto table = root.table("time", time_keys);
   if (!table && contact.scheme == Scheme::at_rest) return;
   if (!table) root.complain("time", "is missing: give duration [s]");
-  const auto rate = table->number("rate_hz"), contact_rate = table->number("contact_rate_hz");
-  if (rate) time.rate = Hertz{*rate};
-  if (contact_rate) {
-    if (!contact.has_contact_rate())
-      table->complain("contact_rate_hz",
-                      "belongs to scheme = \"compliant\" and kernel = \"modes\": give rate_hz alone");
-    if (*contact_rate > most_steps_per_sample * time.rate.value)
-      table->complain("contact_rate_hz", fmt::format("is above {:g} times rate_hz = {:g}: raise rate_hz",
-                                                     most_steps_per_sample, time.rate.value));
-    time.contact_rate = Hertz{*contact_rate};
-  }
-  time.rate_by_accuracy = accuracy && !(contact.has_contact_rate() ? contact_rate : rate);
-  time.duration = table->required_number("duration");
-  const bool is_open = time.rate_by_accuracy && !contact.has_contact_rate();
+  time_keys.read(*table, time);
+  const bool steps_by_modes = contact.has_contact_rate();
+  if (time.contact_rate && !steps_by_modes)
+    table->complain("contact_rate_hz",
+                    "belongs to scheme = \"compliant\" and kernel = \"modes\": give rate_hz alone");
+  if (time.contact_rate && time.contact_rate->value > most_steps_per_sample * time.rate.value)
+    table->complain("contact_rate_hz", fmt::format("is above {:g} times rate_hz = {:g}: raise rate_hz",
+                                                   most_steps_per_sample, time.rate.value));
+  time.rate_by_accuracy = scene.accuracy && !table->has(steps_by_modes ? "contact_rate_hz" : "rate_hz");
+  const bool is_open = time.rate_by_accuracy && !steps_by_modes;
   const double samples = is_open ? 1 : time.duration * time.rate.value;
   if (samples < 1 || samples > 1e9)
     table->complain(
         "duration",
         fmt::format("makes {:.3g} samples at rate_hz = {:g}: must be from 1 to 1e9: change rate_hz", samples,
                     time.rate.value));
-  const bool steps_by_modes = contact.has_contact_rate();
-  const auto precision = table->text("precision");
-  if (precision == "single" && !steps_by_modes)
+  if (time.precision == Precision::float32 && !steps_by_modes)
     table->complain("precision", "belongs to scheme = \"compliant\" and kernel = \"modes\": leave it out");
-  if (precision == "single") time.precision = Precision::float32;
-  if (!precision && accuracy && steps_by_modes) time.precision.reset();
-  table->refuse_unread();
-}
-
-void read_output(Table& root, Scene& scene) {
-  Output& output = scene.output;
-  auto table = root.table("output", output_keys);
-  if (!table) return;
-  if (const auto every = table->integer("every")) output.every = static_cast<int>(*every);
-  const auto view = table->boolean("view");
-  output.vtk_every = table->integer("vtk_every").value_or(output.vtk_every);
-  if (output.vtk_every > 0 && view && !*view)
-    table->complain("view", "vtk_every needs the visualisation surfaces: leave view out, or set it to true");
-  output.view = view.value_or(output.vtk_every > 0);
-  output.snapshot_every = table->integer("snapshot_every").value_or(output.snapshot_every);
-  if (const auto rate = table->number("receivers_rate_hz")) {
-    const double samples = scene.time.rate.value / *rate;
-    if (scene.time.duration > 0 && !(samples >= 1 && samples <= most_samples_per_receiver_row))
-      table->complain("receivers_rate_hz", fmt::format("must be from rate_hz / {} to rate_hz = {:g}",
-                                                       most_samples_per_receiver_row, scene.time.rate.value));
-    output.receivers_rate = Hertz{*rate};
-  }
-  output.receivers = read_receivers(*table, scene);
-  output.sound = read_sound(*table, output.receivers);
-  if (output.receivers_rate && output.receivers.empty())
-    table->complain("receivers_rate_hz", "needs [[output.receiver]]: add one, or leave it out");
-  table->refuse_unread();
-}
-
-void read_accuracy_of(Table& root, Scene& scene) {
-  const std::vector<std::string> names = root.texts("accuracy_of");
-  if (names.empty()) return;
-  scene.accuracy_of.clear();
-  for (const std::string& name : names) {
-    const auto found = std::ranges::find(quantity_names, name);
-    if (found == quantity_names.end())
-      root.complain("accuracy_of", fmt::format("there is no quantity \"{}\": the quantities are {}", name,
-                                               fmt::join(quantity_names, ", ")));
-    scene.accuracy_of.push_back(static_cast<Quantity>(found - quantity_names.begin()));
-  }
+  if (!table->has("precision") && scene.accuracy && steps_by_modes) time.precision.reset();
 }
 
 /// Decides which settings of meshes are chosen for the accuracy: the order if a scene does not give it, and
@@ -125,7 +139,7 @@ void find_open(Scene& scene) {
 }
 
 /// Refuses settings of modes that need elements or a wave speed: an imported body has neither.
-void refuse_what_needs_elements(Table& root, const Scene& scene) {
+void refuse_what_needs_elements(const Table& root, const Scene& scene) {
   const Modes& modes = scene.modes;
   for (const Body& body : scene.bodies) {
     if (!body.imported()) continue;
@@ -141,7 +155,7 @@ void refuse_what_needs_elements(Table& root, const Scene& scene) {
 }
 
 /// Refuses damping by mode if the basis leaves no mode its number.
-void refuse_unnumbered_modes(Table& root, const Scene& scene) {
+void refuse_unnumbered_modes(const Table& root, const Scene& scene) {
   if (scene.modes.basis == Basis::modes && !scene.modes.flexibility_error && !scene.modes.open()) return;
   for (const Body& body : scene.bodies)
     if (body.damping.law == Damping::Law::by_mode)
@@ -166,7 +180,7 @@ void refuse_long_names(const Scene& scene) {
 }
 
 /// Refuses outputs and loads that do not exist with tables or at equilibrium.
-void refuse_what_does_not_go(Table& root, const Scene& scene) {
+void refuse_what_does_not_go(const Table& root, const Scene& scene) {
   const bool table = scene.contact.kernel == ContactKernel::table;
   if (table && scene.output.snapshot_every > 0)
     root.complain("output.snapshot_every",
@@ -183,6 +197,25 @@ void refuse_what_does_not_go(Table& root, const Scene& scene) {
     root.complain("loads", fmt::format("{} allows gravity only: leave the other loads out", with));
   if (!scene.output.receivers.empty())
     root.complain("output.receiver", fmt::format("{} allows none: leave it out", with));
+}
+
+/// Refuses bodies without the contact that the scene needs.
+/// @param meets  whether the scene has contact
+void refuse_idle_bodies(const Scene& scene, bool meets) {
+  const std::string name = scene.file.filename().string();
+  for (const Body& body : scene.bodies) {
+    if (meets &&
+        std::ranges::none_of(scene.contact.pairs, [&](const Pair& pair) { return pair.names(body.name); }))
+      throw InputError(
+          fmt::format("{}: bodies.{}: no contact pair names it: add it to contact.between or remove it", name,
+                      body.name));
+    if (!body.contact.empty()) continue;
+    const std::string missing = fmt::format("{}: bodies.{}.contact: is missing: ", name, body.name);
+    if (meets) throw InputError(missing + "name the physical surface that may touch");
+    if (scene.modes.basis == Basis::contact || scene.modes.flexibility_error)
+      throw InputError(missing +
+                       "modes.basis = \"contact\" and modes.flexibility_error need a contact surface");
+  }
 }
 
 /// The tables of a scene with overrides. `name` is the name of its file.
@@ -212,17 +245,15 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   const toml::table parsed = overridden_tables(text, name, overrides);
   Scene scene;
   scene.file = file;
-  Table root(parsed, scene_keys, name, "");
-  root.refuse_unknown();
-  scene.title = root.text("title").value_or(file.stem().string());
-  scene.accuracy = root.number("accuracy");
-  const bool off = parsed["accuracy"].is_string();
-  read_accuracy_of(root, scene);
+  scene.title = file.stem().string();
+  const Table root(parsed, scene_keys, file);
+  scene_keys.read(root, scene);
+  const bool off = root.has("accuracy") && !scene.accuracy;
   const bool by_table = static_cast<bool>(parsed["contact"]["table"]);
-  const bool meets = purpose == Purpose::impact || parsed.contains("contact");
+  const bool meets = purpose == Purpose::impact || root.has("contact");
   if (by_table) {
     for (const char* key : {"bodies", "obstacles", "modes", "loads", "strikes"})
-      if (parsed.contains(key)) root.complain(key, "is replaced by contact.table: leave one of them out");
+      if (root.has(key)) root.complain(key, replaced_by_table);
   } else {
     read_bodies(root, scene);
     scene.modes = read_modes(root, meets && !off);
@@ -232,33 +263,16 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
     find_open(scene);
   }
   if (meets) scene.contact = read_contact(root, scene);
-  if (!meets && scene.accuracy) root.complain("accuracy", "needs [contact]: leave it out, or add [contact]");
-  if (purpose == Purpose::impact || by_table || parsed.contains("time"))
-    read_time(root, scene.contact, scene.accuracy, scene.time);
+  const char* no_contact = "needs [contact]: leave it out, or add [contact]";
+  if (!meets && scene.accuracy) root.complain("accuracy", no_contact);
+  if (!meets && root.has("strikes")) root.complain("strikes", no_contact);
+  if (purpose == Purpose::impact || by_table || root.has("time")) read_time(root, scene);
   read_loads(root, scene);
   read_output(root, scene);
   refuse_what_does_not_go(root, scene);
   refuse_long_names(scene);
   if (meets) read_strikes(root, scene);
-  root.refuse_unread();
-  if (!meets) {
-    for (const Body& body : scene.bodies)
-      if (body.contact.empty() && (scene.modes.basis == Basis::contact || scene.modes.flexibility_error))
-        throw InputError(fmt::format(
-            "{}: bodies.{}.contact: is missing: modes.basis = \"contact\" and modes.flexibility_error need a "
-            "contact surface",
-            name, body.name));
-    return scene;
-  }
-  for (const Body& body : scene.bodies) {
-    if (std::ranges::none_of(scene.contact.pairs, [&](const Pair& pair) { return pair.names(body.name); }))
-      throw InputError(
-          fmt::format("{}: bodies.{}: no contact pair names it: add it to contact.between or remove it", name,
-                      body.name));
-    if (body.contact.empty())
-      throw InputError(fmt::format(
-          "{}: bodies.{}.contact: is missing: name the physical surface that may touch", name, body.name));
-  }
+  refuse_idle_bodies(scene, meets);
   return scene;
 }
 

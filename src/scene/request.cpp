@@ -6,17 +6,19 @@
 #include <openssl/evp.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <regex>
 #include <set>
 #include <sstream>
 
-#include "ricochet/error.hpp"
+#include "kernels/read.hpp"
+#include "src/scene/keys.hpp"
 #include "src/scene/loads.hpp"
+#include "src/scene/modes.hpp"
 #include "src/scene/near_miss.hpp"
 #include "src/scene/parts.hpp"
 #include "src/scene/scene.hpp"
-#include "src/scene/write.hpp"
 
 namespace ricochet::scene {
 
@@ -77,6 +79,12 @@ std::string mesh_hash(const std::filesystem::path& path, const std::string& key,
   return sha256(all);
 }
 
+/// Rounds to 1e-12, so that hashes do not depend on round-off.
+Vector3 rounded(Vector3 vector) {
+  for (double& x : vector) x = std::round(x * 1e12) / 1e12;
+  return vector;
+}
+
 /// A direction in the frame of the body. Its sign is chosen so that the first nonzero component is positive,
 /// and it is rounded so that round-off does not change hashes.
 Vector3 own_axis(const Body& body, const Vector3& world) {
@@ -86,6 +94,84 @@ Vector3 own_axis(const Body& body, const Vector3& world) {
     if (own[k] != 0) sign = own[k] > 0 ? 1 : -1;
   for (double& x : own) x = x == 0 ? 0 : sign * x;
   return own;
+}
+
+/// Moves a point of the world to the frame of the body.
+void move_to_frame(const Body& body, Vector3& at) {
+  for (std::size_t k = 0; k < 3; ++k) at[k] -= body.translate[k];
+  at = rounded(in_body(body, at));
+}
+
+/// Copies the loads, motions and receivers of `all` that belong to the body into the request, reduced to the
+/// data on which its kernel depends.
+void take_sources(const Scene& all, const Body& placed, KernelRequest& request) {
+  for (const LoadKind& kind : load_kinds)
+    for (Forcing driven : all.loads.*kind.list) {
+      if (driven.body != placed.name) continue;
+      driven.vector = {};
+      driven.history.clear();
+      if (&kind.keys == &point_keys) move_to_frame(placed, driven.at);
+      // All motions of a support share one dataset of the kernel, whatever their histories.
+      if (&kind.keys == &motion_keys) driven.name = driven.group;
+      std::vector<Forcing>& list = request.loads.*kind.list;
+      if (std::ranges::count(list, driven.name, &Forcing::name) == 0) list.push_back(driven);
+    }
+  for (Receiver receiver : all.output.receivers) {
+    if (receiver.body != placed.name) continue;
+    move_to_frame(placed, receiver.at);
+    request.receivers.push_back(receiver);
+  }
+}
+
+/// Points within reach may be thousands, too many for an attribute, so the kernel stores them as a dataset.
+bool read_reach(const Table& table, const Key& key, KernelRequest& request) {
+  return request.within_reach = table.has(key.name);
+}
+
+std::string reach_of(const KernelRequest& request) {
+  if (!request.points || !request.within_reach) return "";
+  return toml_string(sha256(fmt::format("{}", fmt::join(*request.points, ", "))));
+}
+
+bool has_chosen_points(const KernelRequest& request) { return !request.within_reach; }
+
+// The tables of a request, which differ from those of a scene.
+const SectionOf<KernelRequest> request_keys{"a kernel's scene",
+                                            "",
+                                            {{"body", Type::table},
+                                             {"modes", Type::table},
+                                             {"contact", Type::table},
+                                             {"loads", Type::table},
+                                             {"output", Type::table}}};
+const SectionOf<KernelRequest> request_contact_keys{
+    "[contact] of a kernel's scene",
+    "",
+    {{"direction", &KernelRequest::direction},  // rounded, so its length is not exactly 1
+     {"along", &KernelRequest::along},
+     {"spacing", &KernelRequest::spacing},
+     {"points", Access(&KernelRequest::points).only(has_chosen_points, "a kernel without within_reach")},
+     {"within_reach", Access(Type::text, read_reach, reach_of)},
+     {"residual", choice(&KernelRequest::normal_residual, {"all", "normal"}).if_changed()}}};
+const SectionOf<KernelRequest> request_output_keys{
+    "[output] of a kernel's scene", "", {{"view", &KernelRequest::view}, {"receiver", Type::tables}}};
+
+SectionOf<Forcing> request_keys_of(const LoadKind& kind) {
+  return kind.keys.without({"body", "obstacle", "vector", "history"});
+}
+
+SectionOf<Receiver> request_receiver_keys() { return receiver_keys.without({"body"}); }
+
+/// Reads [loads] and the receivers in [output].
+void read_sources(const Table& root, const Table& output, KernelRequest& request) {
+  if (const auto loads = root.table("loads", loads_keys))
+    for (const LoadKind& kind : load_kinds) {
+      const auto keys = request_keys_of(kind);
+      for (const Table& entry : loads->array(kind.name, keys))
+        keys.read(entry, (request.loads.*kind.list).emplace_back());
+    }
+  const auto keys = request_receiver_keys();
+  for (const Table& entry : output.array("receiver", keys))
+    keys.read(entry, request.receivers.emplace_back());
 }
 
 }  // namespace
@@ -152,20 +238,47 @@ bool may_be_normal(const KernelRequest& request) {
 }
 
 void seal(KernelRequest& request) {
-  request.toml = "[body]\n" + toml_body_matter(request.body) + toml_modes(request.modes) + "[contact]\n";
-  if (request.direction) request.toml += "direction = " + toml_vector(*request.direction) + "\n";
-  if (request.along) request.toml += "along = " + toml_vector(*request.along) + "\n";
-  if (request.spacing) request.toml += "spacing = " + toml_number(*request.spacing) + "\n";
-  if (request.points) {
-    const std::string points = fmt::format("{}", fmt::join(*request.points, ", "));
-    // A list of thousands of points would be too long for an attribute, so the kernel stores it as a dataset.
-    request.toml += request.within_reach ? fmt::format("within_reach = \"{}\"\n", sha256(points))
-                                         : fmt::format("points = [{}]\n", points);
-  }
-  if (request.normal_residual) request.toml += "residual = \"normal\"\n";
-  request.toml += fmt::format("[output]\nview = {}\n", request.view);
-  request.toml += toml_sources(request);
+  request.toml = "[body]\n" + matter_keys.write(request.body) + "[modes]\n" +
+                 modes_keys.write(request.modes) + "[contact]\n" + request_contact_keys.write(request) +
+                 "[output]\n" + request_output_keys.write(request);
+  for (const LoadKind& kind : load_kinds)
+    for (const Forcing& driven : request.loads.*kind.list)
+      request.toml += fmt::format("[[loads.{}]]\n{}", kind.name, request_keys_of(kind).write(driven));
+  for (const Receiver& receiver : request.receivers)
+    request.toml += "[[output.receiver]]\n" + request_receiver_keys().write(receiver);
   request.hash = sha256(fmt::format("{}\n{}\n{}", kernel_generation, request.mesh_sha256, request.toml));
+}
+
+KernelRequest request_of(const kernels::Header& header, const std::string& origin) {
+  KernelRequest request;
+  request.mesh_sha256 = header.mesh_sha256;
+  toml::table parsed;
+  try {
+    parsed = parse_toml(header.scene, origin);
+  } catch (const toml::parse_error& error) {
+    throw InputError(
+        one_line(fmt::format("{}: its scene is not TOML ({}). Compute it again with "
+                             "ricochet-kernel.",
+                             origin, error.description())));
+  }
+  const Table root(parsed, request_keys, origin);
+  const auto body = root.table("body", matter_keys);
+  if (!body) root.complain("body", "is missing. Compute it again with ricochet-kernel.");
+  matter_keys.read(*body, request.body);
+  request.modes = read_modes(root);
+  if (const auto contact = root.table("contact", request_contact_keys)) {
+    request_contact_keys.read(*contact, request);
+    if (request.within_reach) request.points = header.held;
+  }
+  if (const auto output = root.table("output", request_output_keys)) {
+    request_output_keys.read(*output, request);
+    read_sources(root, *output, request);
+  }
+  seal(request);
+  if (request.hash != header.hash)
+    throw InputError(
+        fmt::format("{}: is a kernel of another version. Compute it again with ricochet-kernel.", origin));
+  return request;
 }
 
 void scale_sources(KernelRequest& request, double factor) {
@@ -173,7 +286,7 @@ void scale_sources(KernelRequest& request, double factor) {
     for (double& x : at) x *= factor;
     at = rounded(at);
   };
-  for (Forcing& driven : request.point_forces) scale(driven.at);
+  for (Forcing& driven : request.loads.points) scale(driven.at);
   for (Receiver& receiver : request.receivers) scale(receiver.at);
 }
 

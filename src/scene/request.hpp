@@ -7,6 +7,10 @@
 #include "src/scene/data/modes.hpp"
 #include "src/scene/data/receiver.hpp"
 
+namespace ricochet::kernels {
+struct Header;
+}
+
 namespace ricochet::scene {
 
 struct Scene;
@@ -32,8 +36,7 @@ struct KernelRequest {
   /// is the same kernel as that of a frictionless scene that needs all components.
   bool friction = false;
   bool view = false;
-  std::vector<Forcing> tractions, point_forces,
-      motions;                      ///< of this body; vector and history empty, `at` in its frame
+  Loads loads;                      ///< of this body; vectors and histories empty, `at` in its frame
   std::vector<Receiver> receivers;  ///< of this body; `at` in its frame
   std::string mesh_sha256;
   std::string toml;  ///< the request as TOML, part of the hash
@@ -56,6 +59,10 @@ bool may_be_normal(const KernelRequest& request);
 
 /// Sets `toml` and `hash` from all other members.
 void seal(KernelRequest& request);
+
+/// Returns the request that a kernel file answers, read from its header. The body has no name, mesh or
+/// placement. Throws InputError that begins with `origin` if this version would not make such a kernel.
+KernelRequest request_of(const kernels::Header& header, const std::string& origin);
 
 /// Multiplies the positions of point forces and receivers, for a body of another size.
 void scale_sources(KernelRequest& request, double factor);

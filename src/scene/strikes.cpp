@@ -4,11 +4,28 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/scene/keys.hpp"
 #include "src/scene/near_miss.hpp"
 #include "src/scene/scene.hpp"
-#include "src/scene/table.hpp"
 
 namespace ricochet::scene {
+
+const SectionOf<Strike> strike_keys{
+    "[[strikes]]",
+    "A blow by a mallet: a free body, which need not be given again for each blow. It is at its place at the "
+    "time of the strike, and flies freely before and after it; `gap` and `reach` of its pairs hold for each "
+    "strike. Mallets do not touch each other. Not with `accuracy`, sampled responses or bodies at rest.",
+    {{"mallet", &Strike::mallet, "", required("name the body that strikes"), any(),
+      "name of a body without supports, receivers and loads"},
+     {"time", &Strike::time, "s", required(), at_least("0"),
+      "time at which the mallet is at its place; it touches when it has crossed the rest of its gap"},
+     {"speed", &Strike::speed, "m/s", "that of the mallet's `velocity`", above("0"),
+      "its speed at this time"},
+     {"direction", direction(&Strike::direction), "", "that of the mallet's `velocity`", any(),
+      "direction of its velocity, in world axes"},
+     {"translate", &Strike::translate, "m", "that of the mallet", any(), "its place, as for bodies"},
+     {"rotate_deg", &Strike::rotate_deg, "degrees", "that of the mallet", any(),
+      "its orientation, as for bodies"}}};
 
 namespace {
 
@@ -50,24 +67,17 @@ void check_mallet(const Table& table, const Body& body, const Scene& scene) {
                       pair.a));
 }
 
-/// Reads a strike; missing keys have the values of the mallet.
-Strike read_strike(Table& table, const Body& mallet) {
-  Strike strike{.mallet = mallet.name, .translate = mallet.translate, .rotate_deg = mallet.rotate_deg};
-  strike.time = table.required_number("time");
+/// Gives the strike the values of the mallet in place of keys that are missing.
+void complete(const Table& table, const Body& mallet, Strike& strike) {
   const Vector3& v = mallet.velocity;
   const double own_speed = std::hypot(v[0], v[1], v[2]);
-  const auto speed = table.number("speed");
-  const auto direction = table.direction("direction");
-  for (const auto& [key, given] :
-       {std::pair{"speed", speed.has_value()}, {"direction", direction.has_value()}})
-    if (!given && !(own_speed > 0))
+  for (const char* key : {"speed", "direction"})
+    if (!table.has(key) && !(own_speed > 0))
       table.complain(key, fmt::format("is missing: give it, or bodies.{}.velocity", mallet.name));
-  strike.speed = speed.value_or(own_speed);
-  strike.direction = direction ? *direction : Vector3{v[0] / own_speed, v[1] / own_speed, v[2] / own_speed};
-  if (const auto at = table.vector("translate")) strike.translate = *at;
-  if (const auto turn = table.vector("rotate_deg")) strike.rotate_deg = *turn;
-  table.refuse_unread();
-  return strike;
+  if (!table.has("speed")) strike.speed = own_speed;
+  if (!table.has("direction")) strike.direction = {v[0] / own_speed, v[1] / own_speed, v[2] / own_speed};
+  if (!table.has("translate")) strike.translate = mallet.translate;
+  if (!table.has("rotate_deg")) strike.rotate_deg = mallet.rotate_deg;
 }
 
 void set_strike(Body& body, const Strike& strike) {
@@ -95,19 +105,17 @@ void add_copy(Scene& scene, const Body& mallet, const Strike& strike, std::size_
 
 }  // namespace
 
-void read_strikes(Table& root, Scene& scene) {
+void read_strikes(const Table& root, Scene& scene) {
   const std::vector<Body> mallets = scene.bodies;
-  for (Table& table : root.array("strikes", strike_keys)) {
+  for (const Table& table : root.array("strikes", strike_keys)) {
     check_scene(table, scene);
-    const std::string name = table.required("mallet", table.text("mallet"), "name the body that strikes");
+    Strike strike;
+    strike_keys.read(table, strike);
+    const std::string& name = strike.mallet;
+    check_exists(table, "mallet", "body", name, names_of(mallets));
     const auto mallet = std::ranges::find(mallets, name, &Body::name);
-    if (mallet == mallets.end()) {
-      std::vector<std::string> names;
-      for (const Body& body : mallets) names.push_back(body.name);
-      table.complain("mallet", "there is no body \"" + name + '"' + existing_names(name, names));
-    }
     check_mallet(table, *mallet, scene);
-    const Strike strike = read_strike(table, *mallet);
+    complete(table, *mallet, strike);
     if (scene.time.duration > 0 && !(strike.time < scene.time.duration))
       table.complain("time",
                      fmt::format("is not before the end, time.duration = {:g}: lengthen the run, or leave "

@@ -10,6 +10,6 @@ class Table;
 
 /// Reads [[strikes]] of `root` into `scene`, which must already contain all the rest, and adds the copies of
 /// mallets to its bodies and pairs. Throws InputError.
-void read_strikes(Table& root, Scene& scene);
+void read_strikes(const Table& root, Scene& scene);
 
 }  // namespace ricochet::scene

@@ -3,21 +3,37 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <stdexcept>
 
 #include "src/scene/expected.hpp"
+#include "src/scene/keys.hpp"
 #include "src/scene/near_miss.hpp"
 
 namespace ricochet::scene {
 
-namespace {
-
-double number_of(const toml::node& node) {
-  return node.is_integer() ? static_cast<double>(node.as_integer()->get()) : node.as_floating_point()->get();
+bool convert(const toml::node& node, double& number) {
+  if (node.is_number()) number = *node.value<double>();
+  return node.is_number();
 }
 
-}  // namespace
+bool convert(const toml::node& node, std::int64_t& number) {
+  if (node.is_integer()) number = node.as_integer()->get();
+  return node.is_integer();
+}
+
+bool convert(const toml::node& node, bool& on) {
+  if (node.is_boolean()) on = node.as_boolean()->get();
+  return node.is_boolean();
+}
+
+bool convert(const toml::node& node, std::string& text) {
+  if (node.is_string()) text = node.as_string()->get();
+  return node.is_string();
+}
+
+bool convert(const toml::node& node, std::vector<std::string>& texts) {
+  texts.resize(1);
+  return convert(node, texts[0]) || convert<std::string>(node, texts);
+}
 
 std::string shortened(const std::string& line) {
   if (line.size() <= 60) return line;
@@ -48,6 +64,20 @@ toml::table parse_toml(const std::string& text, const std::string& origin) {
   return toml::parse(text);
 }
 
+Table::Table(const toml::table& table, const Section& keys, std::filesystem::path file, std::string where)
+    : Table(table, std::move(file), std::move(where)) {
+  keys_ = &keys;
+  for (auto&& [name, node] : table_)
+    if (const std::string key(name.str()); keys.find(key) == nullptr)
+      complain(key, unknown_key(keys, key, node.is_table()));
+}
+
+bool Table::has_named_tables(const std::string& key) const {
+  const toml::table* table = table_[key].as_table();
+  return table != nullptr &&
+         std::ranges::all_of(*table, [](const auto& entry) { return entry.second.is_table(); });
+}
+
 std::string Table::value_of(const std::string& key) const {
   const toml::node* node = table_.get(key);
   if (node == nullptr) node = table_.at_path(key).node();
@@ -55,265 +85,126 @@ std::string Table::value_of(const std::string& key) const {
 }
 
 void Table::complain(const std::string& key, const std::string& what) const {
-  throw InputError(one_line(fmt::format("{}: {}{}: {}", file_, dotted(key), value_of(key), what)));
+  throw InputError(
+      one_line(fmt::format("{}: {}{}: {}", file_.filename().string(), dotted(key), value_of(key), what)));
 }
 
-const toml::node* Table::value(const std::string& key, Type type) {
-  if (keys_ != nullptr) {
-    const Key* described = keys_->find(key);
-    const bool either = described != nullptr && described->type == Type::number_or_table &&
-                        (type == Type::number || type == Type::table);
-    if (described == nullptr || (described->type != type && !either))
-      throw std::logic_error(fmt::format("{}: \"{}\" is read, but src/scene/keys.cpp does not describe it so",
-                                         keys_->title, key));
-  }
-  known_.insert(key);
-  return table_.get(key);
-}
-
-void Table::check_range(const std::string& key, double value) const {
-  if (keys_ == nullptr) return;
-  const Range& range = keys_->find(key)->range;
+void Table::check_range(const Key& key, double value) const {
+  const Range& range = key.range;
   if (range.holds(value)) {
     if (range.low_open && range.low == "0" && value < 1 / largest_number)
-      complain(key, "must be at least 1e-30");
+      complain(key.name, "must be at least 1e-30");
     return;
   }
-  if (range.low == "0" && !range.low_open && range.high.empty()) complain(key, "must not be negative");
-  complain(key, fmt::format("must be {}{}", range.text(), range.remark));
+  if (range.low == "0" && !range.low_open && range.high.empty()) complain(key.name, "must not be negative");
+  complain(key.name, fmt::format("must be {}{}", range.text(), range.remark));
 }
 
-std::optional<double> Table::number(const std::string& key) {
-  const toml::node* node = value(key, Type::number);
-  if (node == nullptr) return std::nullopt;
-  if (const auto word = node->value<std::string>();
-      word && keys_ != nullptr && std::ranges::count(keys_->find(key)->range.choices, *word) > 0)
-    return std::nullopt;
-  if (!node->is_number()) refuse_type(key, *node);
-  return checked(key, number_of(*node));
-}
-
-double Table::checked(const std::string& key, double number) const {
-  if (!std::isfinite(number)) complain(key, "must be finite");
-  if (std::abs(number) > largest_number) complain(key, "must be from -1e30 to 1e30");
+void Table::check(const Key& key, double number) const {
+  if (!std::isfinite(number)) complain(key.name, "must be finite");
+  if (std::abs(number) > largest_number) complain(key.name, "must be from -1e30 to 1e30");
   check_range(key, number);
-  return number;
 }
 
-double Table::required_number(const std::string& key) {
-  const auto found = number(key);
-  if (!found) {
-    const std::string unit = keys_ == nullptr ? "" : keys_->find(key)->unit;
-    complain(key, "is missing: give a number" + (unit.empty() || unit == "1" ? "" : " in " + unit));
+void Table::check(const Key& key, const std::string& text) const {
+  const auto& choices = key.range.choices;
+  if (!choices.empty() && std::ranges::count(choices, text) == 0)
+    complain(key.name, "must be " + key.range.text());
+}
+
+void Table::check(const Key& key, Vector3& vector) const {
+  const bool is_direction = key.type == Type::direction;
+  for (const double x : vector) {
+    if (!std::isfinite(x)) complain(key.name, "must be finite");
+    if (std::abs(x) > largest_number && !is_direction)
+      complain(key.name, "must consist of numbers from -1e30 to 1e30");
   }
-  return *found;
-}
-
-std::optional<std::int64_t> Table::integer(const std::string& key) {
-  const toml::node* node = value(key, Type::integer);
-  if (node == nullptr) return std::nullopt;
-  if (!node->is_integer()) refuse_type(key, *node);
-  const std::int64_t number = node->as_integer()->get();
-  check_range(key, static_cast<double>(number));
-  return number;
-}
-
-std::optional<std::vector<std::int64_t>> Table::integers(const std::string& key) {
-  const toml::node* node = value(key, Type::integers);
-  if (node == nullptr) return std::nullopt;
-  const auto* list = node->as_array();
-  if (list == nullptr) refuse_type(key, *node);
-  std::vector<std::int64_t> values;
-  for (const toml::node& entry : *list) {
-    if (!entry.is_integer()) refuse_type(key, *node);
-    values.push_back(entry.as_integer()->get());
-  }
-  return values;
-}
-
-double Table::entry_of(const std::string& key, const toml::node& node, const toml::node& entry) const {
-  if (!entry.is_number()) refuse_type(key, node);
-  return checked(key, number_of(entry));
-}
-
-std::optional<std::vector<double>> Table::list(const std::string& key) {
-  const toml::node* node = value(key, Type::list);
-  if (node == nullptr) return std::nullopt;
-  const auto* entries = node->as_array();
-  if (entries == nullptr || entries->empty()) refuse_type(key, *node);
-  std::vector<double> numbers;
-  for (const toml::node& entry : *entries) numbers.push_back(entry_of(key, *node, entry));
-  return numbers;
-}
-
-std::optional<std::vector<std::array<double, 2>>> Table::pairs(const std::string& key) {
-  const toml::node* node = value(key, Type::pairs);
-  if (node == nullptr) return std::nullopt;
-  const auto* rows = node->as_array();
-  if (rows == nullptr || rows->empty()) refuse_type(key, *node);
-  std::vector<std::array<double, 2>> pairs;
-  for (const toml::node& row : *rows) {
-    const auto* two = row.as_array();
-    if (two == nullptr || two->size() != 2) refuse_type(key, *node);
-    pairs.push_back({entry_of(key, *node, *two->get(0)), entry_of(key, *node, *two->get(1))});
-  }
-  return pairs;
-}
-
-std::optional<bool> Table::boolean(const std::string& key) {
-  const toml::node* node = value(key, Type::boolean);
-  if (node == nullptr) return std::nullopt;
-  if (!node->is_boolean()) refuse_type(key, *node);
-  return node->as_boolean()->get();
-}
-
-std::optional<std::string> Table::text(const std::string& key) {
-  const toml::node* node = value(key, Type::text);
-  if (node == nullptr) return std::nullopt;
-  if (!node->is_string()) refuse_type(key, *node);
-  const std::string text = node->as_string()->get();
-  const auto& choices = keys_->find(key)->range.choices;
-  if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end())
-    complain(key, "must be " + keys_->find(key)->range.text());
-  return text;
-}
-
-Vector3 Table::vector_at(const std::string& key, const toml::node& node, double largest) const {
-  const auto* list = node.as_array();
-  if (list == nullptr || list->size() != 3) refuse_type(key, node);
-  Vector3 vector{};
-  for (std::size_t k = 0; k < 3; ++k) {
-    const toml::node& entry = *list->get(k);
-    if (!entry.is_number()) refuse_type(key, node);
-    vector[k] = number_of(entry);
-    if (!std::isfinite(vector[k])) complain(key, "must be finite");
-    if (std::abs(vector[k]) > largest) complain(key, "must consist of numbers from -1e30 to 1e30");
-  }
-  return vector;
-}
-
-std::optional<Vector3> Table::vector(const std::string& key) {
-  const toml::node* node = value(key, Type::vector);
-  if (node == nullptr) return std::nullopt;
-  return vector_at(key, *node, largest_number);
-}
-
-std::optional<Vector3> Table::direction(const std::string& key) {
-  const toml::node* node = value(key, Type::direction);
-  if (node == nullptr) return std::nullopt;
-  const Vector3 given = vector_at(key, *node, std::numeric_limits<double>::max());
-  const double length = std::hypot(given[0], given[1], given[2]);
-  if (!(length > 0)) complain(key, "must not be zero");
-  // The length is already 1 up to round-off. Another division would change the last digit, and a written
+  if (!is_direction) return;
+  const double length = std::hypot(vector[0], vector[1], vector[2]);
+  if (!(length > 0)) complain(key.name, "must not be zero");
+  // If the length is already 1 up to round-off, another division would change the last digit, and a written
   // scene would differ from the original.
-  if (std::abs(length - 1) < 1e-15) return given;
-  return Vector3{given[0] / length, given[1] / length, given[2] / length};
+  if (std::abs(length - 1) >= 1e-15)
+    for (double& x : vector) x /= length;
 }
 
-std::optional<std::array<double, 2>> Table::pair(const std::string& key, const char* names) {
-  const toml::node* node = value(key, Type::pair);
-  if (node == nullptr) return std::nullopt;
-  const auto* list = node->as_array();
-  if (list == nullptr || list->size() != 2) complain(key, fmt::format("must be two numbers, {}", names));
-  std::array<double, 2> numbers{};
-  for (std::size_t k = 0; k < 2; ++k) {
-    const auto number = list->get(k)->value<double>();
-    if (!number || !std::isfinite(*number) || *number < 0)
-      complain(key, "must be two numbers, neither negative");
-    numbers[k] = *number;
-  }
-  return numbers;
+const toml::node* Table::given(const Key& key) const {
+  const toml::node* node = table_.get(key.name);
+  if (node == nullptr) return nullptr;
+  const auto word = node->value<std::string>();
+  const bool is_word = word && key.type == Type::number && std::ranges::count(key.range.choices, *word) > 0;
+  const bool is_empty = key.type == Type::texts && node->is_array() && node->as_array()->empty();
+  return is_word || is_empty ? nullptr : node;
 }
 
-std::vector<std::string> Table::texts(const std::string& key) {
-  const toml::node* node = value(key, Type::texts);
-  if (node == nullptr) return {};
-  if (node->is_string()) return {node->as_string()->get()};
-  std::vector<std::string> texts;
-  if (!node->is_array()) refuse_type(key, *node);
-  for (const toml::node& entry : *node->as_array()) {
-    if (!entry.is_string()) refuse_type(key, *node);
-    texts.push_back(entry.as_string()->get());
-  }
-  return texts;
+bool Table::read(const Key& key, int& number) const {
+  std::int64_t given = number;
+  const bool has_value = read(key, given);
+  number = static_cast<int>(given);
+  return has_value;
 }
 
-std::optional<Table> Table::free_table(const std::string& key, Type type) {
-  const toml::node* node = value(key, type);
+bool Table::read(const Key& key, std::filesystem::path& path) const {
+  std::string text;
+  const bool has_value = read(key, text);
+  if (has_value) path = (file_.parent_path() / text).lexically_normal();
+  return has_value;
+}
+
+std::optional<Table> Table::free_table(const Key& key) const {
+  const toml::node* node = table_.get(key.name);
   if (node == nullptr) return std::nullopt;
   if (!node->is_table()) refuse_type(key, *node);
-  return Table(*node->as_table(), nullptr, file_, dotted(key));
+  return Table(*node->as_table(), file_, dotted(key.name));
 }
 
-std::optional<Table> Table::table(const std::string& key, const Section& keys) {
-  auto found = free_table(key, Type::table);
-  if (found) {
-    found->keys_ = &keys;
-    found->refuse_unknown();
+template <class T>
+bool Table::read(const Key& key, std::map<std::string, T>& values) const {
+  const auto inner = free_table(key);
+  if (!inner) return false;
+  for (auto&& [name, node] : inner->table_) {
+    const Key entry{.name = std::string(name.str()), .type = type_of<T>};
+    inner->read(entry, values[entry.name]);
   }
-  return found;
+  return true;
+}
+template bool Table::read(const Key&, std::map<std::string, double>&) const;
+template bool Table::read(const Key&, std::map<std::string, std::string>&) const;
+
+std::optional<Table> Table::table(const std::string& key, const Section& keys) const {
+  const auto found = free_table(*keys_->find(key));
+  if (!found) return std::nullopt;
+  return Table(found->table_, keys, file_, found->where_);
 }
 
-std::vector<std::pair<std::string, Table>> Table::named(const std::string& key, const Section& keys) {
+std::vector<std::pair<std::string, Table>> Table::named(const std::string& key, const Section& keys) const {
   std::vector<std::pair<std::string, Table>> result;
-  const auto all = free_table(key, Type::table);
+  const auto all = free_table(*keys_->find(key));
   if (!all) return result;
   for (auto&& [inner, node] : all->table_) {
     const std::string name(inner.str());
     if (!node.is_table()) all->complain(name, expected_table(keys, name, all->dotted(name)));
     result.emplace_back(name, Table(*node.as_table(), keys, file_, all->dotted(name)));
-    result.back().second.refuse_unknown();
   }
   return result;
 }
 
-std::vector<Table> Table::array(const std::string& key, const Section& keys) {
+std::vector<Table> Table::array(const std::string& key, const Section& keys) const {
   std::vector<Table> result;
-  const toml::node* node = value(key, Type::tables);
+  const toml::node* node = table_.get(key);
   if (node == nullptr) return result;
   const auto* list = node->as_array();
-  if (list == nullptr) refuse_type(key, *node);
+  if (list == nullptr) refuse_type(*keys_->find(key), *node);
   for (std::size_t k = 0; k < list->size(); ++k) {
     const auto* entry = list->get(k)->as_table();
-    if (entry == nullptr) refuse_type(key, *node);
+    if (entry == nullptr) refuse_type(*keys_->find(key), *node);
     result.emplace_back(*entry, keys, file_, fmt::format("{}[{}]", dotted(key), k));
-    result.back().refuse_unknown();
   }
   return result;
 }
 
-std::map<std::string, std::string> Table::strings(const std::string& key) {
-  std::map<std::string, std::string> result;
-  if (auto inner = free_table(key, Type::strings))
-    for (auto&& [name, node] : inner->raw()) {
-      if (!node.is_string()) inner->complain(std::string(name.str()), "must be a string, in quotes");
-      result[std::string(name.str())] = node.as_string()->get();
-    }
-  return result;
-}
-
-std::map<std::string, double> Table::numbers(const std::string& key) {
-  std::map<std::string, double> result;
-  if (auto inner = free_table(key, Type::numbers))
-    for (auto&& [name, node] : inner->raw())
-      result[std::string(name.str())] = inner->required_number(std::string(name.str()));
-  return result;
-}
-
-void Table::refuse_type(const std::string& key, const toml::node& given) const {
-  complain(key, keys_ == nullptr ? "must be a number" : expected(*keys_->find(key), dotted(key), given));
-}
-
-void Table::refuse_unknown() const {
-  for (auto&& [name, node] : table_)
-    if (const std::string key(name.str()); keys_->find(key) == nullptr)
-      complain(key, unknown_key(*keys_, key, node.is_table()));
-}
-
-void Table::refuse_unread() const {
-  for (auto&& [name, node] : table_)
-    if (const std::string key(name.str()); known_.count(key) == 0)
-      complain(key, "has no effect with the other keys of this table: leave it out");
+void Table::refuse_type(const Key& key, const toml::node& given) const {
+  complain(key.name, expected(key, dotted(key.name), given));
 }
 
 }  // namespace ricochet::scene

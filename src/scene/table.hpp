@@ -6,17 +6,20 @@
 
 #include <toml++/toml.h>
 #include <array>
+#include <filesystem>
 #include <map>
 #include <optional>
-#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ricochet/error.hpp"
 #include "ricochet/units.hpp"
-#include "src/scene/keys.hpp"
 
 namespace ricochet::scene {
+
+struct Key;
+struct Section;
 
 /// Parses `text` as TOML. Throws the exceptions of the parser. Throws InputError that begins with `origin` if
 /// keys are nested so deeply that destroying the tables would exhaust the stack.
@@ -32,83 +35,106 @@ std::string shortened(const std::string& line);
 /// and products do not overflow.
 constexpr double largest_number = 1e30;
 
-/// Reads the keys of one table, enforces the ranges of its section and records which keys were read. Errors
-/// are one line: "FILE: dotted.key = value: what. fix." Throws std::logic_error if a key is read that the
-/// section does not describe. A table is opened only after all its names are known to its section, so a
-/// misspelt key is reported before any key that is missing because of it.
+/// Each sets the value and returns true if the node has its type. A list has at least one entry.
+bool convert(const toml::node& node, double& number);
+bool convert(const toml::node& node, std::int64_t& number);
+bool convert(const toml::node& node, bool& on);
+bool convert(const toml::node& node, std::string& text);
+/// A string or a list of strings.
+bool convert(const toml::node& node, std::vector<std::string>& texts);
+template <std::size_t n>
+bool convert(const toml::node& node, std::array<double, n>& numbers) {
+  const toml::array* list = node.as_array();
+  if (list == nullptr || list->size() != n) return false;
+  for (std::size_t k = 0; k < n; ++k)
+    if (!convert(*list->get(k), numbers[k])) return false;
+  return true;
+}
+template <class T>
+bool convert(const toml::node& node, std::vector<T>& values) {
+  const toml::array* list = node.as_array();
+  if (list == nullptr || list->empty()) return false;
+  values.resize(list->size());
+  for (std::size_t k = 0; k < values.size(); ++k)
+    if (!convert(*list->get(k), values[k])) return false;
+  return true;
+}
+
+/// Reads the values of one table and enforces types and ranges. Errors are one line: "FILE: dotted.key =
+/// value: what. fix." A table is opened only after all its names are known to its section, so a misspelt key
+/// is reported before any key that is missing because of it.
 class Table {
  public:
-  /// `keys` must outlive the table.
-  Table(const toml::table& table, const Section& keys, std::string file, std::string where)
-      : Table(table, &keys, std::move(file), std::move(where)) {}
+  /// @param keys  must outlive the table
+  /// @param file  the scene as the user named it: errors begin with its name, and paths start at its folder
+  /// Throws InputError, with what to write, if the table has a key that its section does not describe.
+  Table(const toml::table& table, const Section& keys, std::filesystem::path file, std::string where = "");
 
-  /// No value if the key is absent or has one of the texts that it accepts in place of a number.
-  std::optional<double> number(const std::string& key);
-  std::optional<std::int64_t> integer(const std::string& key);
-  std::optional<std::vector<std::int64_t>> integers(const std::string& key);
-  /// At least one number, each within the range of the key.
-  std::optional<std::vector<double>> list(const std::string& key);
-  /// At least one pair of numbers, each number within the range of the key.
-  std::optional<std::vector<std::array<double, 2>>> pairs(const std::string& key);
-  std::optional<bool> boolean(const std::string& key);
-  std::optional<std::string> text(const std::string& key);
-  std::optional<Vector3> vector(const std::string& key);
-  /// Three numbers, not all 0, normalised to length 1.
-  std::optional<Vector3> direction(const std::string& key);
-  /// Two numbers, neither negative; `names` appear in the error.
-  std::optional<std::array<double, 2>> pair(const std::string& key, const char* names);
-  /// A string or a list of strings.
-  std::vector<std::string> texts(const std::string& key);
-  std::optional<Table> table(const std::string& key, const Section& keys);
+  bool has(const std::string& key) const { return table_.contains(key); }
+  bool has_table(const std::string& key) const { return table_[key].is_table(); }
+  /// Whether the key is a table of tables alone.
+  bool has_named_tables(const std::string& key) const;
+
+  /// Sets the value and returns true if the table has the key; false for one of the words that the key
+  /// accepts in place of a number, and for an empty list of strings. Throws InputError for another type or a
+  /// value out of range.
+  template <class T>
+  bool read(const Key& key, T& value) const {
+    const toml::node* node = given(key);
+    if (node == nullptr) return false;
+    if (!convert(*node, value)) refuse_type(key, *node);
+    check(key, value);
+    return true;
+  }
+  template <class T>
+  bool read(const Key& key, std::optional<T>& value) const {
+    T given{};
+    const bool has_value = read(key, given);
+    if (has_value) value = std::move(given);
+    return has_value;
+  }
+  template <class T>
+  bool read(const Key& key, std::map<std::string, T>& values) const;
+  bool read(const Key& key, Hertz& frequency) const { return read(key, frequency.value); }
+  bool read(const Key& key, int& number) const;
+  bool read(const Key& key, std::filesystem::path& path) const;
+
+  std::optional<Table> table(const std::string& key, const Section& keys) const;
   /// The entries of a table of tables, [bodies], sorted by name. Empty if it is absent.
-  std::vector<std::pair<std::string, Table>> named(const std::string& key, const Section& keys);
+  std::vector<std::pair<std::string, Table>> named(const std::string& key, const Section& keys) const;
   /// The entries of an array of tables.
-  std::vector<Table> array(const std::string& key, const Section& keys);
-  /// A table whose entries must all be strings.
-  std::map<std::string, std::string> strings(const std::string& key);
-  std::map<std::string, double> numbers(const std::string& key);
-
-  /// Throws InputError if the table has a key that its section does not describe, with what to write. The
-  /// functions above call this for each table that they open.
-  void refuse_unknown() const;
-  /// Throws InputError if the table has a key that was not read, because other keys make it meaningless.
-  void refuse_unread() const;
+  std::vector<Table> array(const std::string& key, const Section& keys) const;
 
   /// @param key  a key of this table or the dotted name of a nested key; empty: the table itself
   [[noreturn]] void complain(const std::string& key, const std::string& what) const;
-  double required_number(const std::string& key);
-  /// Returns `value`, which was read for `key`. Throws InputError "is missing: `remedy`" if there is none.
-  template <class T>
-  T required(const std::string& key, std::optional<T> value, const char* remedy) const {
-    if (!value) complain(key, std::string("is missing: ") + remedy);
-    return *std::move(value);
-  }
-  const std::string& where() const { return where_; }
-  const toml::table& raw() const { return table_; }
 
  private:
-  /// If `keys` is null, any name is accepted.
-  Table(const toml::table& table, const Section* keys, std::string file, std::string where)
-      : table_(table), keys_(keys), file_(std::move(file)), where_(std::move(where)) {}
-  /// Returns the value of the key, or null if it is absent. Records that the key was read.
-  const toml::node* value(const std::string& key, Type type);
-  [[noreturn]] void refuse_type(const std::string& key, const toml::node& given) const;
-  std::optional<Table> free_table(const std::string& key, Type type);
-  Vector3 vector_at(const std::string& key, const toml::node& node, double largest) const;
+  /// A table in which any name is accepted.
+  Table(const toml::table& table, std::filesystem::path file, std::string where)
+      : table_(table), file_(std::move(file)), where_(std::move(where)) {}
+  const toml::node* given(const Key& key) const;  ///< null if it is absent, or has no value as above
+  [[noreturn]] void refuse_type(const Key& key, const toml::node& given) const;
+  std::optional<Table> free_table(const Key& key) const;
   /// Throws InputError unless the number is finite, not too large, and within the range of the key.
-  double checked(const std::string& key, double number) const;
-  /// The entry of the list `node` as a checked number.
-  double entry_of(const std::string& key, const toml::node& node, const toml::node& entry) const;
-  void check_range(const std::string& key, double value) const;
+  void check(const Key& key, double number) const;
+  void check(const Key& key, std::int64_t number) const { check_range(key, static_cast<double>(number)); }
+  void check(const Key& key, const std::string& text) const;
+  /// Normalises a direction.
+  void check(const Key& key, Vector3& vector) const;
+  void check(const Key&, bool) const {}
+  void check(const Key& key, const auto& values) const {
+    for (const auto& value : values) check(key, value);
+  }
+  void check_range(const Key& key, double value) const;
   /// The dotted name of `key`, or that of the table itself if `key` is empty.
   std::string dotted(const std::string& key) const {
     return where_.empty() || key.empty() ? where_ + key : where_ + "." + key;
   }
   std::string value_of(const std::string& key) const;
   const toml::table& table_;
-  const Section* keys_;
-  std::string file_, where_;
-  std::set<std::string> known_;
+  const Section* keys_ = nullptr;
+  std::filesystem::path file_;
+  std::string where_;
 };
 
 }  // namespace ricochet::scene

@@ -106,8 +106,8 @@ Located on_body(const mesh::Mesh& mesh, const scene::Body& body, const char* key
 
 mesh::RequestedGroups requested_groups(const scene::KernelRequest& request) {
   mesh::RequestedGroups asked;
-  for (const scene::Forcing& traction : request.tractions) place_of(asked.loaded, traction.group);
-  for (const scene::Forcing& motion : request.motions) place_of(asked.moved, motion.group);
+  for (const scene::Forcing& traction : request.loads.tractions) place_of(asked.loaded, traction.group);
+  for (const scene::Forcing& motion : request.loads.motions) place_of(asked.moved, motion.group);
   return asked;
 }
 
@@ -116,19 +116,19 @@ Sources make_sources(const mesh::Mesh& mesh, const scene::KernelRequest& request
   std::vector<Weight> at_loads;
   mesh::RequestedGroups asked = requested_groups(request);
   const std::vector<Surface> surfaces = integrate(mesh.loaded, asked.loaded.size());
-  for (const scene::Forcing& traction : request.tractions) {
+  for (const scene::Forcing& traction : request.loads.tractions) {
     const Surface& surface = surfaces[place_of(asked.loaded, traction.group)];
     for (const auto& [node, weight] : surface.weight)
       at_loads.push_back({node, static_cast<int>(sources.loads.size()), weight});
     sources.loads.push_back(load_of(mesh, traction.name, "Pa", surface.area, surface.first));
   }
   const double tolerance =
-      request.point_forces.empty() && request.receivers.empty() ? 0 : 1e-6 * size_of(mesh);
+      request.loads.points.empty() && request.receivers.empty() ? 0 : 1e-6 * size_of(mesh);
   const auto put = [&](const Located& place, std::size_t number, std::vector<Weight>& weights) {
     for (std::size_t a = 0; a < place.node.size(); ++a)
       weights.push_back({place.node[a], static_cast<int>(number), place.weight[a]});
   };
-  for (const scene::Forcing& point : request.point_forces) {
+  for (const scene::Forcing& point : request.loads.points) {
     const Located place = on_body(mesh, request.body, "loads.point", point.name, point.at, tolerance);
     put(place, sources.loads.size(), at_loads);
     sources.loads.push_back(load_of(mesh, point.name, "N", 1, Vector3d(place.place.data())));

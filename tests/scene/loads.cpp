@@ -272,8 +272,8 @@ TEST(KernelRequests, hold_a_support_once_for_any_number_of_histories) {
   const std::string again =
       "[[loads.motion]]\nbody = \"ball\"\ngroup = \"foot\"\nname = \"again\"\nvector = [0, 0, 1]\n";
   const KernelRequest request = driven_request({}, supported + sources + again);
-  ASSERT_EQ(request.motions.size(), 1U);
-  EXPECT_EQ(request.motions[0].name, "foot");
+  ASSERT_EQ(request.loads.motions.size(), 1U);
+  EXPECT_EQ(request.loads.motions[0].name, "foot");
   EXPECT_EQ(request.hash, driven_request().hash);
 }
 
@@ -283,11 +283,11 @@ TEST(KernelRequests, hold_positions_in_the_frame_of_the_body) {
   const KernelRequest request =
       driven_request({"bodies.ball.rotate_deg=[90,0,90]", "bodies.ball.translate=[1,2,3]",
                       "loads.motion[0].vector=[0,1,0]"});
-  ASSERT_EQ(request.point_forces.size(), 2U);
-  EXPECT_THAT(request.point_forces[0].at,
+  ASSERT_EQ(request.loads.points.size(), 2U);
+  EXPECT_THAT(request.loads.points[0].at,
               ElementsAre(DoubleNear(-1.8, 1e-12), DoubleNear(-2.7, 1e-12), DoubleNear(-0.9, 1e-12)));
-  EXPECT_THAT(request.point_forces[0].vector, ElementsAre(0, 0, 0));
-  EXPECT_TRUE(request.tractions.at(0).history.empty());
+  EXPECT_THAT(request.loads.points[0].vector, ElementsAre(0, 0, 0));
+  EXPECT_TRUE(request.loads.tractions.at(0).history.empty());
   ASSERT_EQ(request.receivers.size(), 1U);
   EXPECT_THAT(request.receivers[0].at,
               ElementsAre(DoubleNear(-1.5, 1e-12), DoubleNear(-3.6, 1e-12), DoubleNear(-0.6, 1e-12)));

@@ -166,7 +166,7 @@ TEST(ValueOfAnotherType, is_refused_with_what_to_write) {
       in_body("support = \"rim\"", "must be a table: write support = { rim = \"xyz\" }"),
       in_body("support = \"xyz\"", "must be a table: write support = { GROUP = \"xyz\" }"),
       in_body("support = \"left end\"", "must be a table: write support = { \"left end\" = \"xyz\" }"),
-      in_body("support = { rim = [\"x\"] }", "support.rim = [\"x\"]: must be a string, in quotes"),
+      in_body("support = { rim = [\"x\"] }", "support.rim = [\"x\"]: must be one string: write \"x\""),
       in_body("geometry = 0.004", "must be a table: write geometry = { size = 0.004 }"),
       {"\n[bodies.ball]", "output = true\n[bodies.ball]",
        "must be a table: write [output], with its keys below"},

@@ -48,6 +48,31 @@ TEST(KernelHash, is_the_same_for_the_same_scene) {
   EXPECT_EQ(hash.find_first_not_of("0123456789abcdef"), std::string::npos);
 }
 
+// Stored kernels are found by these hashes, which the order of declarations and the form of numbers decide.
+TEST(KernelHash, of_these_scenes_is_that_of_stored_kernels) {
+  KernelRequest part = request_of(scene_text);
+  EXPECT_EQ(part.hash, "2b5e8e6bece0bb744ce7d29661db806b4ccba3803371bad947d481018d3b8856") << part.toml;
+  part.points = {1, 2, 5};
+  seal(part);
+  EXPECT_EQ(part.hash, "b7c1dae1158711eaebb508719df04ae17379e72b36a40b7ada3ad208383e8654") << part.toml;
+  part.within_reach = part.normal_residual = true;
+  seal(part);
+  EXPECT_EQ(part.hash, "b5144abbba474315d8a25fe2b0c96f2fb298fd9ff3968af9972a5aeb53833fd7") << part.toml;
+  const KernelRequest full = request_of(
+      scene_text,
+      {R"(bodies.ball={ mesh = "ball.msh", geometry = { size = 1 }, order = 2, size_factor = 0.5, scale = 0.1, )"
+       R"(rotate_deg = [0, 0, 90], damping = { t60 = [[100, 2], [1000, 0.8]] }, contact = ["skin", "rim"], )"
+       R"(material = { a = { density = 1000, young = 1e9, poisson = 0.3, area = 1, yield = 1e6 }, )"
+       R"(b = { density = 1, young = 2 } }, support = { foot = "zx" } })",
+       "modes={ basis = \"contact\", up_to_hz = 100, flexibility_error = 0.01, low_rank = 1e-6, "
+       "residual_components = \"all\" }",
+       R"(loads.traction=[{ body = "ball", group = "skin", vector = [1, 0, 0] }])",
+       R"(loads.point=[{ body = "ball", at = [1, 2, 3], vector = [1, 0, 0] }])",
+       R"(loads.motion=[{ body = "ball", group = "foot", vector = [0, 0, 1] }])",
+       R"(output={ view = true, receiver = [{ name = "mic", body = "ball", at = [0, 0.1, 0] }] })"});
+  EXPECT_EQ(full.hash, "ac727db045d6171140c40a22338fb3f0ab23e361c0bc0197b46ce77182a2f8c1") << full.toml;
+}
+
 TEST(KernelHash, changes_with_everything_that_the_kernel_depends_on) {
   const std::string hash = request_of(scene_text).hash;
   for (const char* set :

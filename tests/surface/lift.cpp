@@ -19,8 +19,8 @@ using namespace test;
 scene::KernelRequest squeezed() {
   scene::KernelRequest request = request_of({"sides"}, {{"bottom", "xyz"}, {"top", "z"}});
   request.direction = Vector3{0.6, 0, 0.8};
-  request.motions = {load("bottom", "bottom"), load("top", "top")};
-  request.point_forces = {load("tap", "", {1, 0.5, 0.5})};
+  request.loads.motions = {load("bottom", "bottom"), load("top", "top")};
+  request.loads.points = {load("tap", "", {1, 0.5, 0.5})};
   request.receivers = {receiver("mic", {0, 0.5, 0.5}), receiver("edge", {0, 0.5, 0})};
   return request;
 }
@@ -126,8 +126,8 @@ TEST(Lift, of_two_supports_is_that_of_a_dense_solve) {
 /// A rod of length 2 along x with ρA = 1 and EA = 1.5.
 Made rod(const std::map<std::string, std::string>& support) {
   scene::KernelRequest request = request_of({"right"}, support);
-  request.motions = {load("shaker", "left")};
-  request.tractions = {load("pull", "right")};
+  request.loads.motions = {load("shaker", "left")};
+  request.loads.tractions = {load("pull", "right")};
   request.receivers = {receiver("mic", {0.6, 0, 0})};
   return Made(test::rod_geo(40), 3, request);
 }
@@ -172,7 +172,7 @@ TEST(Rod, fixed_at_one_end_and_moved_at_the_other_has_its_participation_in_close
 // A node that belongs to both supports moves with one of them, not with both.
 TEST(Lift, of_all_supports_together_is_a_rigid_translation) {
   scene::KernelRequest request = request_of({"top"}, {{"bottom", "xyz"}, {"sides", "xyz"}});
-  request.motions = {load("bottom", "bottom"), load("sides", "sides")};
+  request.loads.motions = {load("bottom", "bottom"), load("sides", "sides")};
   request.receivers = {receiver("inside", {0.4, 0.3, 0.7}), receiver("edge", {0.5, 0, 0})};
   Made made(test::block_geo("tet", 2, 0.3), 2, request);
   const kernels::Kernel kernel = made.kernel({.count = 5});
@@ -192,7 +192,7 @@ TEST(Lift, of_all_supports_together_is_a_rigid_translation) {
 // The hinge therefore does not rotate the cube.
 TEST(Lift, of_a_hinge_does_not_excite_the_rotation_that_it_leaves_free) {
   scene::KernelRequest request = request_of({"top"}, {{"hinge", "xyz"}});
-  request.motions = {load("hinge", "hinge")};
+  request.loads.motions = {load("hinge", "hinge")};
   request.receivers = {receiver("mic", {0.3, 0.4, 0.8})};
   // Linear elements are used because M of quadratic ones does not couple the nodes
   // of the hinge to the rotation about it.

@@ -24,7 +24,7 @@ constexpr double placed = 1e-11;  // gmsh divides a line evenly to about 2e-12
 TEST(Traction, of_a_surface_is_its_area_times_the_vector) {
   for (const char* kind : {"tet", "hex", "prism"}) {
     scene::KernelRequest request = request_of({"top"}, {});
-    request.tractions = {load("push", "top"), load("sides", "sides"), load("again", "top")};
+    request.loads.tractions = {load("push", "top"), load("sides", "sides"), load("again", "top")};
     const double lean = 0.4, width = 1 - lean, area = width * width;
     Made made(std::string(kind) == "prism" ? test::prism_geo(2) : test::block_geo(kind, 2, lean), 2, request);
     const bool leans = std::string(kind) != "prism";
@@ -62,7 +62,7 @@ TEST(Receiver, of_a_linear_field_is_its_value_at_any_position) {
       const Vector3 places[] = {
           {0.41, 0.53, 0.37}, {0, 0, 0}, {0.5, 0, 0}, {0.1, 0.5, 0.5}, {0.3, 0.6, 1 + 1e-7}};
       for (const Vector3& at : places) request.receivers.push_back(receiver("mic", at));
-      request.point_forces = {load("tap", "", places[0])};
+      request.loads.points = {load("tap", "", places[0])};
       Made made(std::string(kind) == "prism" ? test::prism_geo(2) : test::block_geo(kind, 2, 0.4), order,
                 request);
       modes::Factorisation factor(made.matrices.stiffness, made.matrices.mass);
@@ -106,7 +106,7 @@ TEST(Receiver, off_the_body_is_refused_with_its_distance_and_the_nearest_point) 
   request.receivers = {receiver("mic", {0.25, 0.5, 1 + 1.7e-6})};
   EXPECT_NO_THROW(Made(test::block_geo("hex", 2, 0), 1, request));
   request.receivers.clear();
-  request.point_forces = {load("tap", "", {1 + 1e-4, 0.5, 0.5})};
+  request.loads.points = {load("tap", "", {1 + 1e-4, 0.5, 0.5})};
   EXPECT_THAT(test::complaint_of([&] { Made(test::block_geo("tet", 2, 0), 2, request); }),
               HasSubstr("loads.point \"tap\" lies 0.0001 m off"));
 }
@@ -114,7 +114,7 @@ TEST(Receiver, off_the_body_is_refused_with_its_distance_and_the_nearest_point) 
 // Elements of order 3 approximate the area of the unit sphere to about 4e-4, and flat ones to a few per cent.
 TEST(Traction, of_a_curved_surface_has_its_area_and_no_moment_about_its_centre) {
   scene::KernelRequest request = request_of({"skin"}, {});
-  request.tractions = {load("push", "skin")};
+  request.loads.tractions = {load("push", "skin")};
   const Made made(
       "SetFactory(\"OpenCASCADE\");\nSphere(1) = {0.3, -0.2, 0.5, 1};\nMeshSize{:} = 0.6;\n"
       "Physical Volume(\"body\") = {1};\nPhysical Surface(\"skin\") = {1};\n",
@@ -130,8 +130,8 @@ TEST(Traction, of_a_curved_surface_has_its_area_and_no_moment_about_its_centre) 
 // A rod moves only along its axis, (1, 2, 2)/3, and so acts a load.
 TEST(Loads, of_an_inclined_rod_act_along_its_axis) {
   scene::KernelRequest request = request_of({"right"}, {});
-  request.tractions = {load("pull", "right")};
-  request.point_forces = {load("tap", "", {1.5, 2, 2})};
+  request.loads.tractions = {load("pull", "right")};
+  request.loads.points = {load("tap", "", {1.5, 2, 2})};
   request.receivers = {receiver("mic", {1.5, 2, 2})};
   for (const int order : {1, 2}) {
     const Made made(
@@ -158,7 +158,7 @@ TEST(Loads, of_an_inclined_rod_act_along_its_axis) {
 
 TEST(Traction, on_a_missing_surface_is_refused_with_the_available_ones) {
   scene::KernelRequest request = request_of({"top"}, {});
-  request.tractions = {load("push", "rim")};
+  request.loads.tractions = {load("push", "rim")};
   EXPECT_THAT(test::complaint_of([&] { Made(test::block_geo("hex", 1, 0), 1, request); }),
               AllOf(HasSubstr("no physical surface \"rim\""), HasSubstr("change loads.traction.group")));
 }
@@ -173,9 +173,9 @@ class Column : public testing::TestWithParam<bool> {
   }
   static scene::KernelRequest request() {
     scene::KernelRequest request = request_of({"top"}, {{"bottom", "xyz"}});
-    request.tractions = {load("pull", "top")};
-    request.point_forces = {load("tap", "", {0.5, 0.5, 1})};
-    request.motions = {load("shaker", "bottom")};
+    request.loads.tractions = {load("pull", "top")};
+    request.loads.points = {load("tap", "", {0.5, 0.5, 1})};
+    request.loads.motions = {load("shaker", "bottom")};
     request.receivers = {receiver("low", {0.3, 0.6, 0.25}), receiver("foot", {0.5, 0.5, 0})};
     return request;
   }

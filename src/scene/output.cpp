@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/scene/output.hpp"
+
+#include <algorithm>
+
+#include "src/scene/loads.hpp"
+#include "src/scene/near_miss.hpp"
+#include "src/scene/scene.hpp"
+
+namespace ricochet::scene {
+
+const SectionOf<Output> output_keys{
+    "[output]",
+    "",
+    {{"every", &Output::every, "samples", initial, from_to("1", "1e9"),
+      "interval between rows of the result, in output samples; between rows of the contact, in contact "
+      "steps; for receivers see `receivers_rate_hz`"},
+     {"view", &Output::view, "", initial, any(),
+      "keep each body's visualisation surface in its kernel, for pictures: the modes and, with "
+      "`residual_flexibility`, the static response to each candidate. Each of them takes 12 bytes for each "
+      "node"},
+     {"snapshot_every", &Output::snapshot_every, "samples", initial, at_least("0"),
+      "interval between snapshots of the modal coordinates; 0: none"},
+     {"vtk_every", &Output::vtk_every, "samples", initial, at_least("0"),
+      "interval between frames of the [motion for ParaView](results.md#motion-in-paraview); 0: none. Sets "
+      "`view`; not with `kernel = \"table\"`"},
+     {"receivers_rate_hz", &Output::receivers_rate, "Hz",
+      "rate_hz; with `every` above 1 at least " + std::to_string(static_cast<int>(audio_rows.value)),
+      above("0"),
+      "rows of receivers per second, rounded up so that rate_hz is a whole multiple, and at least rate_hz "
+      "/ " +
+          std::to_string(most_samples_per_receiver_row) +
+          ". Below rate_hz, a low-pass filter removes what the rows cannot represent. Sound files do not "
+          "depend on it"},
+     {"sound", Type::table, "", none, any(),
+      "`[output.sound]`, one or two receivers as a sound file for players",
+      "{ receivers = \"mic\", direction = [0, 0, 1] }"},
+     {"receiver", Type::tables, "", none, any(), "`[[output.receiver]]`, points whose motion is recorded"}}};
+
+const SectionOf<Receiver> receiver_keys{
+    "[[output.receiver]]",
+    "A point of a body whose motion is recorded and written as sound.",
+    {{"name", &Receiver::name, "", required("it names the receiver's histories"), any(),
+      "a name that no other receiver has; at most 100 bytes, no `/`, and not `body_force`, "
+      "`body_force_residual` or `rotation`"},
+     body_key<Receiver>(),
+     place_key<Receiver>("the point", "the point of the body")}};
+
+const SectionOf<Sound> sound_keys{
+    "[output.sound]",
+    "A sound file for players, `<slug>.wav`, besides the files of the receivers: mono or stereo, normalised "
+    "to its largest sample.",
+    {{"receivers", &Sound::receivers, "", required("name one receiver (mono) or two (left and right)"), any(),
+      "name of a receiver (mono), or a list of two (left and right)"},
+     {"direction", direction(&Sound::direction), "",
+      required("the component that is heard, for example the normal of the wall"), any(),
+      "component of the velocity that is heard, in world axes, for example the normal of the wall"},
+     {"high_pass_hz", &Sound::high_pass_hz, "Hz", initial, from_to("0", "1000"),
+      "corner of a high-pass filter (Butterworth, fourth order), which removes rigid motion; 0: none. It "
+      "must be below half of `time.rate_hz`"},
+     {"fade", &Sound::fade, "s", initial, at_least("0"),
+      "duration of the fade at the end (raised cosine); 0: none"},
+     {"format", choice(&Sound::format, {sample_format_names.begin(), sample_format_names.end()}), "", initial,
+      any(),
+      "samples: integers of 16 or 24 bits, or floats of 32 bits. The header is the plain one that all "
+      "players read"}}};
+
+namespace {
+
+std::vector<Receiver> read_receivers(const Table& output, const Scene& scene) {
+  std::vector<Receiver> receivers;
+  for (const Table& entry : output.array("receiver", receiver_keys)) {
+    Receiver receiver;
+    receiver_keys.read(entry, receiver);
+    check_name(entry, "name", receiver.name);
+    check_exists(entry, "body", "body", receiver.body, names_of(scene.bodies));
+    if (std::ranges::count(receivers, receiver.name, &Receiver::name) > 0)
+      entry.complain("name", "another receiver has this name: give each its own");
+    receivers.push_back(receiver);
+  }
+  return receivers;
+}
+
+/// Reads [output.sound], a sound of these receivers.
+std::optional<Sound> read_sound(const Table& output, const std::vector<Receiver>& receivers) {
+  const auto table = output.table("sound", sound_keys);
+  if (!table) return std::nullopt;
+  Sound sound;
+  sound_keys.read(*table, sound);
+  if (sound.receivers.size() > 2) table->complain("receivers", "must name one receiver or two");
+  for (const std::string& name : sound.receivers)
+    check_exists(*table, "receivers", "receiver", name, names_of(receivers));
+  return sound;
+}
+
+}  // namespace
+
+void read_output(const Table& root, Scene& scene) {
+  Output& output = scene.output;
+  const auto table = root.table("output", output_keys);
+  if (!table) return;
+  output_keys.read(*table, output);
+  if (output.vtk_every > 0 && table->has("view") && !output.view)
+    table->complain("view", "vtk_every needs the visualisation surfaces: leave view out, or set it to true");
+  output.view = output.view || output.vtk_every > 0;
+  const double samples = output.receivers_rate ? scene.time.rate.value / output.receivers_rate->value : 1;
+  if (scene.time.duration > 0 && !(samples >= 1 && samples <= most_samples_per_receiver_row))
+    table->complain("receivers_rate_hz", fmt::format("must be from rate_hz / {} to rate_hz = {:g}",
+                                                     most_samples_per_receiver_row, scene.time.rate.value));
+  output.receivers = read_receivers(*table, scene);
+  output.sound = read_sound(*table, output.receivers);
+  if (output.receivers_rate && output.receivers.empty())
+    table->complain("receivers_rate_hz", "needs [[output.receiver]]: add one, or leave it out");
+}
+
+}  // namespace ricochet::scene
