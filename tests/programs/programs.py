@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The harness of all tests in Python: impacts through the package, and the programs and the command where these are tested."""
 
+import atexit
 import contextlib
+import functools
 import gc
 import io
 import json
@@ -17,7 +19,7 @@ import h5py
 import numpy as np
 
 import ricochet
-from ricochet import cli
+from ricochet import cli, programs
 from ricochet.programs import changes
 
 BIN = pathlib.Path(os.environ["RICOCHET_BIN"])
@@ -67,6 +69,50 @@ def limited(kind, limit):
         resource.setrlimit(kind, before)
 
 
+@functools.cache
+def kernel_server():
+    """What stands before ricochet-kernel in a command, so that a server which has linked its libraries runs it (fork_server.c).
+    ctest names the server; without it, the program is started."""
+    if "RICOCHET_FORK_SERVER" not in os.environ:
+        return []
+    folder = tempfile.TemporaryDirectory(prefix="ricochet-server-", ignore_cleanup_errors=True)
+    before = os.environ.get("LD_PRELOAD", "")
+    os.environ["RICOCHET_FORK_SOCKET"] = f"{folder.name}/socket"
+    preload = {
+        "LD_PRELOAD": f"{os.environ['RICOCHET_FORK_SERVER']} {before}",
+        "RICOCHET_FORK_PRELOAD": before,
+    }
+    server = subprocess.Popen(
+        [BIN / "ricochet-kernel"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=os.environ | preload
+    )
+    server.stdout.readline()  # it can be asked now
+
+    def end():
+        server.stdin.close(), server.stdout.close()
+        server.wait()
+        folder.cleanup()
+
+    atexit.register(end)
+    return [os.environ["RICOCHET_FORK_CLIENT"]]
+
+
+def by_server(start):
+    """programs.start, but kernels on one rank are run by the server."""
+
+    def started(command, *more, **options):
+        words = [*map(str, command)]
+        if (program := str(programs.BIN / "ricochet-kernel")) in words:
+            at = words.index(program)
+            if at == 0 or words[at - 2 : at] == ["-n", "1"]:  # mpirun
+                words = kernel_server() + words[at:]
+        return start(words, *more, **options)
+
+    return started
+
+
+programs.start = by_server(programs.start)
+
+
 def scene_of(file, *sets):
     """The scene of a file with some keys set, each as KEY=VALUE."""
     return ricochet.Scene(file).changed(changes(sets))
@@ -87,7 +133,8 @@ def settings(sets):
 
 def kernel(scene, out, *sets, ranks=1, quiet=True):
     """Runs ricochet-kernel. One rank runs without mpirun, whose start takes longer than most bodies here."""
-    start = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", ranks] if ranks > 1 else []
+    parallel = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", ranks]
+    start = parallel if ranks > 1 else kernel_server()
     return Run(start + [BIN / "ricochet-kernel", scene, "--out", out] + ["--quiet"] * quiet + settings(sets))
 
 
