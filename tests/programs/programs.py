@@ -11,6 +11,7 @@ import os
 import pathlib
 import resource
 import subprocess
+import sys
 import tempfile
 import unittest
 import warnings
@@ -56,6 +57,34 @@ class Command(Run):
                 self.status = end.code
             gc.collect()  # closes files
         self.out, self.err = out.getvalue(), err.getvalue()
+
+
+class Forked(Run):
+    """The command `ricochet` with these words in a fork of this process, for verbs that become another program. `folder` is where it
+    works."""
+
+    def __init__(self, *words, folder="."):
+        kernel_server()  # for all forks
+        with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
+            self.number = os.fork()
+            if self.number == 0:
+                self.become(map(str, words), folder, out, err)
+            self.status = os.waitstatus_to_exitcode(os.waitpid(self.number, 0)[1])
+            self.out, self.err = (stream.seek(0) or stream.read().decode() for stream in (out, err))
+
+    def become(self, words, folder, out, err):
+        status = 1
+        try:
+            os.dup2(out.fileno(), 1), os.dup2(err.fileno(), 2)
+            sys.stdout, sys.stderr = (open(number, "w", closefd=False) for number in (1, 2))
+            os.chdir(folder)
+            status = cli.main([*words])
+        except SystemExit as end:
+            status = end.code
+        finally:
+            with contextlib.suppress(OSError):
+                sys.stdout.flush(), sys.stderr.flush()
+            os._exit(status or 0)
 
 
 @contextlib.contextmanager
