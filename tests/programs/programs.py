@@ -40,7 +40,8 @@ class Run:
             "text": True,
             "errors": "surrogateescape",
         }
-        done = subprocess.run([str(c) for c in command], **{"timeout": DEADLOCK_S} | streams | more)
+        words = by_server([str(c) for c in command])
+        done = subprocess.run(words, **{"timeout": DEADLOCK_S} | streams | more)
         self.status, self.out, self.err = done.returncode, done.stdout, done.stderr
 
 
@@ -125,21 +126,19 @@ def kernel_server():
     return [os.environ["RICOCHET_FORK_CLIENT"]]
 
 
-def by_server(start):
-    """programs.start, but kernels on one rank are run by the server."""
-
-    def started(command, *more, **options):
-        words = [*map(str, command)]
-        if (program := str(programs.BIN / "ricochet-kernel")) in words:
-            at = words.index(program)
-            if at == 0 or words[at - 2 : at] == ["-n", "1"]:  # mpirun
-                words = kernel_server() + words[at:]
-        return start(words, *more, **options)
-
-    return started
+def by_server(words):
+    """The words of a command, by which the server runs ricochet-kernel if it is to run on one rank."""
+    if (program := str(BIN / "ricochet-kernel")) in words:
+        at = words.index(program)
+        if at == 0 or "mpirun" in words[0] and words[at - 2 : at] == ["-n", "1"]:
+            return kernel_server() + words[at:]
+    return words
 
 
-programs.start = by_server(programs.start)
+start_program = programs.start
+programs.start = lambda command, *more, **options: start_program(
+    by_server([*map(str, command)]), *more, **options
+)
 
 
 def scene_of(file, *sets):
@@ -162,8 +161,7 @@ def settings(sets):
 
 def kernel(scene, out, *sets, ranks=1, quiet=True):
     """Runs ricochet-kernel. One rank runs without mpirun, whose start takes longer than most bodies here."""
-    parallel = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", ranks]
-    start = parallel if ranks > 1 else kernel_server()
+    start = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", ranks] if ranks > 1 else []
     return Run(start + [BIN / "ricochet-kernel", scene, "--out", out] + ["--quiet"] * quiet + settings(sets))
 
 
