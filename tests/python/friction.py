@@ -275,7 +275,6 @@ class Pictures(FrictionTest):
         names = ["contact", "friction", "snapshots", "energy"]
         self.assertEqual([p.name for p in found], [f"rubbed-{name}.png" for name in names])
         for more, names in [
-            ({"form": "point"}, ["contact", "friction", "snapshots", "energy"]),
             ({"form": "line", "friction": STRIBECK}, ["contact", "friction", "snapshots", "energy"]),
             ({"friction": None}, ["contact", "snapshots", "energy"]),
         ]:
@@ -352,7 +351,7 @@ class Pictures(FrictionTest):
         self.assertIn("dynamic bound, 0.4 Σ λ", names)
 
     def test_have_no_texts_that_overlap(self):
-        for more in ({}, {"form": "line", "friction": STRIBECK}, {"form": "point", "touches": 3}):
+        for more in ({"form": "line", "friction": STRIBECK}, {"form": "point", "touches": 3}):
             history, _ = self.history(**more)
             with matplotlib.rc_context(STYLE):
                 for figure in (friction_picture(history), contact_picture(history)):
