@@ -44,28 +44,8 @@ class Words(ProgramTest):
             self.assertTrue(done.out.startswith(f"usage: ricochet {verb} "), done.out)
             self.assertEqual(self.succeed(Command(verb, "--version")).out, f"ricochet {verb} {version}\n")
 
-    def test_an_unknown_verb_is_refused_in_one_line_with_the_nearest_one(self):
-        done = Command("swep", "study.toml")
-        expected = 'ricochet: there is no verb "swep": did you mean "sweep"?\n'
-        self.assertEqual((done.status, done.out, done.err), (2, "", expected))
+    def test_a_verb_of_control_characters_is_refused_in_one_line(self):
         self.refused(Command("\x1bxyzzy\n"))
-
-    def test_a_wrong_argument_is_refused_in_one_line_that_names_it_and_the_verb(self):
-        for words, complaint in (
-            (
-                ["modes", "a.toml", "--frist"],
-                "ricochet modes: --frist: there is no such option: did you mean --first?; ",
-            ),
-            (
-                ["modes", "a.toml", "b.toml"],
-                "ricochet modes: b.toml: is one word too many: give one SCENE.toml; ",
-            ),
-            (["run", "a.toml", "--ranks", "x"], "ricochet run: argument -n/--ranks: x: give a number"),
-            (["plot"], "ricochet plot: the following arguments are required: "),
-        ):
-            done = Command(*words)
-            self.refused(done)
-            self.assertTrue(done.err.startswith(complaint), done.err)
 
     def test_the_programs_get_all_words_that_are_not_the_command_s_own(self):
         scene = MESHES / "two-rods/two-rods.toml"
