@@ -6,6 +6,7 @@ import math
 import re
 import types
 import unittest
+import unittest.mock
 
 import h5py
 import matplotlib
@@ -271,6 +272,7 @@ class Pictures(FrictionTest):
 
     def test_are_drawn_with_friction_only_if_there_is_any(self):
         path, _ = friction_file.write(self.folder / "rubbed")
+        self.enterContext(unittest.mock.patch.object(pictures, "save"))
         found = list(pictures.draw(path, self.folder / "pictures"))
         names = ["contact", "friction", "snapshots", "energy"]
         self.assertEqual([p.name for p in found], [f"rubbed-{name}.png" for name in names])
@@ -291,6 +293,7 @@ class Pictures(FrictionTest):
                     del file[f"contact/{name}"]
                     file[f"contact/{name}"] = old
         notes = []
+        self.enterContext(unittest.mock.patch.object(pictures, "save"))
         self.assertEqual(
             [p.name for p in pictures.draw(path, note=notes.append)],
             ["rubbed-contact.png", "rubbed-energy.png"],
