@@ -37,6 +37,11 @@ static int receive(int socket, void* data, size_t size) {
   return 1;
 }
 
+/* Ends this process if the client is gone. */
+static void state(int socket, int32_t number) {
+  if (write(socket, &number, sizeof number) != sizeof number) _exit(1);
+}
+
 static int receive_head(int socket, struct Request* request, int* streams) {
   char control[CMSG_SPACE(3 * sizeof(int))];
   struct iovec part = {request, sizeof *request};
@@ -61,7 +66,6 @@ static int same(const char* a, const char* b) { return a == b || (a && b && strc
 static void serve(int socket) {
   struct Request request;
   int streams[3], status = 0;
-  const int32_t none = 0;
   if (!receive_head(socket, &request, streams)) _exit(1);
   char* text = malloc(request.bytes);
   if (!receive(socket, text, request.bytes)) _exit(1);
@@ -73,7 +77,7 @@ static void serve(int socket) {
     const int equal = same(here && *here ? here : NULL, getenv(linked[i]));
     environ = mine;
     if (equal) continue;
-    write(socket, &none, sizeof none); /* the client must start a program of its own */
+    state(socket, 0); /* the client must start a program of its own */
     _exit(0);
   }
   const int32_t child = fork();
@@ -88,10 +92,10 @@ static void serve(int socket) {
     exit(program(request.words, words, variables));
   }
   for (int i = 0; i < 3; ++i) close(streams[i]);
-  write(socket, &child, sizeof child);
+  state(socket, child);
   for (struct pollfd gone = {.fd = socket, .events = POLLIN}; waitpid(child, &status, WNOHANG) == 0;)
     if (poll(&gone, 1, 2) > 0) kill(child, SIGKILL);
-  write(socket, &status, sizeof status);
+  state(socket, status);
   _exit(0);
 }
 
@@ -103,7 +107,7 @@ static int serve_all(int words, char** word, char** variables) {
   const int listening = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
   if (bind(listening, (struct sockaddr*)&address, sizeof address) != 0 || listen(listening, 16) != 0) return 1;
   signal(SIGINT, SIG_IGN); /* meant for the tests */
-  write(STDOUT_FILENO, "\n", 1);
+  if (write(STDOUT_FILENO, "\n", 1) != 1) return 1;
   struct pollfd events[2] = {{.fd = listening, .events = POLLIN}, {.fd = STDIN_FILENO, .events = POLLIN}};
   for (;;) {
     if (poll(events, 2, -1) < 0 && errno != EINTR) return 1;
