@@ -2,18 +2,20 @@
 """Runs the commands and Python blocks of the documentation and checks its keys and links."""
 
 import json
+import os
 import pathlib
 import re
 import shutil
 import tempfile
 import tomllib
 import unittest
+import unittest.mock
 
 import h5py
 import numpy as np
 
 import pages
-from programs import BIN, Command, Run
+from programs import BIN, Command, Run, kernel_server
 
 PAGES = sorted(
     path for glob in ("*.md", "docs/**/*.md", "benchmarks/*.md") for path in pages.SOURCE.glob(glob)
@@ -21,7 +23,12 @@ PAGES = sorted(
 
 
 class Reader(unittest.TestCase):
-    """The two rods have unit mass per length, wave speed 1 and length 10."""
+    """The two rods have unit mass per length, wave speed 1 and length 10. Kernels are computed on one rank."""
+
+    @classmethod
+    def setUpClass(cls):
+        launcher = " ".join(kernel_server()) or "env"
+        cls.enterClassContext(unittest.mock.patch.dict(os.environ, {"RICOCHET_LAUNCHER": launcher}))
 
     def run_page(self, name):
         scope = tempfile.TemporaryDirectory(prefix="ricochet-page-")

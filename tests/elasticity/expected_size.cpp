@@ -43,15 +43,15 @@ TEST(ExpectedSize, counts_the_blocks_of_every_element_and_order) {
   for (const char* kind : {"tet", "hex"})
     for (int order = 1; order <= 4; ++order) {
       SCOPED_TRACE(testing::Message() << kind << " of order " << order);
-      const test::SharedFile file(".geo", test::block_geo(kind, order < 3 ? 6 : 3, 0.3));
+      const test::SharedFile file(".geo", test::block_geo(kind, order < 3 ? 5 : 2, 0.3));
       expect_size(test::body_of(file.path(), order), 3);
     }
 }
 
 TEST(ExpectedSize, is_the_memory_that_matrices_take) {
   const mesh::GmshSession gmsh;
-  const test::SharedFile file(".geo", test::block_geo("hex", 3, 0.3));
-  const scene::Body given = test::body_of(file.path(), 4);
+  const test::SharedFile file(".geo", test::block_geo("hex", 6, 0.3));
+  const scene::Body given = test::body_of(file.path(), 2);
   const mesh::GlobalMesh whole = mesh::read_mesh(given);
   const mesh::Mesh mesh = mesh::distribute(mesh::read_mesh(given), PETSC_COMM_SELF);
   const double before = resident_mib();

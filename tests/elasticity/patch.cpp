@@ -23,7 +23,7 @@ class Patch : public testing::TestWithParam<Case> {
  protected:
   static std::string geo() {
     const auto& [kind, order] = GetParam();
-    const int divisions = order == 1 ? 4 : 2;
+    const int divisions = order == 1 ? 4 : order == 4 && kind == "hex" ? 1 : 2;  // 1: for its time
     return kind == "prism" ? test::prism_geo(divisions) : test::block_geo(kind, divisions, lean());
   }
   static double lean() { return GetParam().kind == "prism" ? 0 : 0.4; }
@@ -34,6 +34,7 @@ class Patch : public testing::TestWithParam<Case> {
   }
 };
 
+// Rigid motions leave no force anywhere.
 TEST_P(Patch, linear_displacement_leaves_no_force_inside_and_the_exact_energy) {
   const test::SharedFile file(".geo", geo());
   const mesh::GmshSession gmsh;
@@ -74,18 +75,10 @@ TEST_P(Patch, linear_displacement_leaves_no_force_inside_and_the_exact_energy) {
   const double exact = (0.5 * lambda * strain.trace() * strain.trace() + mu * strain.squaredNorm()) * volume;
   EXPECT_NEAR(0.5 * modes::inner(mesh.comm, u, force)(0, 0), exact, 1e-12 * exact);
   EXPECT_NEAR(body.total_mass, m.density * volume, 1e-12);
-}
 
-TEST_P(Patch, rigid_motions_leave_no_force) {
-  const test::SharedFile file(".geo", geo());
-  const mesh::GmshSession gmsh;
-  const scene::Body given = test::body_of(file.path(), GetParam().order);
-  const mesh::Mesh mesh = test::mesh_of(given);
-  const elasticity::Body body = elasticity::assemble(mesh, given.materials, "test");
   const Eigen::MatrixXd rigid = elasticity::rigid_modes(mesh, body);
   ASSERT_EQ(rigid.cols(), 6);
-  const Eigen::MatrixXd force = test::product(body.stiffness, rigid);
-  EXPECT_LT(parallel::largest(mesh.comm, force.size() > 0 ? force.cwiseAbs().maxCoeff() : 0),
+  EXPECT_LT(parallel::largest(mesh.comm, test::largest_entry(test::product(body.stiffness, rigid))),
             1e-12 * 100);  // diagonal entries of K are of order 10
   const Eigen::MatrixXd gram = modes::inner(mesh.comm, rigid, test::product(body.mass, rigid));
   EXPECT_LT((gram - Eigen::MatrixXd::Identity(6, 6)).cwiseAbs().maxCoeff(), 1e-12);

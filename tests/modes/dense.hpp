@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -89,11 +90,16 @@ struct DenseModes {
   }
 };
 
-/// All eigenvalues of a body on its free rows, ascending.
+/// All eigenvalues of a body on its free rows, ascending. Those of the same matrices are computed once.
 inline Eigen::VectorXd dense_eigenvalues(const mesh::Mesh& mesh, const elasticity::Body& body) {
+  static std::vector<std::tuple<Eigen::MatrixXd, Eigen::MatrixXd, Eigen::VectorXd>> known;
   const Eigen::MatrixXd stiffness = dense(mesh, body, body.stiffness), mass = dense(mesh, body, body.mass);
+  for (const auto& [k, m, value] : known)
+    if (k.rows() == stiffness.rows() && k == stiffness && m == mass) return value;
   const std::vector<Eigen::Index> rows = free_rows(mass);
-  return DenseModes(mesh.comm, stiffness(rows, rows), mass(rows, rows), false).value;
+  const Eigen::VectorXd value = DenseModes(mesh.comm, stiffness(rows, rows), mass(rows, rows), false).value;
+  known.emplace_back(stiffness, mass, value);
+  return value;
 }
 
 }  // namespace ricochet::test

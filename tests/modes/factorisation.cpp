@@ -60,7 +60,7 @@ TEST(Factorisation, counts_the_eigenvalues_below_each_shift_as_lapack_does) {
 }
 
 TEST(Factorisation, in_low_rank_solves_to_about_its_threshold) {
-  const test::SharedFile file(".geo", test::block_geo("tet", 12, 0.4));
+  const test::SharedFile file(".geo", test::block_geo("hex", 9, 0.4));
   const mesh::GmshSession gmsh;
   scene::Body given = test::body_of(file.path(), 2);
   const mesh::Mesh mesh = test::mesh_of(given);

@@ -71,8 +71,10 @@ TEST(Search, finds_the_number_requested_whatever_the_estimate) {
       [&](double lambda) { return 40 * std::pow(lambda / middle, 0.1); },
       [&](double lambda) { return 40 * std::pow(lambda / middle, 8.0); },
   };
+  // With 260 modes per shift there is only one slice, and an estimate that is too high or too low finds its
+  // end.
   for (const std::int64_t per_shift : {10, 260})
-    for (std::size_t k = 0; k < estimates.size(); ++k) {
+    for (std::size_t k = 0; k < (per_shift == 10 ? estimates.size() : 3); ++k) {
       SCOPED_TRACE(testing::Message() << "estimate " << k << ", " << per_shift << " per shift");
       expect_lowest(block,
                     block.search({.count = 36,
@@ -161,9 +163,10 @@ TEST(Search, finds_again_any_mode_that_its_slices_have_lost) {
     EXPECT_EQ(whole.slices.back().probe.sigma > whole.end.sigma, per_shift == 30);
     memory.complete = true;
     // The lowest mode, modes beside the first and the last shift, and the last one below the end.
-    std::set<Eigen::Index> victims{6, count - 1};
-    for (const Slice& slice : {whole.slices.front(), whole.slices.back()})
-      for (const std::int64_t n : {slice.probe.below - 1, slice.probe.below})
+    std::set<Eigen::Index> victims{count - 1};
+    if (per_shift == 30)
+      for (const std::int64_t n : {std::int64_t{6}, whole.slices.front().probe.below - 1,
+                                   whole.slices.back().probe.below - 1, whole.slices.back().probe.below})
         if (n < count) victims.insert(n);
     for (const Eigen::Index victim : victims) {
       SCOPED_TRACE(testing::Message() << "mode " << victim << ", " << per_shift << " per shift");
@@ -206,41 +209,41 @@ const parallel::Teams& two_teams() {
 TEST(Restart, computes_only_the_slices_that_are_missing_on_any_teams) {
   const std::int64_t count = 60;
   const modes::Request request{.count = count, .modes_per_shift = 20, .solver = modes::Solver::slicing};
-  for (const parallel::Teams* writers : {&test::one_team(), &two_teams()})
-    for (const parallel::Teams* readers : {&two_teams(), &test::one_team()}) {
-      SCOPED_TRACE(testing::Message() << writers->count() << " teams, then " << readers->count());
-      const test::SharedFile place(".slices", "");
-      const std::filesystem::path folder = place.path().string() + ".folder";
-      {
-        const Block first(*writers);
-        ASSERT_GE(first.search(request, Counted(first, folder)).slices.size(), 3U);
-      }
-      std::filesystem::path lost;
-      parallel::on_first_rank(PETSC_COMM_WORLD, [&] {
-        for (const auto& entry : std::filesystem::directory_iterator(folder))
-          if (entry.path().filename().string().starts_with("slice-")) lost = std::max(lost, entry.path());
-        std::filesystem::remove(lost);
-      });
-      const Block second(*readers);
-      const Counted counted(second, folder);
-      const modes::Search again = second.search(request, counted);
-      EXPECT_EQ(parallel::sum(second.teams.peers(), counted.saved), 1);
-      expect_lowest(second, again, count);
-      // The shapes on each team belong to the eigenvalues of its slices.
-      const modes::Operators operators(second.mesh, second.body);
-      std::int64_t modes_here = 0;
-      for (std::size_t s = 0; s < again.slices.size(); ++s) {
-        if (again.team[s] != second.teams.mine()) continue;
-        const auto& lambda = again.slices[s].lambda;
-        ASSERT_EQ(again.shape[s].cols(), std::ssize(lambda));
-        const Eigen::Map<const Eigen::VectorXd> values(lambda.data(), std::ssize(lambda));
-        EXPECT_LT(operators.residuals(again.shape[s], values).maxCoeff(), 1e-7) << s;
-        modes_here += std::ssize(lambda);
-      }
-      EXPECT_GT(modes_here, 0);
-      MPI_Barrier(PETSC_COMM_WORLD);
-      parallel::on_first_rank(PETSC_COMM_WORLD, [&] { std::filesystem::remove_all(folder); });
+  for (const parallel::Teams* writers : {&test::one_team(), &two_teams()}) {
+    const parallel::Teams* readers = writers == &two_teams() ? &test::one_team() : &two_teams();
+    SCOPED_TRACE(testing::Message() << writers->count() << " teams, then " << readers->count());
+    const test::SharedFile place(".slices", "");
+    const std::filesystem::path folder = place.path().string() + ".folder";
+    {
+      const Block first(*writers);
+      ASSERT_GE(first.search(request, Counted(first, folder)).slices.size(), 3U);
     }
+    std::filesystem::path lost;
+    parallel::on_first_rank(PETSC_COMM_WORLD, [&] {
+      for (const auto& entry : std::filesystem::directory_iterator(folder))
+        if (entry.path().filename().string().starts_with("slice-")) lost = std::max(lost, entry.path());
+      std::filesystem::remove(lost);
+    });
+    const Block second(*readers);
+    const Counted counted(second, folder);
+    const modes::Search again = second.search(request, counted);
+    EXPECT_EQ(parallel::sum(second.teams.peers(), counted.saved), 1);
+    expect_lowest(second, again, count);
+    // The shapes on each team belong to the eigenvalues of its slices.
+    const modes::Operators operators(second.mesh, second.body);
+    std::int64_t modes_here = 0;
+    for (std::size_t s = 0; s < again.slices.size(); ++s) {
+      if (again.team[s] != second.teams.mine()) continue;
+      const auto& lambda = again.slices[s].lambda;
+      ASSERT_EQ(again.shape[s].cols(), std::ssize(lambda));
+      const Eigen::Map<const Eigen::VectorXd> values(lambda.data(), std::ssize(lambda));
+      EXPECT_LT(operators.residuals(again.shape[s], values).maxCoeff(), 1e-7) << s;
+      modes_here += std::ssize(lambda);
+    }
+    EXPECT_GT(modes_here, 0);
+    MPI_Barrier(PETSC_COMM_WORLD);
+    parallel::on_first_rank(PETSC_COMM_WORLD, [&] { std::filesystem::remove_all(folder); });
+  }
 }
 
 }  // namespace search_test

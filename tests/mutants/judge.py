@@ -107,7 +107,7 @@ class Judge:
 
     def judge(self, mutant):
         """The verdict about a mutant. The tests of its folder run until one fails. A test that has not yet failed
-        before must then pass without the mutant."""
+        before must then pass without the mutant, if it is named."""
         source, text = self.tree / mutant.site.file, mutant.site.mutated
         if source.suffix == ".py" and (mistake := syntax_error(text)):
             return Verdict(UNCOMPILED, mistake)
@@ -116,7 +116,7 @@ class Judge:
             verdict, name = self._tested(mutant)
         finally:
             source.write_text(mutant.site.text)
-        if verdict.kind == KILLED and name not in self.usual_s:
+        if verdict.kind == KILLED and name and name not in self.usual_s:
             self.check(name)
         return verdict
 

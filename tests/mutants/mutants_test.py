@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """scripts/mutants: where it draws, what it replaces, and how it judges, with a stand-in for the compiler and tests."""
 
+import copy
 import subprocess
+import sys
 import tempfile
+import tomllib
 import unittest
 from pathlib import Path
 
@@ -10,10 +13,16 @@ import cpp_sites
 import judge
 import mutate
 import python_sites
+import written_sites
 from folders import FOLDERS, targets
 from judge import KILLED, SURVIVED, UNCOMPILED, Run, Verdict
 from mutant import draw
 from record import Reasons, Record
+
+MODULES = Path(__file__).parents[1] / "verification"
+sys.path.append(str(MODULES))
+import case  # noqa: E402
+import errors_page  # noqa: E402
 
 CPP = r"""// 1 + 2 in a comment
 #include <algorithm>
@@ -79,29 +88,16 @@ def changes(found):
 class Sites(unittest.TestCase):
     def test_cpp_is_changed_where_it_computes(self):
         found = changes(cpp_sites.sites("a.cpp", CPP))
+        operators = zip("< > == && + - * / += 0 2 0.0".split(), "<= >= != || - + / * -= 1 3 1.0".split())
         for change in [
-            ("<", "<="),
-            (">", ">="),
-            ("==", "!="),
-            ("&&", "||"),
-            ("+", "-"),
-            ("-", "+"),
+            *operators,
             ("-", ""),
-            ("*", "/"),
-            ("/", "*"),
-            ("+=", "-="),
-            ("0", "1"),
-            ("2", "3"),
-            ("0.0", "1.0"),
             ("1e-3", "(2 * 1e-3)"),
             ("max", "min"),
             ("", " return;"),
-            ("value < 0 && count > 3", "!(value < 0 && count > 3)"),
-            ("size == last", "!(size == last)"),
-            ("++count", ""),
-            ("start += x[i]", ""),
+            *((text, f"!({text})") for text in ("value < 0 && count > 3", "size == last")),
+            *((text, "") for text in ("++count", "start += x[i]", "count = std::max(count, 2) + 1")),
             ("seen.push_back(-value * 1.5)", ""),
-            ("count = std::max(count, 2) + 1", ""),
             ('throw std::invalid_argument("less than " + std::to_string(7 - 7))', ""),
         ]:
             self.assertIn(change, found)
@@ -289,6 +285,44 @@ class Verdicts(unittest.TestCase):
         self.assertEqual(list(mutate.table(results, Reasons(file)))[2], "| contact | 2 | 1 | 1 | 0 | 100 % |")
         nothing = Reasons(self.tree / "none.toml")
         self.assertEqual(list(mutate.table(results, nothing))[2], "| contact | 2 | 1 | 0 | 1 | 50 % |")
+
+
+class Written(unittest.TestCase):
+    def test_each_law_and_scheme_has_an_error_of_each_kind_or_a_reason_why_not(self):
+        names = {path.stem for path in (MODULES / "cases").glob("*.py")}
+        for error in written_sites.read(mutate.ROOT).errors:
+            self.assertNotEqual(error.site.text, error.site.mutated)
+            self.assertTrue(error.cases and {*error.cases} <= names, error)
+        table = tomllib.loads(written_sites.FILE.read_text())
+        absent, lonely = copy.deepcopy(table), copy.deepcopy(table)
+        absent["error"][0]["right"] = "no such text"
+        lonely["error"] = [e for e in table["error"] if (e["scheme"], e["kind"]) != ("gravity", "force")]
+        for wrong, complaint in ((absent, "occurs 0 times"), (lonely, "gravity, force: needs")):
+            with self.assertRaisesRegex(ValueError, complaint):
+                written_sites.read(mutate.ROOT, wrong)
+
+    def test_an_error_is_caught_by_a_counted_line_that_holds_without_it(self):
+        def results(values, stopped=None):
+            bench = case.Bench("x", Path("."))
+            for k, ours in enumerate(values):
+                known, basis = ("because" if k == 1 else None), ("construction" if k == 2 else "theory")
+                bench.below(f"line {min(k, 3)}", ours, 1.0, "why", known=known, rests_on=basis)
+            return bench.found | {"stopped": stopped}
+
+        right = results([0, 2, 0, 0, 0])
+
+        def effect(values, stopped=None):
+            found = errors_page.effect("x", right, results(values, stopped))
+            return found.caught, len(found.failing), found.still
+
+        self.assertEqual(effect([0, 2, 0, 0, 0]), (False, 0, 1))
+        self.assertEqual(effect([0, 5, 3, 0, 0]), (False, 0, 0))  # a known failure, and one by construction
+        self.assertEqual(effect([0, 2, 0, 0, 3]), (True, 1, 1))  # two lines have the same text
+        self.assertEqual(effect([float("nan"), 2, 0, 0, 0]), (True, 1, 1))
+        self.assertEqual(effect([0, 2, 0]), (True, 2, 1))  # missing
+        self.assertEqual(effect([0], "it broke off"), (True, 0, 1))
+        worst = errors_page.strongest(errors_page.effect("x", right, results([3, 2, 0, 7, 0])).failing)
+        self.assertEqual(worst["ours"], 7)
 
 
 class Runs(unittest.TestCase):

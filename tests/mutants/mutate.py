@@ -1,15 +1,21 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Changes one place of the source at a time, at random, and finds whether a test fails.
+"""Changes one place of the source at a time, at random or as written by hand, and finds whether a test fails.
 
     scripts/mutants                              # 15 mutants of each folder
     scripts/mutants contact modes --count 30     # of these folders
     scripts/mutants kernels --list               # only lists what would be drawn
     scripts/mutants --file src/reduction/lift.cpp    # only from this file
+    scripts/mutants --errors                     # deliberate errors in each contact law and scheme
+    scripts/mutants --errors friction blocks     # in these laws and schemes
+    scripts/mutants --errors --manual            # all; also writes docs/validation/errors.md
 
 A mutant is killed if a test fails, crashes or takes too long. One that does not compile is replaced by the next of
 the draw. Mutants are built and tested in a copy of the tree in build-mutants/. A run that was stopped goes on where
 it was. Survivors are listed with their reasons in tests/mutants/survivors.toml; one without an entry is shown with
 its surroundings, and needs a test or an entry. The status is 1 if there is such a survivor.
+
+Deliberate errors are sites written by hand in tests/mutants/deliberate_errors.toml. Cases of the validation manual judge them; each must
+have a line that fails, and the report shows these lines (scripts/build first).
 """
 import argparse
 import itertools
@@ -25,9 +31,11 @@ from judge import KILLED, SURVIVED, UNCOMPILED, Judge
 from mutant import draw
 from record import Reasons, Record
 from ricochet.progress import Progress
+import written_sites
 
 ROOT = Path(__file__).resolve().parents[2]
 REASONS = ROOT / "tests" / "mutants" / "survivors.toml"
+PAGE = ROOT / "docs" / "validation" / "errors.md"
 
 
 def configure(tree, build, options):
@@ -112,12 +120,14 @@ def report(results, reasons):
     return len(unknown)
 
 
-def parse():
+def parse(written):
     parser = argparse.ArgumentParser(
         prog="mutants", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     add = parser.add_argument
-    add("folders", nargs="*", metavar="FOLDER", help=f"of {', '.join(FOLDERS)}; all if none is given")
+    add("names", nargs="*", metavar="FOLDER", help=f"of {', '.join(FOLDERS)}; all if none is given")
+    add("--errors", action="store_true", help=f"deliberate errors in schemes: {', '.join(written.schemes)}")
+    add("--manual", action="store_true", help="write docs/validation/errors.md; needs --errors and no names")
     add("--count", type=int, default=15, help="mutants of each folder (default 15)")
     add("--seed", type=int, default=1, help="another seed draws other mutants (default 1)")
     add("--file", action="append", default=[], help="draw only from this file; may be repeated")
@@ -128,33 +138,52 @@ def parse():
     add("--build", type=Path, default=ROOT / "build-mutants", help="folder (default build-mutants)")
     add("--cmake", action="append", default=[], metavar="OPTION", help="option of CMake: --cmake=-DX=Y")
     arguments = parser.parse_args()
-    for name in arguments.folders:
-        if name not in FOLDERS:
-            parser.error(f"{name}: no such folder: give {', '.join(FOLDERS)}")
+    known = written.schemes if arguments.errors else FOLDERS
+    for name in arguments.names:
+        if name not in known:
+            parser.error(
+                f"{name}: no such {'scheme' if arguments.errors else 'folder'}: give {', '.join(known)}"
+            )
+    if arguments.manual and (arguments.names or not arguments.errors):
+        parser.error("--manual: the page contains every error. Give --errors and no names.")
     return arguments
 
 
 def main():
-    arguments = parse()
+    written = written_sites.read(ROOT)
+    arguments = parse(written)
     signal.signal(signal.SIGINT, signal.default_int_handler)  # else tests inherit that a shell ignores it
-    files = [Path(name).resolve() for name in arguments.file]
-    mutants = {name: drawn(name, arguments.seed, files) for name in arguments.folders or FOLDERS}
+    if arguments.errors:
+        chosen = arguments.names or written.schemes
+        mutants = {name: [error for error in written.errors if error.folder == name] for name in chosen}
+        count = len(written.errors)
+    else:
+        files, count = [Path(name).resolve() for name in arguments.file], arguments.count
+        mutants = {name: drawn(name, arguments.seed, files) for name in arguments.names or FOLDERS}
     if arguments.list:
-        print(
-            *itertools.chain.from_iterable(found[: arguments.count] for found in mutants.values()), sep="\n"
-        )
+        print(*itertools.chain.from_iterable(found[:count] for found in mutants.values()), sep="\n")
         return 0
     folder = arguments.build.resolve()
     folder.mkdir(parents=True, exist_ok=True)
     tree, build = folder / "tree", folder / "build"
-    record = Record(folder / "record.json", fingerprint(ROOT, ["tests/"]))
     if not arguments.report:
         synchronise(ROOT, tree)
         configure(tree, build, arguments.cmake)
-    judge = Judge(tree, build, arguments.jobs, record.usual_s)
+    if arguments.errors:
+        import manual_judge  # needs the package with its programs
+
+        judge = record = manual_judge.ManualJudge(folder, arguments.jobs)
+    else:
+        record = Record(folder / "record.json", fingerprint(ROOT, ["tests/"]))
+        judge = Judge(tree, build, arguments.jobs, record.usual_s)
     session = Session(record, judge, 0 if arguments.report else arguments.new)
-    progress = Progress(sum(min(arguments.count, len(found)) for found in mutants.values()))
-    results = {name: session.results(found, arguments.count, progress) for name, found in mutants.items()}
+    progress = Progress(sum(min(count, len(found)) for found in mutants.values()))
+    results = {name: session.results(found, count, progress) for name, found in mutants.items()}
+    if arguments.errors:
+        for _, verdict in itertools.chain.from_iterable(results.values()):
+            print(verdict.by)
+        if arguments.manual:
+            judge.write_page(PAGE, written)
     return min(1, report(results, Reasons(REASONS)))
 
 

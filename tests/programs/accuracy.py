@@ -7,7 +7,7 @@ import unittest
 import warnings
 
 import ricochet
-from programs import BIN, MESHES, ProgramTest, Run, contact, impact, kernel, scene_of
+from programs import MESHES, Forked, ProgramTest, contact, impact, kernel, scene_of
 
 ROD = MESHES / "two-rods" / "rod.geo"
 SCENE = """
@@ -83,7 +83,7 @@ class Accuracy(ProgramTest):
         used = self.collide(accuracy=3e-3)["modes"]
         for out in (self.folder / "new", self.folder / "out"):  # computed in rounds, then found
             words = ["modes", self.folder / "rods.toml", "-n", "1", "--first", "1", "--out", out]
-            listed = self.succeed(Run([BIN / "ricochet", *words])).out
+            listed = self.succeed(Forked(*words)).out
             found = dict(re.findall(r"^(\w+): (\d+) modes", listed, re.MULTILINE))
             self.assertEqual({body: int(count) for body, count in found.items()}, used)
 

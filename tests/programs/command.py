@@ -10,7 +10,7 @@ import unittest.mock
 import h5py
 import numpy as np
 
-from programs import BIN, MESHES, Command, ProgramTest, Run
+from programs import BIN, MESHES, Command, Forked, ProgramTest, Run
 
 VERBS = "run modes kernel impact plot report sweep tradeoff surfaces import export batch".split()
 # A free bar of 300 x 50 x 20 mm without contact and time.
@@ -31,11 +31,6 @@ Mesh.MeshSizeMin = 0.02;
 """
 
 
-def ricochet(*words):
-    """The command in a process of its own, for verbs that run a program, which writes to the same output."""
-    return Run([BIN / "ricochet", *words])
-
-
 class Words(ProgramTest):
     def test_help_has_a_line_for_each_verb(self):
         done = self.succeed(Command("--help"))
@@ -43,34 +38,14 @@ class Words(ProgramTest):
         self.assertEqual([words[0] for words in listed if len(words) > 1], VERBS)
 
     def test_each_verb_describes_itself_and_knows_the_version(self):
-        version = self.succeed(ricochet("--version")).out.split()[1]
+        version = self.succeed(Run([BIN / "ricochet", "--version"])).out.split()[1]
         for verb in VERBS:
             done = self.succeed(Command(verb, "--help"))
             self.assertTrue(done.out.startswith(f"usage: ricochet {verb} "), done.out)
             self.assertEqual(self.succeed(Command(verb, "--version")).out, f"ricochet {verb} {version}\n")
 
-    def test_an_unknown_verb_is_refused_in_one_line_with_the_nearest_one(self):
-        done = Command("swep", "study.toml")
-        expected = 'ricochet: there is no verb "swep": did you mean "sweep"?\n'
-        self.assertEqual((done.status, done.out, done.err), (2, "", expected))
+    def test_a_verb_of_control_characters_is_refused_in_one_line(self):
         self.refused(Command("\x1bxyzzy\n"))
-
-    def test_a_wrong_argument_is_refused_in_one_line_that_names_it_and_the_verb(self):
-        for words, complaint in (
-            (
-                ["modes", "a.toml", "--frist"],
-                "ricochet modes: --frist: there is no such option: did you mean --first?; ",
-            ),
-            (
-                ["modes", "a.toml", "b.toml"],
-                "ricochet modes: b.toml: is one word too many: give one SCENE.toml; ",
-            ),
-            (["run", "a.toml", "--ranks", "x"], "ricochet run: argument -n/--ranks: x: give a number"),
-            (["plot"], "ricochet plot: the following arguments are required: "),
-        ):
-            done = Command(*words)
-            self.refused(done)
-            self.assertTrue(done.err.startswith(complaint), done.err)
 
     def test_the_programs_get_all_words_that_are_not_the_command_s_own(self):
         scene = MESHES / "two-rods/two-rods.toml"
@@ -79,9 +54,9 @@ class Words(ProgramTest):
             direct = self.succeed(Run([BIN / program, scene, "--dry-run", *sets]))
             for ranks in ([], ["-n", "1"], ["--ranks=2"]) if verb == "kernel" else ([],):
                 self.assertEqual(
-                    self.succeed(ricochet(verb, *ranks, scene, "--dry-run", *sets)).out, direct.out
+                    self.succeed(Forked(verb, *ranks, scene, "--dry-run", *sets)).out, direct.out
                 )
-        self.assertEqual(ricochet("impact", scene, "--out", self.folder / "none").status, 2)
+        self.assertEqual(Forked("impact", scene, "--out", self.folder / "none").status, 2)
 
     def test_kernels_are_computed_on_as_many_ranks_as_asked_for(self):
         launcher = self.folder / "launcher"
@@ -123,10 +98,10 @@ class Modes(ProgramTest):
         self.write("bar.geo", GEO)
         scene = self.write("bar.toml", BAR)
         done = self.succeed(
-            ricochet("modes", scene, "-n", "1", "--csv", self.folder / "bar.csv", "--plot", "--first", "8")
+            Forked("modes", scene, "-n", "1", "--csv", self.folder / "bar.csv", "--plot", "--first", "4")
         )
         self.assertIn("bar: 12 modes, mass 0.81 kg", done.out)
-        self.assertIn("and 4 more", done.out)
+        self.assertIn("and 8 more", done.out)
         self.assertTrue((self.folder / "out/bar-modes.png").is_file())
         rows = self.rows(self.folder / "bar.csv")
         frequency = self.column(rows, "frequency_hz")
@@ -141,14 +116,14 @@ class Modes(ProgramTest):
             self.assertLess(mass[6:].max(), 1e-9)
         np.testing.assert_allclose(self.column(rows, "damping_ratio")[6:], 0.01, rtol=1e-12)
         self.assertTrue(np.isnan(self.column(rows, "contact_share")).all())  # there are no candidates
-        again = self.succeed(ricochet("modes", scene, "-n", "1"))
+        again = self.succeed(Forked("modes", scene, "-n", "1"))
         self.assertIn("bar: 12 modes", again.out)
         self.assertEqual(len(list((self.folder / "out").glob("*.kernel.h5"))), 1)  # the kernel is reused
-        self.refused(ricochet("impact", scene))
+        self.refused(Forked("impact", scene))
 
     def modes_of_rods(self, *words):
         scene = MESHES / "two-rods/two-rods.toml"
-        return ricochet("modes", scene, "-n", "1", "--out", self.folder, "--set", "modes.count=40", *words)
+        return Forked("modes", scene, "-n", "1", "--out", self.folder, "--set", "modes.count=40", *words)
 
     def test_stored_modes_are_counted_again(self):
         self.refused(self.modes_of_rods("--verify"))
@@ -183,7 +158,7 @@ class Modes(ProgramTest):
         scene = self.write("bar.toml", BAR)
         with unittest.mock.patch.dict(os.environ, {"PETSC_OPTIONS": "-mat_mumps_icntl_23 1"}):  # 1 MB
             # So many modes need a slice on each rank.
-            done = ricochet("kernel", scene, "-n", "2", "--quiet", "--set", "modes.count=120")
+            done = Forked("kernel", scene, "-n", "2", "--quiet", "--set", "modes.count=120")
         self.refused(done, status=1)
         self.assertRegex(done.err, "^ricochet-kernel: MUMPS could not factor .*: not enough memory")
 
@@ -198,7 +173,7 @@ class Modes(ProgramTest):
             variables = {"LD_PRELOAD": preload, "RICOCHET_TEST_MEMINFO": str(meminfo)}
             with unittest.mock.patch.dict(os.environ, variables):
                 words = ["--out", self.folder / str(mib), "--set", "bodies.bar.size_factor=0.5"]
-                return ricochet("kernel", scene, "-n", "2", *words)
+                return Forked("kernel", scene, "-n", "2", *words)
 
         # 10 530 unknowns: 24 MiB of matrices; on one team of two ranks, 29 MiB a rank for factors and modes.
         done = run_with(26)
@@ -218,14 +193,14 @@ class Modes(ProgramTest):
     def test_a_body_without_a_free_node_is_refused(self):
         self.write("bar.geo", GEO + 'Physical Surface("skin") = Surface{:};\n')
         scene = self.write("bar.toml", BAR.replace("[modes]", 'support = { skin = "xyz" }\n[modes]'))
-        done = ricochet("kernel", scene, "-n", "2", "--quiet", "--set", "bodies.bar.order=1")
+        done = Forked("kernel", scene, "-n", "2", "--quiet", "--set", "bodies.bar.order=1")
         self.refused(done, "the supports hold every node of the mesh")
 
     def test_scenes_without_bodies_are_refused(self):
         scene = self.write(
             "table.toml", '[contact]\nkernel = "table"\ntable = "k.h5"\n[time]\nduration = 1.0\n'
         )
-        self.refused(ricochet("modes", scene, "-n", "1"), "there are no bodies with modes")
+        self.refused(Forked("modes", scene, "-n", "1"), "there are no bodies with modes")
 
 
 if __name__ == "__main__":

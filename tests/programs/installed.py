@@ -10,7 +10,7 @@ import unittest
 import h5py
 
 import eps_matrices
-from programs import BIN, MESHES, SOURCE, ProgramTest, Run
+from programs import BIN, MESHES, SOURCE, Command, ProgramTest, Run
 
 BUILD = BIN.parent
 VERSION = re.search(r"project\(Ricochet VERSION (\S+)", (SOURCE / "CMakeLists.txt").read_text())[1]
@@ -61,7 +61,9 @@ class Installed(ProgramTest):
 
     def options(self, command):
         """The options that start a line of --help, with or without a short form before the long one."""
-        text = self.succeed_in(self.call(*command.split(), "--help"))
+        program, *verb = command.split()
+        # Verbs have the text of the checkout, which needs no start of Python here.
+        text = (Command(*verb, "--help") if verb else self.call(program, "--help")).out
         return {
             word
             for line in text.splitlines()

@@ -18,7 +18,7 @@ import numpy as np
 from programs import DEADLOCK_S, MESHES, Command, ProgramTest, Run, settings
 from ricochet import instruments
 
-# Finding the places that the clapper reaches takes most of the time; a coarse clapper has few points.
+# Finding the places that the clapper reaches takes most of the time: they are 10 cm apart, and a coarse clapper has few points.
 COARSE = [
     "bodies.bell.order=1",
     "bodies.clapper.order=1",
@@ -55,7 +55,7 @@ class Lv2(ProgramTest):
 
     @classmethod
     def export(cls, out):
-        return Command("export", "--lv2", cls.scene, "-o", out, "-n", 1, *settings(COARSE))
+        return Command("export", "--lv2", cls.scene, "-o", out, "-n", 1, "--spacing", 0.1, *settings(COARSE))
 
     def setUp(self):
         super().setUp()

@@ -7,13 +7,13 @@
 import concurrent.futures
 import os
 import re
-import subprocess
+import shlex
 import sys
 import unittest
 
 import ricochet
 from mistakes_table import BYTES, FILES, SCENE, TABLE, sections
-from programs import BIN, SOURCE, Command, ProgramTest
+from programs import BIN, SOURCE, Command, Forked, ProgramTest, Run
 
 PAGE = SOURCE / "docs" / "messages.md"
 LONGEST = 250  # characters
@@ -45,20 +45,11 @@ def write_files(folder):
 
 
 def run(command, folder, variables=()):
-    return subprocess.run(
-        ["sh", "-c", command],
-        cwd=folder,
-        env=ENVIRONMENT | dict(variables),
-        capture_output=True,
-        text=True,
-        errors="replace",
-        timeout=120,
-        check=False,
-    )
+    return Run(["sh", "-c", command], cwd=folder, env=ENVIRONMENT | dict(variables))
 
 
 def made(mistake, folder, number):
-    """Makes the mistake and returns what the command printed."""
+    """Makes the mistake and returns what the command printed. The shell runs only what forked(mistake) does not."""
     command = mistake.command
     if mistake.change:
         if mistake.change[0] not in SCENE:
@@ -66,10 +57,20 @@ def made(mistake, folder, number):
         name = f"wrong{number}.toml"
         (folder / name).write_text(SCENE.replace(*mistake.change, 1))
         command = command.replace("wrong.toml", name)
-    done = run(command, folder, mistake.env)
-    lines = re.sub(r"wrong\d+\.toml", "wrong.toml", done.stderr).splitlines()
-    done.stderr = "\n".join(line for line in lines if not PROGRESS.search(line))
+    if forked(mistake):
+        done = Forked(*shlex.split(command)[1:], folder=folder)
+    else:
+        done = run(command, folder, mistake.env)
+    lines = re.sub(r"wrong\d+\.toml", "wrong.toml", done.err).splitlines()
+    done.err = "\n".join(line for line in lines if not PROGRESS.search(line))
     return done
+
+
+def forked(mistake):
+    """Whether the mistake needs no shell and no environment of its own, so that a fork of this process makes it."""
+    return (
+        mistake.command.startswith("ricochet ") and not mistake.env and not re.search("[*>]", mistake.command)
+    )
 
 
 def read(mistake, folder, number):
@@ -92,22 +93,25 @@ class Mistakes(ProgramTest):
         first = run(
             "ricochet kernel -n 1 --quiet scene.toml && ricochet impact --quiet scene.toml", cls.folder
         )
-        if first.returncode:
-            raise AssertionError(first.stderr)
+        if first.status:
+            raise AssertionError(first.err)
         before = {path: path.read_bytes() for path in cls.folder.rglob("*") if path.is_file()}
         mistakes = [mistake for section in sections().values() for mistake in section]
+        numbers = range(len(mistakes))
+        answers = {k: made(mistakes[k], cls.folder, k) for k in numbers if forked(mistakes[k])}
+        others = [k for k in numbers if k not in answers]
         with concurrent.futures.ThreadPoolExecutor(3) as pool:
-            answers = pool.map(lambda k: made(mistakes[k], cls.folder, k), range(len(mistakes)))
-            cls.answers = list(zip(mistakes, answers))
+            answers |= zip(others, pool.map(lambda k: made(mistakes[k], cls.folder, k), others))
+        cls.answers = [(mistakes[k], answers[k]) for k in numbers]
         cls.lost = [path.name for path, content in before.items() if path.read_bytes() != content]
         cls.left = [path.name for path in cls.folder.rglob("*.partial")]
 
     def test_each_is_answered_in_one_line_with_place_value_and_remedy(self):
         for mistake, done in self.answers:
             with self.subTest(mistake.what, command=mistake.command, change=mistake.change):
-                self.assertEqual(done.returncode, mistake.status, done.stderr)
-                lines = done.stderr.splitlines()
-                self.assertEqual(len(lines), 1, done.stderr)
+                self.assertEqual(done.status, mistake.status, done.err)
+                lines = done.err.splitlines()
+                self.assertEqual(len(lines), 1, done.err)
                 self.assertRegex(lines[0], mistake.answer)
                 self.assertLessEqual(len(lines[0]), LONGEST, lines[0])
                 self.assertNotRegex(lines[0], INTERNAL)
@@ -118,7 +122,7 @@ class Mistakes(ProgramTest):
             if mistake.reader and mistake.change and mistake.command.startswith("ricochet impact wrong.toml"):
                 with self.subTest(mistake.what, change=mistake.change):
                     told = read(mistake, self.folder, number).replace(f"{self.folder}/", "")
-                    self.assertEqual(f"ricochet-contact: {told}", done.stderr)
+                    self.assertEqual(f"ricochet-contact: {told}", done.err)
                     compared += 1
         self.assertGreater(compared, 30)
 
@@ -153,7 +157,7 @@ class Mistakes(ProgramTest):
             with self.subTest(name):
                 (spaced / name).write_bytes(text.encode().replace(b'"rod.geo"', b'"../rod.geo"'))
                 done = run(f"ricochet impact --quiet --out out '{spaced}/{name}'", self.folder)
-                self.assertEqual((done.returncode, done.stderr), (0, expected.stderr))
+                self.assertEqual((done.status, done.err), (0, expected.err))
 
 
 def shown(text):
@@ -178,7 +182,7 @@ def written(answers):
     for title, mistakes in sections().items():
         text.append(f"\n### {title}\n\n| mistake | example | answer |\n|---|---|---|\n")
         for mistake, done in answers[number : number + len(mistakes)]:
-            text.append(f"| {mistake.what} | {asked(mistake)} | `{shown(done.stderr)}` |\n")
+            text.append(f"| {mistake.what} | {asked(mistake)} | `{shown(done.err)}` |\n")
         number += len(mistakes)
     return "".join(text)
 

@@ -3,6 +3,7 @@
 file, with receivers at nodes of the surface and with free flight; modes of a rod compared with cosines. If ParaView is
 installed (scripts/setup --peers), its own reader must return the same data."""
 
+import functools
 import json
 import shutil
 import subprocess
@@ -107,14 +108,12 @@ json.dump(found, open(sys.argv[2], "w"))
 """
 
 
-def frame_of(grid, folder):
-    """Element, position and fields of an XDMF grid."""
+def frame_of(grid, stored):
+    """Element, position and fields of an XDMF grid, out of the stored datasets by file and name."""
 
     def item(parent):
         (data,) = parent.findall("DataItem")
-        file, name = data.text.split(":")
-        with h5py.File(folder / file) as source:
-            values = source[name][:]
+        values = stored(*data.text.split(":"))
         assert data.get("Format") == "HDF" and values.itemsize == int(data.get("Precision"))
         assert values.dtype.kind == {"Float": "f", "Int": "i"}[data.get("NumberType")]
         assert values.shape == tuple(int(n) for n in data.get("Dimensions").split())
@@ -132,12 +131,13 @@ def frame_of(grid, folder):
 
 def read_xdmf(path):
     """Grids by name. A film has its times and its fields, each stacked over the frames."""
-    out = {}
+    out, opened = {}, functools.cache(lambda file: h5py.File(path.parent / file))
+    stored = functools.cache(lambda file, name: opened(file)[name][:])
     for grid in ElementTree.parse(path).find("Domain").findall("Grid"):
         if grid.get("GridType") != "Collection":
-            out[grid.get("Name")] = frame_of(grid, path.parent)
+            out[grid.get("Name")] = frame_of(grid, stored)
             continue
-        frames = [frame_of(one, path.parent) for one in grid.findall("Grid")]
+        frames = [frame_of(one, stored) for one in grid.findall("Grid")]
         times = [float(one.find("Time").get("Value")) for one in grid.findall("Grid")]
         out[grid.get("Name")] = {"time": np.array(times)} | {
             name: np.stack([f[name] for f in frames]) for name in frames[0]

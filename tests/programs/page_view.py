@@ -101,7 +101,7 @@ class Drop(PageTest):
             self.assertLessEqual(self.browser.evaluate("document.documentElement.scrollWidth"), wide)
 
     def test_colours_show_the_speed_of_the_fall_at_the_start(self):
-        self.opened_at(1280, 800)
+        self.opened_at(900, 600)
         speeds = self.browser.evaluate(
             """(() => { const motion = shown.motion, body = motion.bodies[0];
           motion.colour = "speed";
@@ -111,7 +111,7 @@ class Drop(PageTest):
         np.testing.assert_allclose(speeds, 0.5, rtol=2e-3)  # gravity adds 4e-4 in the first snapshot
 
     def test_the_floor_is_seen_from_above_with_gravity_down_and_is_glass_from_beneath(self):
-        self.opened_at(1280, 800)
+        self.opened_at(900, 600)
         self.browser.evaluate("shown.motion.bodies[0].visible = shown.motion.arrows = false, shown.show()")
 
         def floor():
@@ -151,7 +151,7 @@ class Drop(PageTest):
         elastic = omega > 0
         bent = np.einsum("vjn,sn->svj", shape[..., elastic], q[:, elastic])
         largest = np.linalg.norm(bent, axis=2).max()
-        self.opened_at(1280, 800)
+        self.opened_at(900, 600)
         slider = "document.querySelector('[aria-label=Amplification]')"
         natural, most = self.browser.evaluate(f"[shown.motion.amplify, 10 ** {slider}.max]")
         self.assertTrue(
@@ -180,7 +180,7 @@ class Drop(PageTest):
 
     def test_modes_are_listed_and_one_that_is_pressed_moves(self):
         _, node, shape, omega, _ = self.kernel_data()
-        self.opened_at(1280, 800)
+        self.opened_at(900, 600)
         before = self.pixels()
         listed = self.browser.evaluate(
             "[...document.querySelectorAll('#modes tbody tr')].map(row => [...row.children].map(cell => cell.textContent))"
@@ -242,7 +242,7 @@ class Drop(PageTest):
         self.assertFalse(self.browser.evaluate(playing))
 
     def test_main_figures_come_first_and_checks_warn_only_out_of_their_bounds(self):
-        self.opened_at(1280, 800)
+        self.opened_at(900, 600)
         titles = self.browser.evaluate(
             "[...document.querySelectorAll('#highlights dt')].map(title => title.textContent)"
         )
@@ -269,7 +269,7 @@ class Drop(PageTest):
         warnings = len(json.loads(text)["warnings"])
         path.write_text(json.dumps(json.loads(text) | {"energy_drift": 2e-9}))
         self.write_page()
-        self.opened_at(1280, 800)
+        self.opened_at(900, 600)
         self.assertEqual(self.browser.evaluate(checks), [True, "Checks: 1 of 3 out of bounds"])
         told = self.browser.evaluate(
             "[...document.querySelectorAll('#warnings li')].map(item => item.textContent)"
@@ -325,7 +325,7 @@ class Rods(PageTest):
 
     def test_the_scale_bar_has_the_length_that_it_states(self):
         """Two rods of 10 m with a gap of 0.1 m, seen from the front at the start, are 20.1 m long."""
-        self.opened_at(1280, 800)
+        self.opened_at(900, 600)
         self.pressed("front")
         self.browser.evaluate("shown.motion.arrows = false, shown.time = 0")
         for zoom in (1, 0.6, 0.37):

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The harness of all tests in Python: impacts through the package, and the programs and the command where these are tested."""
 
+import atexit
 import contextlib
+import functools
 import gc
 import io
 import json
@@ -9,6 +11,7 @@ import os
 import pathlib
 import resource
 import subprocess
+import sys
 import tempfile
 import unittest
 import warnings
@@ -17,7 +20,7 @@ import h5py
 import numpy as np
 
 import ricochet
-from ricochet import cli
+from ricochet import cli, programs
 from ricochet.programs import changes
 
 BIN = pathlib.Path(os.environ["RICOCHET_BIN"])
@@ -37,7 +40,8 @@ class Run:
             "text": True,
             "errors": "surrogateescape",
         }
-        done = subprocess.run([str(c) for c in command], **{"timeout": DEADLOCK_S} | streams | more)
+        words = by_server([str(c) for c in command])
+        done = subprocess.run(words, **{"timeout": DEADLOCK_S} | streams | more)
         self.status, self.out, self.err = done.returncode, done.stdout, done.stderr
 
 
@@ -56,6 +60,34 @@ class Command(Run):
         self.out, self.err = out.getvalue(), err.getvalue()
 
 
+class Forked(Run):
+    """The command `ricochet` with these words in a fork of this process, for verbs that become another program. `folder` is where it
+    works."""
+
+    def __init__(self, *words, folder="."):
+        kernel_server()  # for all forks
+        with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
+            self.number = os.fork()
+            if self.number == 0:
+                self.become(map(str, words), folder, out, err)
+            self.status = os.waitstatus_to_exitcode(os.waitpid(self.number, 0)[1])
+            self.out, self.err = (stream.seek(0) or stream.read().decode() for stream in (out, err))
+
+    def become(self, words, folder, out, err):
+        status = 1
+        try:
+            os.dup2(out.fileno(), 1), os.dup2(err.fileno(), 2)
+            sys.stdout, sys.stderr = (open(number, "w", closefd=False) for number in (1, 2))
+            os.chdir(folder)
+            status = cli.main([*words])
+        except SystemExit as end:
+            status = end.code
+        finally:
+            with contextlib.suppress(OSError):
+                sys.stdout.flush(), sys.stderr.flush()
+            os._exit(status or 0)
+
+
 @contextlib.contextmanager
 def limited(kind, limit):
     """A resource of this process and of those that it starts has this limit."""
@@ -65,6 +97,48 @@ def limited(kind, limit):
         yield
     finally:
         resource.setrlimit(kind, before)
+
+
+@functools.cache
+def kernel_server():
+    """What stands before ricochet-kernel in a command, so that a server which has linked its libraries runs it (fork_server.c).
+    ctest names the server; without it, the program is started."""
+    if "RICOCHET_FORK_SERVER" not in os.environ:
+        return []
+    folder = tempfile.TemporaryDirectory(prefix="ricochet-server-", ignore_cleanup_errors=True)
+    before = os.environ.get("LD_PRELOAD", "")
+    os.environ["RICOCHET_FORK_SOCKET"] = f"{folder.name}/socket"
+    preload = {
+        "LD_PRELOAD": f"{os.environ['RICOCHET_FORK_SERVER']} {before}",
+        "RICOCHET_FORK_PRELOAD": before,
+    }
+    server = subprocess.Popen(
+        [BIN / "ricochet-kernel"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=os.environ | preload
+    )
+    server.stdout.readline()  # it can be asked now
+
+    def end():
+        server.stdin.close(), server.stdout.close()
+        server.wait()
+        folder.cleanup()
+
+    atexit.register(end)
+    return [os.environ["RICOCHET_FORK_CLIENT"]]
+
+
+def by_server(words):
+    """The words of a command, by which the server runs ricochet-kernel if it is to run on one rank."""
+    if (program := str(BIN / "ricochet-kernel")) in words:
+        at = words.index(program)
+        if at == 0 or "mpirun" in words[0] and words[at - 2 : at] == ["-n", "1"]:
+            return kernel_server() + words[at:]
+    return words
+
+
+start_program = programs.start
+programs.start = lambda command, *more, **options: start_program(
+    by_server([*map(str, command)]), *more, **options
+)
 
 
 def scene_of(file, *sets):

@@ -56,7 +56,7 @@ std::vector<Point> grid() {
   std::vector<Point> points;
   for (const double x : {-0.31, 0.17, 1.0})
     for (const double y : {0.0, 0.71, 1.32})
-      for (const double z : {-0.33, 0.58, 1.0, 1.29}) points.emplace_back(x, y, z);
+      for (const double z : {0.58, 1.29}) points.emplace_back(x, y, z);
   return points;
 }
 
@@ -102,8 +102,8 @@ TEST(Locate, finds_points_in_the_bulge_of_a_curved_element) {
 TEST(Locate, finds_the_foot_on_a_convex_curved_surface) {
   for (const int divisions : {1, 2}) {
     const Moved body(test::block_geo("hex", divisions, 0), 2, raise);
-    for (const double x : {0.1, 0.4, 0.625, 0.9})
-      for (const double distance : {1e-3, 0.2, 1.5}) {
+    for (const double x : {0.1, 0.625})
+      for (const double distance : {1e-3, 1.5}) {
         const Point from(x, 0.44, 1), foot = raise(from),
                                       normal = Point(-height * (1 - 1.6 * x), 0, 1).normalized();
         const Located found = body.at(foot + distance * normal);

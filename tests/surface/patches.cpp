@@ -355,7 +355,7 @@ std::string ball_geo(double size) {
 // On a sphere of radius 1, n·(x̂ − x) = |x − x̂|²/2 for every point x of it.
 TEST(Crests, of_a_ball_lie_on_it_and_bulge_by_the_mean_height_over_the_patch) {
   const mesh::GmshSession gmsh;
-  for (const auto& [order, size] : {std::pair(2, 0.4), std::pair(3, 0.5), std::pair(4, 0.5)}) {
+  for (const auto& [order, size] : {std::pair(2, 0.4), std::pair(3, 0.5)}) {
     // Meshed once, because gmsh places the nodes inside a sphere differently by round-off every time.
     const test::SharedFile file(".geo", ball_geo(size));
     scene::Body body = test::body_of(file.path(), order);

@@ -8,7 +8,6 @@ import sys
 from ricochet import errors
 
 OTHERS = {
-    "--errors": "errors_caught",
     "--extremes": "extremes_table",
     "--balls": "hertz_balls",
     "--bodies": "random_bodies",

@@ -4,14 +4,14 @@ import re
 from typing import NamedTuple
 
 import manual
-from deliberate_errors import KINDS, NONE, SCHEMES
+from written_sites import KINDS
 
 HEAD = """# Deliberate errors
 
-Written by `scripts/verify --errors --manual`. Each line of the table states an error that was put into the program, and which lines of
+Written by `scripts/mutants --errors --manual`. Each line of the table states an error that was put into the program, and which lines of
 the [manual](manual.md) then fail in which case, out of those that hold without the error. Lines that hold by construction are not among
 them; the last column states how many of them still hold. *Strongest* is the failing line with the largest error relative to its bound.
-The changes themselves are in `deliberate_errors.py`.
+The changes themselves are in `tests/mutants/deliberate_errors.toml`.
 
 """
 
@@ -66,7 +66,7 @@ def strongest(failing):
 
 def describe(error, effects):
     """Lines for the terminal."""
-    yield f"{error.scheme}, {error.kind}: {error.what}"
+    yield f"{error.name}: {error.what}"
     for one in effects:
         worst = strongest(one.failing)
         text = f"{len(one.failing)} lines fail" + (f", stops: {one.stopped}" if one.stopped else "")
@@ -91,10 +91,10 @@ def rows(error, effects):
         stops = f"the case stops: {one.stopped}" if one.stopped else ""
         kept = f"{one.still} of {one.construction}" if one.construction else "–"
         yield [
-            error.scheme,
+            error.folder,
             error.kind,
             error.what,
-            f"`{error.file}`",
+            f"`{error.site.file}`",
             f"`{one.name}`",
             str(len(one.failing)),
             "; ".join(filter(None, (strong, stops))).replace("|", "\\|"),
@@ -102,7 +102,7 @@ def rows(error, effects):
         ]
 
 
-def write(path, results):
+def write(path, written, results):
     """Writes the page. @param results  pairs of error and effects"""
     head = [
         "law or scheme",
@@ -114,10 +114,10 @@ def write(path, results):
         "strongest",
         "by construction, hold",
     ]
-    lines = manual.table(["law or scheme", ""], [[name, text] for name, text in SCHEMES.items()])
+    lines = manual.table(["law or scheme", ""], [[name, text] for name, text in written.schemes.items()])
     lines += [""] + manual.table(head, [row for result in results for row in rows(*result)])
     lines += ["", "## Kinds without an error", ""]
-    order = {scheme: k for k, scheme in enumerate(SCHEMES)}
-    none = sorted(NONE.items(), key=lambda item: (order[item[0][0]], KINDS.index(item[0][1])))
+    order = {scheme: k for k, scheme in enumerate(written.schemes)}
+    none = sorted(written.none.items(), key=lambda item: (order[item[0][0]], KINDS.index(item[0][1])))
     lines += manual.table(["law or scheme", "kind", "why"], [[*key, reason] for key, reason in none])
     path.write_text(HEAD + "\n".join(lines) + "\n")

@@ -118,7 +118,7 @@ def deliberate_errors(path):
     return [
         "## Deliberate errors",
         "",
-        "`scripts/verify --errors` puts wrong forces, signs, R, modes and steps into the contact laws and schemes, one after another, and "
+        "`scripts/mutants --errors` puts wrong forces, signs, R, modes and steps into the contact laws and schemes, one after another, and "
         f"finds which lines of this page fail: [a table](errors.md) of {len(caught)} errors in {len({scheme for scheme, *_ in caught})} laws "
         "and schemes. Each makes a line fail or stops the case.",
         "",

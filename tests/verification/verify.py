@@ -10,13 +10,9 @@ import pathlib
 import sys
 import tempfile
 import unittest
-import unittest.mock
 
 import case
-import deliberate_errors
-import errors_page
 import manual
-from deliberate_errors import ERRORS, Error
 from programs import SOURCE, Run
 
 MODULES = SOURCE / "tests" / "verification"
@@ -113,43 +109,6 @@ class Verify(unittest.TestCase):
         run = Run([SOURCE / "scripts" / "verify", "nonsense"])
         self.assertEqual((run.status, run.err.count("\n")), (2, 1))
         self.assertIn("nonsense: no such case", run.err)
-
-    def test_each_law_and_scheme_has_an_error_of_each_kind_or_a_reason_why_not(self):
-        deliberate_errors.check(SOURCE)
-        names = {path.stem for path in (MODULES / "cases").glob("*.py")}
-        for error in ERRORS:
-            self.assertNotEqual(error.right, error.wrong)
-            self.assertLessEqual({*error.cases}, names)
-            self.assertTrue(error.cases)
-        absent = Error("gravity", "force", "x", ERRORS[0].file, "no such text", "y", ("rods",))
-        lonely = [error for error in ERRORS if (error.scheme, error.kind) != ("gravity", "force")]
-        for errors, complaint in (([*ERRORS, absent], "occurs 0 times"), (lonely, "gravity, force: needs")):
-            with unittest.mock.patch.object(deliberate_errors, "ERRORS", errors):
-                with self.assertRaisesRegex(ValueError, complaint):
-                    deliberate_errors.check(SOURCE)
-
-    def test_an_error_is_caught_by_a_counted_line_that_holds_without_it(self):
-        def results(values, stopped=None):
-            bench = case.Bench("x", pathlib.Path("."))
-            for k, ours in enumerate(values):
-                known, basis = ("because" if k == 1 else None), ("construction" if k == 2 else "theory")
-                bench.below(f"line {min(k, 3)}", ours, 1.0, "why", known=known, rests_on=basis)
-            return bench.found | {"stopped": stopped}
-
-        right = results([0, 2, 0, 0, 0])
-
-        def effect(values, stopped=None):
-            found = errors_page.effect("x", right, results(values, stopped))
-            return found.caught, len(found.failing), found.still
-
-        self.assertEqual(effect([0, 2, 0, 0, 0]), (False, 0, 1))
-        self.assertEqual(effect([0, 5, 3, 0, 0]), (False, 0, 0))  # a known failure, and one by construction
-        self.assertEqual(effect([0, 2, 0, 0, 3]), (True, 1, 1))  # two lines have the same text
-        self.assertEqual(effect([float("nan"), 2, 0, 0, 0]), (True, 1, 1))
-        self.assertEqual(effect([0, 2, 0]), (True, 2, 1))  # missing
-        self.assertEqual(effect([0], "it broke off"), (True, 0, 1))
-        worst = errors_page.strongest(errors_page.effect("x", right, results([3, 2, 0, 7, 0])).failing)
-        self.assertEqual(worst["ours"], 7)
 
     def test_the_manual_holds_every_case_and_its_figures(self):
         text, wall = ((PAGES / page).read_text() for page in ("manual.md", "measurements.md"))
