@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <utility>
 
@@ -212,8 +213,12 @@ Basis basis_at(const ReferenceElement& element, const std::vector<double>& local
   Basis basis = functions_of(element, local);
   if (element.nodes == 1) return basis;
   // N V⁻¹ are the exact Lagrange functions of the same space, where N are the functions of gmsh and V their
-  // values at the nodes.
-  const Eigen::PartialPivLU<RowMajor> correction(at_own_nodes(element).transpose());
+  // values at the nodes, which take longer than N at one point.
+  thread_local std::map<int, Eigen::PartialPivLU<RowMajor>> corrections;
+  auto known = corrections.find(element.gmsh_type);
+  if (known == corrections.end())
+    known = corrections.emplace(element.gmsh_type, at_own_nodes(element).transpose()).first;
+  const Eigen::PartialPivLU<RowMajor>& correction = known->second;
   Eigen::Map<RowMajor> value(basis.value.data(), basis.points, basis.nodes);
   value = correction.solve(value.transpose()).transpose().eval();
   for (int q = 0; q < basis.points; ++q) {
