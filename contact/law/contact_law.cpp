@@ -383,6 +383,7 @@ StepTrial ContactLaw::attempt(const StepMatrices& matrices, const MeanWeights& w
   p.end.head(n).setZero();
   StepTrial out;
   const FrictionSolver* friction = nullptr;
+  bool has_product = false;
   if (set_right()) {
     for (std::size_t f = 0; f < p.contacts.size(); ++f) {
       FrictionContact& contact = p.contacts[f];
@@ -397,10 +398,11 @@ StepTrial ContactLaw::attempt(const StepMatrices& matrices, const MeanWeights& w
     if (!p.contacts.empty()) {
       friction = &solver.friction();
       out.several = friction->several();
+      has_product = p.springs.empty() && solver.product(p.end.head(n), p.right.head(n));  // S p⁺
     }
   }
   p.force.head(n) += weights.end * p.end.head(n);
-  multiply(S, p.end, n, p.right);  // here S p⁺
+  if (!has_product) multiply(S, p.end, n, p.right);
   p.u.head(n) -= p.right.head(n);
   yield(p.springs, p.end, p.u);
   if (matrices.R.size() > 0)
