@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 constexpr double precision = 3e-13;  // of w, relative to |r|_∞ + ‖A‖_∞ |p|_∞, over normal rows or over all
 constexpr double polished_to = 0.01;   // of that precision
-constexpr double rounded = 2e-15;    // relative to |p|_∞: forces rounded to their cones
+constexpr double rounded = 2e-15;      // relative to |p|_∞: forces rounded to their cones
 constexpr double negligible = 1e-14;   // share of |p|_∞ that changes w by less than its tolerance
 constexpr int patience_of_newton = 8;  // steps allowed without halving the error
 constexpr int first_sweeps = 5;
@@ -47,8 +47,8 @@ FrictionSystem::FrictionSystem(int capacity) : factor_(capacity), A_(capacity) {
   entries_.reserve(border);
   kept_.reserve(border);
   changed_.reserve(n);
-  for (std::vector<double>* x :
-       {&p_, &w_, &r_, &column_, &multiplied_, &product_, &best_.p, &answer_.p, &plain_.A, &plain_.r, &centre_})
+  for (std::vector<double>* x : {&p_, &w_, &r_, &column_, &multiplied_, &product_, &best_.p, &answer_.p,
+                                 &plain_.A, &plain_.r, &centre_})
     x->resize(n);
   x_.resize(n + border);
   steps_.stride = static_cast<std::ptrdiff_t>(n + border);
@@ -78,18 +78,9 @@ double FrictionSystem::scale() const { return sizes_.r + sizes_.norm * largest_o
 
 void FrictionSystem::evaluate() noexcept {
   std::copy_n(p_.begin(), rows_, multiplied_.begin());
-  std::fill_n(product_.begin(), rows_, 0.0);
   multiplied_rows_ = rows_;
-  const Map<const Eigen::VectorXd> p(p_.data(), rows_);
-  if (2 * (p.array() != 0).count() > rows_) {
-    const auto n = static_cast<std::size_t>(rows_);
-    simd::dense().symmetric_product(n, A_.view().data(), n, p_.data(), product_.data());
-  } else {
-    const double* const A = A_.view().data();
-    simd::ColumnSum sum(static_cast<std::size_t>(rows_), product_.data());
-    for (std::ptrdiff_t i = 0; i < rows_; ++i)
-      if (p_[i] != 0) sum.subtract(A + i * rows_, -p_[i]);
-  }
+  const auto n = static_cast<std::size_t>(rows_);
+  simd::multiply_symmetric(n, A_.view().data(), n, p_.data(), product_.data());
   subtract_right();
 }
 

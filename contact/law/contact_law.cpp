@@ -36,16 +36,10 @@ MeanWeights reduced(const StepTrial& opening, double bank) noexcept {
   return {conserving_mean.end, share * conserving_mean.start, share * conserving_mean.before};
 }
 
-/// y = A x of the leading n rows of a symmetric A. If few entries of x are not 0, their columns are read,
-/// otherwise one triangle.
+/// y = A x of the leading n rows of a symmetric A.
 void multiply(const Symmetric& A, const Vector& x, Index n, Vector& y) noexcept {
-  y.head(n).setZero();
-  if (2 * (x.head(n).array() != 0).count() > n)
-    return simd::dense().symmetric_product(static_cast<std::size_t>(n), A.data(),
-                                           static_cast<std::size_t>(A.outerStride()), x.data(), y.data());
-  simd::ColumnSum sum(static_cast<std::size_t>(n), y.data());
-  for (Index j = 0; j < n; ++j)
-    if (x(j) != 0) sum.subtract(A.col(j).data(), -x(j));
+  simd::multiply_symmetric(static_cast<std::size_t>(n), A.data(), static_cast<std::size_t>(A.outerStride()),
+                           x.data(), y.data());
 }
 
 SolveOptions options_of(const StepOptions& options) {
