@@ -21,8 +21,8 @@ template <class T>
 LookAheadStepper<T>::LookAheadStepper(std::shared_ptr<const Model> model, const StepOptions& options)
     : Stepper(options, *model),
       state_(std::move(model), options),
-      block_(std::make_shared<const BlockSystem<T>>(state_.system, look_ahead_length(options, state_.system->model->rows()),
-                                                    options.step),
+      block_(std::make_shared<const BlockSystem<T>>(
+                 state_.system, look_ahead_length(options, state_.system->model->rows()), options.step),
              state_.forcing.any()),
       flight_(*state_.system, options),
       known_(contact_) {
