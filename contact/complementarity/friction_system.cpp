@@ -80,8 +80,11 @@ void FrictionSystem::evaluate() noexcept {
   std::copy_n(p_.begin(), rows_, multiplied_.begin());
   multiplied_rows_ = rows_;
   const auto n = static_cast<std::size_t>(rows_);
-  simd::multiply_symmetric(n, A_.view().data(), n, p_.data(), product_.data());
-  subtract_right();
+  // Rounding is least if the sum begins with −r, which it nearly cancels.
+  for (int i = 0; i < rows_; ++i) w_[i] = -r_[i];
+  simd::add_product(n, A_.view().data(), n, p_.data(), w_.data());
+  for (int i = 0; i < rows_; ++i) product_[i] = w_[i] + r_[i];
+  set_tolerances();
 }
 
 bool FrictionSystem::has_product(const double* p) const noexcept {
@@ -92,8 +95,7 @@ bool FrictionSystem::has_product(const double* p) const noexcept {
   return true;
 }
 
-void FrictionSystem::subtract_right() noexcept {
-  for (int i = 0; i < rows_; ++i) w_[i] = product_[i] - r_[i];
+void FrictionSystem::set_tolerances() noexcept {
   const double by_forces = sizes_.norm * largest_of(p_, rows_);
   sizes_.tolerance = precision * (sizes_.r + by_forces);
   sizes_.of_normals = precision * (sizes_.normal_r + by_forces);
@@ -328,10 +330,12 @@ SolveStatus FrictionSystem::try_newton(int& left, SolveStatistics& statistics, d
   bool polished = false;
   steps_.count = 0;
   // Forces of the step before: their product is known.
-  if (has_product(p_.data()))
-    subtract_right();
-  else
+  if (has_product(p_.data())) {
+    for (int i = 0; i < rows_; ++i) w_[i] = product_[i] - r_[i];
+    set_tolerances();
+  } else {
     evaluate();
+  }
   const bool is_open = std::all_of(touch_.begin(), touch_.begin() + count_,
                                    [](const Touch& touch) { return touch.state == ContactState::open; });
   for (bool keeps = !is_open;; keeps = false) {

@@ -82,7 +82,7 @@ class FrictionSystem {
 
  private:
   void evaluate() noexcept;
-  void subtract_right() noexcept;
+  void set_tolerances() noexcept;
   double contradiction(int k) const noexcept;
   void change_state(int k) noexcept;
   bool classify() noexcept;

@@ -38,8 +38,9 @@ MeanWeights reduced(const StepTrial& opening, double bank) noexcept {
 
 /// y = A x of the leading n rows of a symmetric A.
 void multiply(const Symmetric& A, const Vector& x, Index n, Vector& y) noexcept {
-  simd::multiply_symmetric(static_cast<std::size_t>(n), A.data(), static_cast<std::size_t>(A.outerStride()),
-                           x.data(), y.data());
+  y.head(n).setZero();
+  simd::add_product(static_cast<std::size_t>(n), A.data(), static_cast<std::size_t>(A.outerStride()),
+                    x.data(), y.data());
 }
 
 SolveOptions options_of(const StepOptions& options) {
