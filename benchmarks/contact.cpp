@@ -14,6 +14,7 @@
 
 #include "benchmarks/plates.hpp"
 #include "contact/stepping/stepper.hpp"
+#include "ricochet/denormals.hpp"
 
 namespace {
 
@@ -130,6 +131,7 @@ void worst(std::int64_t steps) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  const FlushDenormals scope;  // as in Simulation and the player
   if (argc > 1 && std::string_view(argv[1]) == "--worst") {
     worst(argc > 2 ? std::atoll(argv[2]) : 1000000);
     return 0;

@@ -83,7 +83,9 @@ inline contact::Model plates(int nx, int ny, int modes, double decay = 20, doubl
       if (plate == 0) model.load(column) = pressure * participation;
     }
   }
-  model.R = others * others.transpose();  // of both plates
+  model.R.setZero(rows, rows);
+  model.R.selfadjointView<Eigen::Lower>().rankUpdate(others);  // of both plates
+  model.R.triangularView<Eigen::StrictlyUpper>() = model.R.transpose();
   return model;
 }
 

@@ -69,6 +69,10 @@ class ContactSolver {
     return with_friction_ ? friction_.residual() : frictionless_.residual();
   }
   const FrictionSolver& friction() const { return friction_; }
+  /// Of the last problem, if it had contacts and no springs; see FrictionSolver.
+  bool product(const Eigen::Ref<const Eigen::VectorXd>& p, Eigen::Ref<Eigen::VectorXd> out) noexcept {
+    return with_friction_ && friction_.product(p, out);
+  }
   /// Of the linear problems; `limited` includes those in which springs did not converge.
   SolveStatistics statistics() const {
     return frictionless_.statistics() + friction_.statistics() +

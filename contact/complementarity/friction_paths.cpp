@@ -62,6 +62,7 @@ void FrictionSystem::set_ridge(double ridge) noexcept {
     A()(i, i) = plain_.A[i] + ridge;
     r_[i] = plain_.r[i] + ridge * centre_[i];
   }
+  multiplied_rows_ = 0;
   sizes_.norm += ridge - plain_.ridge;
   plain_.ridge = ridge;
   discard_factor();

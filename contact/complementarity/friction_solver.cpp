@@ -227,6 +227,18 @@ void FrictionSolver::answer(Forces p) noexcept {
   statistics_.max_active = std::max(statistics_.max_active, closed);
 }
 
+bool FrictionSolver::product(const Right& p, Forces out) noexcept {
+  if (system_.rows() != p.size()) return false;
+  const auto each_row = [this](const auto& visit) {
+    for (int k = 0; k < system_.points(); ++k)
+      for (int d = 0; d < system_[k].rows(); ++d) visit(system_[k].row + d, points_[touching_[k]].row(d));
+  };
+  each_row([&](int of_system, int row) { work_(of_system) = p(row); });
+  if (!system_.has_product(work_.data())) return false;
+  each_row([&](int of_system, int row) { out(row) = system_.product()[of_system]; });
+  return true;
+}
+
 /// Scales p so that pᵀ(r − S p) ≥ 0 and states the residual.
 void FrictionSolver::limit(const Symmetric& S, const Right& r, Forces p) noexcept {
   auto w = work_.head(r.size());

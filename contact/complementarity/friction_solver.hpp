@@ -66,6 +66,8 @@ class FrictionSolver {
   /// end, and renewals are factors, O(p³) each.
   const SolveStatistics& statistics() const { return statistics_; }
   const SolveResidual& residual() const { return residual_; }
+  /// Sets out to S p, without a product, if all rows touch and the solver has multiplied these forces.
+  bool product(const Eigen::Ref<const Eigen::VectorXd>& p, Eigen::Ref<Eigen::VectorXd> out) noexcept;
   /// (contacts) of the last answer.
   std::span<const ContactState> states() const { return {states_.data(), contact_count_}; }
   /// Whether the last answer is known not to be the only one. This is exact for problems of a single point.

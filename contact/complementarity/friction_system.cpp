@@ -14,6 +14,7 @@ using Eigen::Vector3d;
 
 constexpr double precision = 3e-13;  // of w, relative to |r|_∞ + ‖A‖_∞ |p|_∞, over normal rows or over all
 constexpr double polished_to = 0.01;   // of that precision
+constexpr double rounded = 2e-15;      // relative to |p|_∞: forces rounded to their cones
 constexpr double negligible = 1e-14;   // share of |p|_∞ that changes w by less than its tolerance
 constexpr int patience_of_newton = 8;  // steps allowed without halving the error
 constexpr int first_sweeps = 5;
@@ -46,8 +47,8 @@ FrictionSystem::FrictionSystem(int capacity) : factor_(capacity), A_(capacity) {
   entries_.reserve(border);
   kept_.reserve(border);
   changed_.reserve(n);
-  for (std::vector<double>* x :
-       {&p_, &w_, &r_, &column_, &best_.p, &answer_.p, &plain_.A, &plain_.r, &centre_})
+  for (std::vector<double>* x : {&p_, &w_, &r_, &column_, &multiplied_, &product_, &best_.p, &answer_.p,
+                                 &plain_.A, &plain_.r, &centre_})
     x->resize(n);
   x_.resize(n + border);
   steps_.stride = static_cast<std::ptrdiff_t>(n + border);
@@ -68,6 +69,7 @@ void FrictionSystem::add(double coefficient) noexcept {
 }
 
 void FrictionSystem::set_matrix() noexcept {
+  multiplied_rows_ = 0;
   sizes_.norm = rows_ > 0 ? A().cwiseAbs().colwise().sum().maxCoeff() : 0;
   sizes_.diagonal = rows_ > 0 ? A().diagonal().maxCoeff() : 0;
 }
@@ -75,18 +77,25 @@ void FrictionSystem::set_matrix() noexcept {
 double FrictionSystem::scale() const { return sizes_.r + sizes_.norm * largest_of(p_, rows_); }
 
 void FrictionSystem::evaluate() noexcept {
-  Map<Eigen::VectorXd> w(w_.data(), rows_);
-  w = -Map<const Eigen::VectorXd>(r_.data(), rows_);
-  const Map<const Eigen::VectorXd> p(p_.data(), rows_);
-  if (2 * (p.array() != 0).count() > rows_) {
-    const auto n = static_cast<std::size_t>(rows_);
-    simd::dense().symmetric_product(n, A_.view().data(), n, p_.data(), w_.data());
-  } else {
-    const double* const A = A_.view().data();
-    simd::ColumnSum sum(static_cast<std::size_t>(rows_), w_.data());
-    for (std::ptrdiff_t i = 0; i < rows_; ++i)
-      if (p_[i] != 0) sum.subtract(A + i * rows_, -p_[i]);
-  }
+  std::copy_n(p_.begin(), rows_, multiplied_.begin());
+  multiplied_rows_ = rows_;
+  const auto n = static_cast<std::size_t>(rows_);
+  // Rounding is least if the sum begins with −r, which it nearly cancels.
+  for (int i = 0; i < rows_; ++i) w_[i] = -r_[i];
+  simd::add_product(n, A_.view().data(), n, p_.data(), w_.data());
+  for (int i = 0; i < rows_; ++i) product_[i] = w_[i] + r_[i];
+  set_tolerances();
+}
+
+bool FrictionSystem::has_product(const double* p) const noexcept {
+  if (multiplied_rows_ != rows_) return false;
+  const double most = rounded * largest_of(multiplied_, rows_);
+  for (int i = 0; i < rows_; ++i)
+    if (!(std::abs(p[i] - multiplied_[i]) <= most)) return false;
+  return true;
+}
+
+void FrictionSystem::set_tolerances() noexcept {
   const double by_forces = sizes_.norm * largest_of(p_, rows_);
   sizes_.tolerance = precision * (sizes_.r + by_forces);
   sizes_.of_normals = precision * (sizes_.normal_r + by_forces);
@@ -320,7 +329,13 @@ SolveStatus FrictionSystem::try_newton(int& left, SolveStatistics& statistics, d
   contradicted_ = false;
   bool polished = false;
   steps_.count = 0;
-  evaluate();
+  // Forces of the step before: their product is known.
+  if (has_product(p_.data())) {
+    for (int i = 0; i < rows_; ++i) w_[i] = product_[i] - r_[i];
+    set_tolerances();
+  } else {
+    evaluate();
+  }
   const bool is_open = std::all_of(touch_.begin(), touch_.begin() + count_,
                                    [](const Touch& touch) { return touch.state == ContactState::open; });
   for (bool keeps = !is_open;; keeps = false) {

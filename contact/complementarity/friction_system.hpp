@@ -55,6 +55,10 @@ class FrictionSystem {
   double* r() { return r_.data(); }                      ///< (m)
   const double* p() const { return p_.data(); }
   const double* w() const { return w_.data(); }  ///< (m) A p − r
+  /// (m) A p of the forces that were multiplied last.
+  const double* product() const { return product_.data(); }
+  /// Whether p (m) are these forces to round-off.
+  bool has_product(const double* p) const noexcept;
   /// To be called after A has changed.
   void set_matrix() noexcept;
 
@@ -78,6 +82,7 @@ class FrictionSystem {
 
  private:
   void evaluate() noexcept;
+  void set_tolerances() noexcept;
   double contradiction(int k) const noexcept;
   void change_state(int k) noexcept;
   bool classify() noexcept;
@@ -168,6 +173,8 @@ class FrictionSystem {
   bool exact_ = false;  ///< whether each change of state renews the factor
   ReservedMatrix A_;
   std::vector<double> p_, w_, r_, x_, column_, centre_;
+  std::vector<double> multiplied_, product_;  ///< forces and A times them
+  int multiplied_rows_ = 0;                   ///< 0 if A has changed since
   Plain plain_;
   bool cautious_ = true;       ///< whether few states change at once
   bool contradicted_ = false;  ///< whether states were left that contradict the forces

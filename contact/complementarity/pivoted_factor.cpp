@@ -8,15 +8,20 @@
 namespace ricochet::contact {
 namespace {
 
-constexpr int width = 16;  // of a panel, which stays in the cache
+// Columns that are eliminated together: a product with `most` of them reads them from the cache, and `least`
+// of them, or a small matrix, are too few for one.
+constexpr int most = 64, least = 8, small = 32;
+
+/// About half of a block, a whole number of registers.
+int half(int columns) { return (columns + 2 * least - 1) / (2 * least) * least; }
 
 }  // namespace
 
 PivotedFactor::PivotedFactor(int capacity)
     : loops_(&simd::dense()), matrix_(capacity), exchange_(static_cast<std::size_t>(std::max(capacity, 1))) {}
 
-/// Factors columns first … last − 1, which hold the Schur complement, and exchanges whole rows.
-void PivotedFactor::factor_panel(int first, int last) noexcept {
+/// Factors columns first … last − 1, which hold the Schur complement, one by one.
+void PivotedFactor::factor_one_by_one(int first, int last) noexcept {
   const int n = size_;
   double* const a = matrix_.view().data();
   for (int c = first; c < last; ++c) {
@@ -25,13 +30,8 @@ void PivotedFactor::factor_panel(int first, int last) noexcept {
     for (int i = c + 1; i < n; ++i)
       if (std::abs(column[i]) > std::abs(column[pivot])) pivot = i;
     exchange_[c] = pivot;
-    if (pivot != c) {
-      for (int k = 0; k < n; ++k) {
-        double* const row = a + static_cast<std::ptrdiff_t>(k) * n;
-        std::swap(row[c], row[pivot]);
-      }
-      sign_ = -sign_;
-    }
+    exchange_rows(c, c + 1, first, last);
+    if (pivot != c) sign_ = -sign_;
     if (column[c] < 0) sign_ = -sign_;
     least_pivot_ = std::min(least_pivot_, std::abs(column[c]));
     if (column[c] == 0) continue;
@@ -47,23 +47,54 @@ void PivotedFactor::factor_panel(int first, int last) noexcept {
   }
 }
 
+/// Makes the exchanges of the rows first … last − 1 in the columns from … to − 1.
+void PivotedFactor::exchange_rows(int first, int last, int from, int to) noexcept {
+  auto A = matrix_.view();
+  for (int k = from; k < to; ++k)
+    for (int c = first; c < last; ++c) std::swap(A(c, k), A(exchange_[c], k));
+}
+
+/// Replaces the rows first … last − 1 of the columns from … to − 1 by L⁻¹ times them.
+void PivotedFactor::solve_lower(int first, int last, int from, int to) noexcept {
+  auto A = matrix_.view();
+  if (last - first > least) {
+    const int middle = first + half(last - first);
+    solve_lower(first, middle, from, to);
+    subtract_product(first, middle, last, from, to);
+    return solve_lower(middle, last, from, to);
+  }
+  for (int k = from; k < to; ++k)
+    for (int c = first; c < last; ++c) {
+      const double factor = A(c, k);
+      for (int i = c + 1; i < last; ++i) A(i, k) -= factor * A(i, c);
+    }
+}
+
+/// Subtracts from the rows middle … last − 1 of the columns from … to − 1 the product of L with the rows
+/// first … middle − 1.
+void PivotedFactor::subtract_product(int first, int middle, int last, int from, int to) noexcept {
+  if (middle == last || from == to) return;
+  auto A = matrix_.view();
+  loops_->subtract_product(last - middle, to - from, middle - first, &A(middle, first), size_,
+                           &A(first, from), size_, &A(middle, from), size_);
+}
+
+/// Factors columns first … last − 1, which hold the Schur complement, by products of blocks (Toledo 1997).
+void PivotedFactor::factor_columns(int first, int last) noexcept {
+  if (last - first <= least || size_ <= small) return factor_one_by_one(first, last);
+  const int middle = first + std::min(most, half(last - first));
+  factor_columns(first, middle);
+  exchange_rows(first, middle, middle, last);
+  solve_lower(first, middle, middle, last);
+  subtract_product(first, middle, size_, middle, last);
+  factor_columns(middle, last);
+  exchange_rows(middle, last, first, middle);
+}
+
 void PivotedFactor::factor() noexcept {
   sign_ = 1;
   least_pivot_ = std::numeric_limits<double>::infinity();
-  auto A = matrix_.view();
-  if (size_ <= 2 * width) return factor_panel(0, size_);
-  for (int first = 0; first < size_; first += width) {
-    const int last = std::min(first + width, size_), rest = size_ - last;
-    factor_panel(first, last);
-    for (int k = last; k < size_; ++k)  // L₁₁⁻¹ A₁₂
-      for (int c = first; c < last; ++c) {
-        const double factor = A(c, k);
-        for (int i = c + 1; i < last; ++i) A(i, k) -= factor * A(i, c);
-      }
-    if (rest > 0)
-      loops_->subtract_product(rest, rest, last - first, &A(last, first), size_, &A(first, last), size_,
-                               &A(last, last), size_);
-  }
+  factor_columns(0, size_);
 }
 
 bool PivotedFactor::solve(double* x) const noexcept {

@@ -26,7 +26,11 @@ class PivotedFactor {
   int sign(double least) const { return least_pivot_ < least ? 0 : sign_; }
 
  private:
-  void factor_panel(int first, int last) noexcept;
+  void factor_columns(int first, int last) noexcept;
+  void factor_one_by_one(int first, int last) noexcept;
+  void exchange_rows(int first, int last, int from, int to) noexcept;
+  void solve_lower(int first, int last, int from, int to) noexcept;
+  void subtract_product(int first, int middle, int last, int from, int to) noexcept;
 
   const simd::Dense* loops_;
   ReservedMatrix matrix_;

@@ -36,16 +36,11 @@ MeanWeights reduced(const StepTrial& opening, double bank) noexcept {
   return {conserving_mean.end, share * conserving_mean.start, share * conserving_mean.before};
 }
 
-/// y = A x of the leading n rows of a symmetric A. If few entries of x are not 0, their columns are read,
-/// otherwise one triangle.
+/// y = A x of the leading n rows of a symmetric A.
 void multiply(const Symmetric& A, const Vector& x, Index n, Vector& y) noexcept {
   y.head(n).setZero();
-  if (2 * (x.head(n).array() != 0).count() > n)
-    return simd::dense().symmetric_product(static_cast<std::size_t>(n), A.data(),
-                                           static_cast<std::size_t>(A.outerStride()), x.data(), y.data());
-  simd::ColumnSum sum(static_cast<std::size_t>(n), y.data());
-  for (Index j = 0; j < n; ++j)
-    if (x(j) != 0) sum.subtract(A.col(j).data(), -x(j));
+  simd::add_product(static_cast<std::size_t>(n), A.data(), static_cast<std::size_t>(A.outerStride()),
+                    x.data(), y.data());
 }
 
 SolveOptions options_of(const StepOptions& options) {
@@ -383,6 +378,7 @@ StepTrial ContactLaw::attempt(const StepMatrices& matrices, const MeanWeights& w
   p.end.head(n).setZero();
   StepTrial out;
   const FrictionSolver* friction = nullptr;
+  bool has_product = false;
   if (set_right()) {
     for (std::size_t f = 0; f < p.contacts.size(); ++f) {
       FrictionContact& contact = p.contacts[f];
@@ -397,10 +393,11 @@ StepTrial ContactLaw::attempt(const StepMatrices& matrices, const MeanWeights& w
     if (!p.contacts.empty()) {
       friction = &solver.friction();
       out.several = friction->several();
+      has_product = p.springs.empty() && solver.product(p.end.head(n), p.right.head(n));  // S p⁺
     }
   }
   p.force.head(n) += weights.end * p.end.head(n);
-  multiply(S, p.end, n, p.right);  // here S p⁺
+  if (!has_product) multiply(S, p.end, n, p.right);
   p.u.head(n) -= p.right.head(n);
   yield(p.springs, p.end, p.u);
   if (matrices.R.size() > 0)

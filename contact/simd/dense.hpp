@@ -52,4 +52,16 @@ class ColumnSum {
   double factor_[together];
 };
 
+/// y (n) += A x of a symmetric matrix with both triangles.
+inline void add_product(std::size_t n, const double* A, std::size_t of_A, const double* x,
+                        double* y) noexcept {
+  constexpr std::size_t in_cache = 128;  // rows up to which columns come faster than one triangle's sums
+  std::size_t used = 0;
+  for (std::size_t i = 0; i < n; ++i) used += x[i] != 0 ? 1 : 0;
+  if (n > in_cache && 2 * used > n) return dense().symmetric_product(n, A, of_A, x, y);
+  ColumnSum sum(n, y);
+  for (std::size_t i = 0; i < n; ++i)
+    if (x[i] != 0) sum.subtract(A + i * of_A, -x[i]);
+}
+
 }  // namespace ricochet::contact::simd

@@ -50,11 +50,14 @@ void product_strip(std::size_t m, std::size_t k, Tile<const double> A, Tile<cons
 
 void subtract_product(std::size_t m, std::size_t n, std::size_t k, const double* A, std::size_t of_A,
                       const double* B, std::size_t of_B, double* C, std::size_t of_C) {
-  constexpr std::size_t together = 4;
   std::size_t j = 0;
-  for (; j + together <= n; j += together)
-    product_strip<together>(m, k, {A, of_A}, {B + j * of_B, of_B}, {C + j * of_C, of_C});
-  for (; j < n; ++j) product_strip<1>(m, k, {A, of_A}, {B + j * of_B, of_B}, {C + j * of_C, of_C});
+  const auto strips = [&]<std::size_t together>() {
+    for (; j + together <= n; j += together)
+      product_strip<together>(m, k, {A, of_A}, {B + j * of_B, of_B}, {C + j * of_C, of_C});
+  };
+  if (V::size == 8) strips.template operator()<8>();  // wide registers are also twice as many
+  strips.template operator()<4>();
+  strips.template operator()<1>();
 }
 
 /// Four columns at once read and write y once.

@@ -6,23 +6,23 @@
 namespace ricochet::contact {
 namespace {
 
-/// The cost of the near history grows with the block and with the square of the points; that of the far
-/// history grows only with the modes. Longer blocks therefore pay if there are few points.
-constexpr Eigen::Index few_points = 64;
+/// The cost of the near history grows with the block and with the square of the rows; that of the far
+/// history grows only with the modes. Longer blocks therefore pay if there are few rows.
+constexpr Eigen::Index few_rows = 64;
 constexpr int long_block = 24, short_block = 8;
 
 }  // namespace
 
-int look_ahead_length(const StepOptions& options, Eigen::Index points) {
-  return options.block > 0 ? options.block : points <= few_points ? long_block : short_block;
+int look_ahead_length(const StepOptions& options, Eigen::Index rows) {
+  return options.block > 0 ? options.block : rows <= few_rows ? long_block : short_block;
 }
 
 template <class T>
 LookAheadStepper<T>::LookAheadStepper(std::shared_ptr<const Model> model, const StepOptions& options)
     : Stepper(options, *model),
       state_(std::move(model), options),
-      block_(std::make_shared<const BlockSystem<T>>(state_.system, look_ahead_length(options, points()),
-                                                    options.step),
+      block_(std::make_shared<const BlockSystem<T>>(
+                 state_.system, look_ahead_length(options, state_.system->model->rows()), options.step),
              state_.forcing.any()),
       flight_(*state_.system, options),
       known_(contact_) {

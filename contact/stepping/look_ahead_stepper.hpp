@@ -10,7 +10,7 @@
 namespace ricochet::contact {
 
 /// Number of steps in a block.
-int look_ahead_length(const StepOptions& options, Eigen::Index points);
+int look_ahead_length(const StepOptions& options, Eigen::Index rows);
 
 /// @tparam T  type of the products of a block
 template <class T>

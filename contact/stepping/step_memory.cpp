@@ -34,7 +34,7 @@ double stepper_bytes(const ModelSize& size, const StepOptions& options) {
   const double matrices = conserving ? 4 : 3;  // R, M, S and S_mean
   if (!blocks) return matrices * number * n * n + solvers + islands;
   const double T = options.precision == Precision::float64 ? sizeof(double) : sizeof(float);
-  const auto length = static_cast<double>(look_ahead_length(options, size.points));
+  const auto length = static_cast<double>(look_ahead_length(options, size.rows));
   const auto width = static_cast<double>(simd::padded(static_cast<std::size_t>(size.rows), simd::point_pad)),
              modes = static_cast<double>(simd::padded(static_cast<std::size_t>(size.modes)));
   // B twice; of the rows that may touch, the lags and M, and the influence, flexibility and R on all rows.

@@ -696,6 +696,40 @@ TEST(FrictionSolver, notices_that_the_matrix_has_changed) {
   }
 }
 
+// With the product of the old matrix, the old forces would seem to be the answer.
+TEST(FrictionSolver, multiplies_the_forces_before_by_a_matrix_that_has_changed) {
+  Random random(17);
+  Problem problem = random_problem(random, 6, 0, 0.3, 0.2);
+  VectorXd force = VectorXd::Constant(18, 0.1), p = VectorXd::Zero(18);
+  force.head(6).setOnes();
+  problem.r = problem.S * force;
+  FrictionSolver solver(18, {.same_matrix = true});
+  for (int k = 0; k < 3; ++k) {
+    ASSERT_EQ(solver.solve(problem.S, problem.r, problem.contacts, p), SolveStatus::solved);
+    EXPECT_LE(violation(problem, p), 1e-12);
+    problem.S *= 2;
+    solver.change_matrix();
+  }
+}
+
+// 1e-14: sums of 30 terms, and 2e-15 of the forces
+TEST(FrictionSolver, knows_the_product_of_its_forces_where_all_points_touch) {
+  Random random(16);
+  const Problem problem = random_problem(random, 10, 0, 0.4, 0.3);
+  FrictionSolver solver(30, {.same_matrix = true});
+  VectorXd p = VectorXd::Zero(30), force = p, product = p;
+  EXPECT_FALSE(solver.product(p, product)) << "nothing was solved";
+  for (int k = 0; k < 20; ++k) {
+    for (int i = 0; i < 30; ++i) force(i) = i < 10 ? 1 + 0.1 * std::sin(k + i) : 0.2 * std::cos(k + i);
+    ASSERT_EQ(solver.solve(problem.S, problem.S * force, problem.contacts, p), SolveStatus::solved);
+    ASSERT_TRUE(solver.product(p, product));
+    EXPECT_LE((product - problem.S * p).cwiseAbs().maxCoeff(), 1e-14 * product.cwiseAbs().maxCoeff());
+    VectorXd other = p;
+    other(k) *= 1 + 1e-12;
+    EXPECT_FALSE(solver.product(other, product));
+  }
+}
+
 TEST(FrictionSolver, accepts_coefficients_that_change_to_and_from_zero) {
   Random random(14);
   Problem problem = random_problem(random, 8, 1, 0, 0.3);
