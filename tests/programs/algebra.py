@@ -163,8 +163,8 @@ class Algebra(ProgramTest):
         self.check([], [*OTHER, "modes.up_to_hz=0.9", "output.view=false"], ranks=2)
 
     def test_a_number_of_modes_out_of_a_band_of_a_supported_body(self):
-        held = "bodies.block.support={side='xyz'}"
-        self.check([held], [held, *OTHER, "modes={count=12}"])
+        clamped = "bodies.block.support={side='xyz'}"
+        self.check([clamped], [clamped, *OTHER, "modes={count=12}"])
 
     def test_one_direction_and_modes_that_contact_needs(self):
         modes = "modes={{up_to_hz={},flexibility_error=0.01}}"
@@ -279,10 +279,10 @@ class Algebra(ProgramTest):
         self.succeed(contact(self.scene, self.out, "modes.up_to_hz=0.2", "modes.flexibility_error=0.1"))
         (path,) = set(self.out.glob("*.kernel.h5")) - {old}
         with h5py.File(path) as file:
-            kept, told = file["modes/angular_frequency"].size, file["modes/certificate"].attrs
+            kept, certificate = file["modes/angular_frequency"].size, file["modes/certificate"].attrs
             self.assertLess(kept, all_modes)
-            self.assertEqual(told["left_out"], all_modes - kept)
-            self.assertLessEqual(told["flexibility_error"], 0.1)
+            self.assertEqual(certificate["left_out"], all_modes - kept)
+            self.assertLessEqual(certificate["flexibility_error"], 0.1)
         self.assertIn(f"{kept} of {all_modes} modes", run.out)
         self.assertIn(str(path), run.out)
 
@@ -302,8 +302,8 @@ class Algebra(ProgramTest):
 
     def test_kernels_with_receivers_are_drawn_but_keep_their_candidates(self):
         old, _ = self.path(self.out, 'output.receiver=[{name="mic",body="block",at=[0,0,0]}]')
-        told = "has loads, moving supports or receivers: compute the requested kernel"
-        self.refused(self.recast(old, "--points", "1,3"), told)
+        reason = "has loads, moving supports or receivers: compute the requested kernel"
+        self.refused(self.recast(old, "--points", "1,3"), reason)
         self.succeed(self.recast(old, "--vtk"))
         self.assertTrue(old.with_name(old.name.replace(".kernel.h5", ".modes.xdmf")).is_file())
 

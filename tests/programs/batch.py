@@ -101,7 +101,7 @@ class Unreached(ProgramTest):
     def test_a_slurm_whose_controller_does_not_answer_is_told_in_one_line(self):
         self.write("two-rods.toml", (MESHES / "two-rods/two-rods.toml").read_text())
         study = self.write("study.toml", STUDY)
-        for told in (
+        for answer in (
             [
                 "error: resolve_ctls_from_dns_srv: res_nsearch error: Unknown host",
                 "error: fetch_config: DNS SRV lookup failed",
@@ -112,12 +112,12 @@ class Unreached(ProgramTest):
         ):
             # Replaces sbatch and prints the errors of Debian 12's sbatch without a slurm.conf,
             # and with one but without slurmctld.
-            lines = "".join(f"echo 'sbatch: {line}' >&2\n" for line in told)
+            lines = "".join(f"echo 'sbatch: {line}' >&2\n" for line in answer)
             self.write("sbatch", f"#!/bin/sh\n{lines}exit 1\n").chmod(0o755)
             done = Run(["env", f"PATH={self.folder}:/usr/bin:/bin", BIN / "ricochet", "batch", study])
             self.assertEqual((done.status, done.err.count("\n")), (2, 1), done.err)
             self.assertIn(
-                f"no SLURM controller ({told[0].removeprefix('error: ')}): inspect the jobs with --dry-run",
+                f"no SLURM controller ({answer[0].removeprefix('error: ')}): inspect the jobs with --dry-run",
                 done.err,
             )
 

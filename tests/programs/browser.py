@@ -56,16 +56,16 @@ class Browser:
             self.rest += data
         text, self.rest = self.rest.split(b"\0", 1)
         message = json.loads(text)
-        method, told = message.get("method"), message.get("params", {})
-        if method == "Network.requestWillBeSent" and not told["request"]["url"].startswith("data:"):
-            self.requests.append(told["request"]["url"])
+        method, params = message.get("method"), message.get("params", {})
+        if method == "Network.requestWillBeSent" and not params["request"]["url"].startswith("data:"):
+            self.requests.append(params["request"]["url"])
         elif method == "Runtime.consoleAPICalled":
-            self.messages.append(" ".join(str(part.get("value")) for part in told["args"]))
+            self.messages.append(" ".join(str(part.get("value")) for part in params["args"]))
         elif method == "Runtime.exceptionThrown":
-            details = told["exceptionDetails"]
+            details = params["exceptionDetails"]
             self.messages.append(details.get("exception", {}).get("description", details["text"]))
-        elif method == "Log.entryAdded" and "GL Driver Message" not in told["entry"]["text"]:
-            self.messages.append(told["entry"]["text"])
+        elif method == "Log.entryAdded" and "GL Driver Message" not in params["entry"]["text"]:
+            self.messages.append(params["entry"]["text"])
         return message
 
     def call(self, method, **parameters):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Writes K and M of a held bar of unit length, stiffness and density as files of PETSc: eps_matrices.py FOLDER"""
+"""Writes K and M of a clamped bar of unit length, stiffness and density as files of PETSc: eps_matrices.py FOLDER"""
 import math
 import struct
 import sys

@@ -218,8 +218,8 @@ class Imports(BoxTest):
         self.assertFalse(list((self.folder / "bad").glob("*.h5")))
 
     def test_modes_of_a_supported_body_give_the_same_kernel_loads_and_receivers(self):
-        held = np.unique(self.box.top)
-        free = np.setdiff1d(np.arange(len(self.mass)), [3 * held, 3 * held + 1, 3 * held + 2])
+        clamped = np.unique(self.box.top)
+        free = np.setdiff1d(np.arange(len(self.mass)), [3 * clamped, 3 * clamped + 1, 3 * clamped + 2])
         self.write_by_the_book(self.folder / "modes.h5", free)
         at = self.box.node[1].tolist()
         sets = [

@@ -121,8 +121,8 @@ class Mistakes(ProgramTest):
         for number, (mistake, done) in enumerate(self.answers):
             if mistake.reader and mistake.change and mistake.command.startswith("ricochet impact wrong.toml"):
                 with self.subTest(mistake.what, change=mistake.change):
-                    told = read(mistake, self.folder, number).replace(f"{self.folder}/", "")
-                    self.assertEqual(f"ricochet-contact: {told}", done.err)
+                    line = read(mistake, self.folder, number).replace(f"{self.folder}/", "")
+                    self.assertEqual(f"ricochet-contact: {line}", done.err)
                     compared += 1
         self.assertGreater(compared, 30)
 

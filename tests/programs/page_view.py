@@ -57,13 +57,13 @@ class Drop(PageTest):
             turn = body.attrs["rotation"].reshape(3, 3)
             q = file["snapshots/bracket"][:]
             static = {name: data[:] for name, data in file["static/bracket"].items()}
-            with h5py.File(self.out / body.attrs["kernel"].decode()) as held:
-                size = np.linalg.norm(np.ptp(held["view/node"][:], axis=0))
-                node = held["view/node"][:] @ turn.T + body.attrs["translation"]
-                fields = held["view/residual_flexibility"][:].astype(float).reshape(len(node), 3, -1)
-                shape = np.concatenate([held["view/shape"][:].astype(float), fields], axis=2)
+            with h5py.File(self.out / body.attrs["kernel"].decode()) as kernel:
+                size = np.linalg.norm(np.ptp(kernel["view/node"][:], axis=0))
+                node = kernel["view/node"][:] @ turn.T + body.attrs["translation"]
+                fields = kernel["view/residual_flexibility"][:].astype(float).reshape(len(node), 3, -1)
+                shape = np.concatenate([kernel["view/shape"][:].astype(float), fields], axis=2)
                 shape = np.einsum("ij,vjn->vin", turn, shape)
-                omega = held["modes/angular_frequency"][:]
+                omega = kernel["modes/angular_frequency"][:]
         components = static["force"].shape[1]
         force = np.zeros((len(q), fields.shape[2] // components, components))
         force[static["snapshot"].astype(int), static["candidate"].astype(int)] = static["force"]
@@ -271,11 +271,11 @@ class Drop(PageTest):
         self.write_page()
         self.opened_at(900, 600)
         self.assertEqual(self.browser.evaluate(checks), [True, "Checks: 1 of 3 out of bounds"])
-        told = self.browser.evaluate(
+        shown = self.browser.evaluate(
             "[...document.querySelectorAll('#warnings li')].map(item => item.textContent)"
         )
-        self.assertEqual(len(told), warnings + 1)
-        self.assertIn("2 × 10⁻⁹ is above 1 × 10⁻¹⁰", told[-1])
+        self.assertEqual(len(shown), warnings + 1)
+        self.assertIn("2 × 10⁻⁹ is above 1 × 10⁻¹⁰", shown[-1])
 
     def test_the_front_of_a_wall_is_seen_without_gravity(self):
         history = LoadedResult(self.result)
@@ -290,7 +290,7 @@ class Drop(PageTest):
         than 0.1 % do in places. And by the mean motion of the nodes as drawn, which is the same from frame to frame.
         """
         figure = dict(figures(LoadedResult(self.result), self.out, lambda _: None))["snapshots"]
-        told = re.search(
+        shown = re.search(
             r"drop: 9 moments of the contact\ndeformation drawn (\d+) times", figure._suptitle.get_text()
         )
         pictures = [ax for ax in figure.axes if not ax.axison]  # the panels of forces have axes
@@ -314,7 +314,7 @@ class Drop(PageTest):
         with h5py.File(self.result) as file:
             time = file["snapshots/time"][:]
         at = [np.argmin(abs(1e6 * time - number(ax.get_title().split()[0]))) for ax in pictures]  # µs
-        drawn = np.einsum("vjn,sn->svj", shape, np.where(omega > 0, float(told[1]), 1) * q[at])
+        drawn = np.einsum("vjn,sn->svj", shape, np.where(omega > 0, float(shown[1]), 1) * q[at])
         moved = np.sqrt((np.diff(drawn, axis=0) ** 2).sum(axis=2).mean(axis=1))
         ratio = moved.max() / moved.min()
         self.assertLess(ratio, 1.3)  # because snapshots are 2 µs apart; above 2 with even times
@@ -352,11 +352,11 @@ class Rods(PageTest):
         self.assertEqual(done.out.splitlines()[-1], str(page))
         self.browser.open(page, 390, 844)
         self.browser.wait_for("shown.phase > 0.3")
-        told = self.browser.evaluate(
+        shown = self.browser.evaluate(
             "[document.querySelector('.key b').textContent, document.querySelectorAll('#modes button').length]"
         )
         # With a wave speed of 1 m/s, free rods of 10 m have frequencies of n/20 Hz. Five modes each, one of them rigid.
-        self.assertEqual(told, ["moving, mode 2: 50 mHz", 8])
+        self.assertEqual(shown, ["moving, mode 2: 50 mHz", 8])
         buttons = "[...document.querySelectorAll('.cockpit button')].map(button => button.textContent)"
         self.assertNotIn("Back to the impact", self.browser.evaluate(buttons))
         self.assertEqual(self.browser.messages, [])

@@ -28,7 +28,7 @@ order = 2
 material = { density = 2.0, young = 3.0, poisson = 0.3 }
 contact = "foot"
 translate = [0, 0, 1]
-[bodies.held]
+[bodies.clamped]
 mesh = "block.geo"
 order = 2
 material = { density = 2.0, young = 3.0, poisson = 0.3 }
@@ -37,29 +37,29 @@ support = { foot = "xyz", side = "y" }
 [modes]
 count = 40
 [contact]
-between = ["free", "held"]
+between = ["free", "clamped"]
 direction = [0, 0, -1]
 [time]
 duration = 1.0
 [[loads.traction]]
-body = "held"
+body = "clamped"
 group = "top"
 vector = [0, 0, 1]
 [[loads.point]]
-body = "held"
+body = "clamped"
 at = [0.7, 0.8, 0.35]
 vector = [1, 0, 0]
 [[loads.motion]]
-body = "held"
+body = "clamped"
 group = "foot"
 vector = [1, 1, 1]
 [[loads.motion]]
-body = "held"
+body = "clamped"
 group = "side"
 vector = [0, 1, 0]
 [[output.receiver]]
 name = "mic"
-body = "held"
+body = "clamped"
 at = [0.2, 0.9, 0.4]
 """
 
@@ -88,7 +88,7 @@ class Ranks(ProgramTest):
             self.succeed(kernel(scene, self.folder / str(ranks), f"modes={modes}", ranks=ranks))
         # A few periods of the lowest mode and of the highest mode.
         times = np.concatenate([np.linspace(0, 30, 50), np.linspace(0, 1, 50)])
-        for body in ("free", "held"):
+        for body in ("free", "clamped"):
             paths = [next((self.folder / str(ranks)).glob(f"{body}-*.kernel.h5")) for ranks in (1, 2, 3)]
             self.assertEqual(len({path.name for path in paths}), 1)
             one = displacement_kernel(paths[0], times)
@@ -105,7 +105,7 @@ class Ranks(ProgramTest):
                         if name == "loads/body_force_residual":
                             scale = max(scale, self.sag(a))
                         self.assertLess(np.abs(a[name][:] - b[name][:]).max(), 1e-8 * scale)
-        paths = [next((self.folder / str(ranks)).glob("held-*.kernel.h5")) for ranks in (1, 2, 3)]
+        paths = [next((self.folder / str(ranks)).glob("clamped-*.kernel.h5")) for ranks in (1, 2, 3)]
         one, *others = (static_responses(path) for path in paths)
         self.assertEqual(len(one), 11)
         for other in others:

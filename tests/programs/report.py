@@ -222,13 +222,13 @@ class Rods(ReportTest):
                 turn = where.attrs["rotation"].reshape(3, 3)
                 q = file[f"snapshots/{body['name']}"][:]
                 static = file[f"static/{body['name']}"]
-                with h5py.File(self.out / where.attrs["kernel"].decode()) as held:
+                with h5py.File(self.out / where.attrs["kernel"].decode()) as kernel:
                     node, shape, omega = (
-                        held["view/node"][:],
-                        held["view/shape"][:].astype(float),
-                        held["modes/angular_frequency"][:],
+                        kernel["view/node"][:],
+                        kernel["view/shape"][:].astype(float),
+                        kernel["modes/angular_frequency"][:],
                     )
-                    flexibility = held["view/residual_flexibility"][:].astype(float)
+                    flexibility = kernel["view/residual_flexibility"][:].astype(float)
                 force = np.zeros((len(q), flexibility.shape[2]))
                 force[static["snapshot"][:].astype(int), static["candidate"][:].astype(int)] = static[
                     "force"
@@ -354,9 +354,9 @@ class Others(ReportTest):
         found = self.opened(path, "static")
         self.numbers_agree(found, self.summary(out))
         self.assertRegex(found.one(id="verdict")[2], r"^The bodies press on each other with \d.* N\.$")
-        told = " ".join(found.one(id=name)[2] for name in ("motion", "contact", "energy"))
+        captions = " ".join(found.one(id=name)[2] for name in ("motion", "contact", "energy"))
         self.assertFalse(
-            [word for word in ("in these moments", "kinetic", "lost in", "first touch") if word in told]
+            [word for word in ("in these moments", "kinetic", "lost in", "first touch") if word in captions]
         )
         self.assertNotIn("errors", [e[1].get("id") for e in found.found])
         (chart,) = run["charts"]["contact"]

@@ -70,7 +70,7 @@ class Line:
 class Block:
     """Mass, stiffness, and unit normal loads on the hats of the top face. Unknowns: components, then nodes, z fastest."""
 
-    def __init__(self, sides, elements, order, density, young, poisson, held=False):
+    def __init__(self, sides, elements, order, density, young, poisson, clamped=False):
         lines = [Line(side, elements, order) for side in sides]
 
         def product(a, b):
@@ -93,7 +93,7 @@ class Block:
         loads = np.zeros((3 * count, normal.shape[1]))
         loads[2 * count :] = normal
         free = np.ones(count, bool)
-        if held:
+        if clamped:
             free[:: len(lines[2].node)] = False  # the nodes at z = 0
         free = np.flatnonzero(np.tile(free, 3))
         self.stiffness, self.loads = stiffness[np.ix_(free, free)], loads[free]

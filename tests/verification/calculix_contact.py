@@ -38,7 +38,7 @@ class Body:
     node: np.ndarray  # (n,3) m
     element: np.ndarray  # (e,10) nodes, in the order of CalculiX
     contact: np.ndarray  # (f,3) corner nodes of the facets that may touch
-    held: dict  # nodes (h) by component of the displacement, 0 to 2
+    supported: dict  # nodes (h) by component of the displacement, 0 to 2
     material: dict  # density [kg/m³], young [Pa], poisson
     velocity: list  # initial velocity [m/s]
     weight: np.ndarray  # (n) kg: the mean velocity is weight @ v / mass
@@ -127,10 +127,10 @@ def body_of(path, name, table):
             of = [gmsh.model.mesh.getElements(2, entity)[2][0] for entity in entities]
             return row[np.concatenate(of).astype(int)].reshape(-1, 6)
 
-        held = {}
+        supported = {}
         for group, axes in table["support"].items():
             for component in map("xyz".index, axes):
-                held[component] = np.union1d(held.get(component, []), facets(group)).astype(int)
+                supported[component] = np.union1d(supported.get(component, []), facets(group)).astype(int)
         contact = np.concatenate([facets(group) for group in table["contact"]])[:, :3]
         points, weights = gmsh.model.mesh.getIntegrationPoints(TETRAHEDRON_OF_GMSH, QUADRATURE)
         shape = gmsh.model.mesh.getBasisFunctions(TETRAHEDRON_OF_GMSH, points, "Lagrange")[1]
@@ -151,7 +151,7 @@ def body_of(path, name, table):
         node,
         element[:, CALCULIX_NODES],
         contact,
-        held,
+        supported,
         table["material"],
         table["velocity"],
         weight,
@@ -243,8 +243,8 @@ def deck(bodies, obstacles, contact, steps):
         text.append(f"*MATERIAL, NAME=M{name}\n*ELASTIC\n{young},{poisson}\n*DENSITY\n{density}\n")
         text.append(f"*SOLID SECTION, ELSET=E{name}, MATERIAL=M{name}\n*SURFACE, NAME=S{name}\n")
         text += (f"{elements + e + 1},{face}\n" for e, face in body.faces())
-        for component, held in body.held.items():
-            text.append(listed(f"H{component}{name}", "NSET", nodes + held + 1))
+        for component, supported in body.supported.items():
+            text.append(listed(f"H{component}{name}", "NSET", nodes + supported + 1))
             text.append(f"*BOUNDARY\nH{component}{name},{component + 1}\n")
         ends += [f"N{name},{k},{number(v)}\n" for k, v in enumerate(body.velocity, 1)]
         nodes, elements = nodes + len(body.node), elements + len(body.element)

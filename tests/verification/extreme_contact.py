@@ -94,15 +94,15 @@ def few_unknowns(bench):
                 1e-9,
                 error if len(found) == count else np.nan,
             )
-    held = ['bodies.moving.support={left="x"}', "bodies.moving.velocity=[0,0,0]"]
-    summary_of = rods(1, 1, *held)
+    supported = ['bodies.moving.support={left="x"}', "bodies.moving.velocity=[0,0,0]"]
+    summary_of = rods(1, 1, *supported)
     out = bench.fresh()
     bench.body("rods.toml", *summary_of, out=out)
     lowest = max(_omega(path)[0] for path in out.glob("*.kernel.h5"))
     yield Row("one unknown", "√3 c/L", 1e-12, relative(lowest, np.sqrt(3) / 10))
     line = bench.refusal("rods.toml", *rods(1, 3))
     yield Row("3 modes of 2 unknowns", "refused: 2 free displacements", 0, "2 free" not in line)
-    line = bench.refusal("rods.toml", *rods(1, 1, 'bodies.moving.support={left="x",right="x"}', held[1]))
+    line = bench.refusal("rods.toml", *rods(1, 1, 'bodies.moving.support={left="x",right="x"}', supported[1]))
     yield Row("no unknown", "refused, naming the support", 0, "support" not in line and "held" not in line)
     small = ["bodies.block.geometry={nx=1,ny=1,nz=1}", "bodies.block.order=1"]
     one = _omega(bench.body("block.toml", *small, "modes.count=24"))

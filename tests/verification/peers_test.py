@@ -153,14 +153,14 @@ class CalculixContactTest(unittest.TestCase):
             for body in bodies.values():
                 # Sides of order 2 deviate from the circle by the fourth power of their angle.
                 self.assertAlmostEqual(body.mass / (11.3e3 * area * quarter_disks.THICKNESS / 4), 1, 4)
-                self.assertEqual(body.node[body.held[0], 0].min(), 0)
+                self.assertEqual(body.node[body.supported[0], 0].min(), 0)
             upper, lower = bodies["upper"].node, bodies["lower"].node
             gap = disks.START if words is disks.SETTINGS else quarter_disks.GAP
             self.assertAlmostEqual(upper[:, 1].min() - lower[:, 1].max(), gap, 12)
-            held = bodies["lower"].held
-            np.testing.assert_allclose(np.hypot(*lower[held[1], :2].T), quarter_disks.RADIUS, rtol=1e-9)
-            self.assertLess(lower[held[1], 1].max(), 1e-9)
-            self.assertEqual(set(bodies["upper"].held), {0, 2})
+            supported = bodies["lower"].supported
+            np.testing.assert_allclose(np.hypot(*lower[supported[1], :2].T), quarter_disks.RADIUS, rtol=1e-9)
+            self.assertLess(lower[supported[1], 1].max(), 1e-9)
+            self.assertEqual(set(bodies["upper"].supported), {0, 2})
 
     def test_faces_and_supports(self):
         corners = self.body.node[self.body.contact]
@@ -169,7 +169,7 @@ class CalculixContactTest(unittest.TestCase):
         for (element, face), facet in zip(self.body.faces(), self.body.contact):
             self.assertLess(set(facet), set(self.body.element[element][:4]))
             self.assertRegex(face, "^S[1-4]$")
-        np.testing.assert_allclose(self.body.node[self.body.held[1]][:, 1], 0, atol=1e-12)
+        np.testing.assert_allclose(self.body.node[self.body.supported[1]][:, 1], 0, atol=1e-12)
 
     def test_middle_nodes_follow_calculix(self):
         pairs = calculix_contact.TETRAHEDRON[1]
@@ -188,8 +188,8 @@ class CalculixContactTest(unittest.TestCase):
         table = TABLE | {"support": {"side": "y", "top": "yz"}}
         body = calculix_contact.body_of(self.folder / "box.msh", "box", table)
         y, z = body.node[:, 1], body.node[:, 2]
-        self.assertEqual(set(body.held[1]), set(np.flatnonzero((y < 1e-9) | (z > 3.5 - 1e-9))))
-        self.assertEqual(set(body.held[2]), set(np.flatnonzero(z > 3.5 - 1e-9)))
+        self.assertEqual(set(body.supported[1]), set(np.flatnonzero((y < 1e-9) | (z > 3.5 - 1e-9))))
+        self.assertEqual(set(body.supported[2]), set(np.flatnonzero(z > 3.5 - 1e-9)))
 
     def test_printed_blocks(self):
         velocities = "".join(f"{n} 1.0E+00 0.0E+00 -2.0E+00\n" for n in range(1, len(self.body.node) + 1))
@@ -219,7 +219,7 @@ class CalculixContactTest(unittest.TestCase):
         obstacle = calculix_contact.HalfSpace("plane", [0, 0, 0], [0, 0, 1], 5.0)
         contact, gravity = calculix_contact.Contact("box", "plane", 1e6), [0.2, 0.0, -0.4]
         steps = calculix_contact.Steps(0.1, 0.2, gravity=gravity)
-        body = dataclasses.replace(self.body, held={})
+        body = dataclasses.replace(self.body, supported={})
         found = calculix_contact.run(self.folder / "fall", [body], [obstacle], contact, steps, Cache())
         # alpha delays the mean acceleration by a twentieth of a step at most.
         np.testing.assert_allclose(

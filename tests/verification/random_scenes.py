@@ -137,14 +137,14 @@ def held_candidates(folder):
     return max(counts)
 
 
-def reference_sets(settings, spacing, used, held):
+def reference_sets(settings, spacing, used, candidates):
     """Settings that are finer in every respect than those that were found.
 
     Accuracy may use fewer points than the elements have candidates. The elements near contact are only smaller where
     the reference, which uses all of them, would not have half the distance of the points otherwise.
     """
     found = settings["found"]
-    denser = math.sqrt(max(1, held / used))  # than the points that were used
+    denser = math.sqrt(max(1, candidates / used))  # than the points that were used
     sets = ["accuracy=off", "title=reference", f"time.rate_hz={4 * settings['rate_hz']}"]
     for name, mesh in found.get("bodies", {}).items():
         order = mesh["order"]
@@ -281,16 +281,19 @@ def run(given):
     print(f"\n{len(rows)} scenes judged; " + ", ".join(f"{n} {cause}" for cause, n in left_out.items()) + ".")
     known = [row for row in rows if row["known"]]
     claimed = [row for row in known if row["estimate"] <= row["accuracy"]]
-    held = sum(row["error"] <= 3 * row["estimate"] for row in known)
+    bounded = sum(row["error"] <= 3 * row["estimate"] for row in known)
     close = sum(row["estimate"] <= 10 * row["error"] for row in known)
     met = sum(row["error"] <= row["accuracy"] for row in claimed)
     wrong = [row for row in rows if row["error"] > max(3 * row["estimate"], row["accuracy"])]
     silent = sum(not row["warnings"] for row in wrong)
     print(
-        f"\nTrue error at most 3 estimates: {held} of {len(known)}; estimate at most 10 true errors: ", end=""
+        f"\nTrue error at most 3 estimates: {bounded} of {len(known)}; estimate at most 10 true errors: ",
+        end="",
     )
     print(
         f"{close} of {len(known)}; accuracy reported and met: {met} of {len(claimed)}; silently wrong: {silent}."
     )
-    enough = known and held >= 0.95 * len(known) and met >= 0.95 * len(claimed) and close >= 0.8 * len(known)
+    enough = (
+        known and bounded >= 0.95 * len(known) and met >= 0.95 * len(claimed) and close >= 0.8 * len(known)
+    )
     return not (enough and not silent)

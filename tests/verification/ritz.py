@@ -57,13 +57,13 @@ def multiplicities(frequencies, tolerance):
     return [len(group) for group in groups]
 
 
-def box(sides, degree, density, young, poisson, held=False):
-    """Frequencies of a box by polynomials of up to `degree` in x, y and z. If `held`, the face at the lowest z is clamped."""
+def box(sides, degree, density, young, poisson, clamped=False):
+    """Frequencies of a box by polynomials of up to `degree` in x, y and z. If `clamped`, the face at the lowest z is clamped."""
     points, weights = legendre.leggauss(degree + 3)
     tables = {}
     for axis, side in zip("xyz", sides):
         value, slope = legendre_at(degree, points)
-        if held and axis == "z":
+        if clamped and axis == "z":
             value, slope = value * (1 + points), slope * (1 + points) + value
         pair = {"0": value, axis: slope * 2 / side}
         weight = weights * side / 2
@@ -77,7 +77,7 @@ def box(sides, degree, density, young, poisson, held=False):
 
     # The factor ρ^(1/3) of each axis is also contained in the tables of derivatives, so that ∫ ρ f f = 1.
     parity = np.stack(np.meshgrid(*[np.arange(degree + 1) % 2] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
-    return frequencies(product, parity * [1, 1, int(not held)], young, poisson)
+    return frequencies(product, parity * [1, 1, int(not clamped)], young, poisson)
 
 
 def disk(radius, thickness, degree, through, density, young, poisson):

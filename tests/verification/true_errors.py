@@ -279,7 +279,7 @@ def run(given):
             "|",
             flush=True,
         )
-    held, close = sum(r <= 3 for r in ratios), sum(r >= 0.1 for r in ratios)
-    print(f"\nTrue error at most 3 estimates: {held} of {len(ratios)}; ", end="")
+    bounded, close = sum(r <= 3 for r in ratios), sum(r >= 0.1 for r in ratios)
+    print(f"\nTrue error at most 3 estimates: {bounded} of {len(ratios)}; ", end="")
     print(f"estimate at most 10 true errors: {close} of {len(ratios)}.")
-    return given.check and not (held >= 0.9 * len(ratios) and close >= 0.7 * len(ratios))
+    return given.check and not (bounded >= 0.9 * len(ratios) and close >= 0.7 * len(ratios))

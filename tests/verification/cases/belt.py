@@ -97,9 +97,9 @@ def run(bench):
     )
     bench.kernel(pushed)
     (pair,) = bench.contact(pushed).summary["pairs"]
-    held = "round-off, and the tolerance of equilibria with friction"
-    bench.compare("at rest: normal force (N)", pair["force_n"], weight, 1e-6, held)
-    bench.compare("at rest: friction (N)", pair["friction_n"], push, 1e-6, held)
+    why = "round-off, and the tolerance of equilibria with friction"
+    bench.compare("at rest: normal force (N)", pair["force_n"], weight, 1e-6, why)
+    bench.compare("at rest: friction (N)", pair["friction_n"], push, 1e-6, why)
 
     figure, ax = bench.figure()
     ax.plot(time, velocity, color=BLUE, label="on the belt")

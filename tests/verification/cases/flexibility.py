@@ -36,7 +36,7 @@ support = {{ foot = "xyz" }}
 def run(bench):
     bench.write("block.geo", GEO)
     scene = bench.write("block.toml", SCENE)
-    block = Block(SIDES, ELEMENTS, ORDER, **MATERIAL, held=True)
+    block = Block(SIDES, ELEMENTS, ORDER, **MATERIAL, clamped=True)
     exact = block.loads.T @ np.linalg.solve(block.stiffness, block.loads)
     counts, modal, whole = [10, 40, 160], [], []
     scale = np.abs(exact).max()
