@@ -8,12 +8,12 @@
 namespace ricochet::contact {
 namespace {
 
-// Columns that are eliminated together: a product with `most` of them reads them from the cache, and `least`
-// of them, or a small matrix, are too few for one.
-constexpr int most = 64, least = 8, small = 32;
+// Columns that are eliminated together: a product with `most_columns` reads them from the cache, and
+// `fewest_columns`, or a small matrix, are too few for one.
+constexpr int most_columns = 64, fewest_columns = 8, small_matrix = 32;
 
 /// About half of a block, a whole number of registers.
-int half(int columns) { return (columns + 2 * least - 1) / (2 * least) * least; }
+int half(int columns) { return (columns + 2 * fewest_columns - 1) / (2 * fewest_columns) * fewest_columns; }
 
 }  // namespace
 
@@ -57,7 +57,7 @@ void PivotedFactor::exchange_rows(int first, int last, int from, int to) noexcep
 /// Replaces the rows first … last − 1 of the columns from … to − 1 by L⁻¹ times them.
 void PivotedFactor::solve_lower(int first, int last, int from, int to) noexcept {
   auto A = matrix_.view();
-  if (last - first > least) {
+  if (last - first > fewest_columns) {
     const int middle = first + half(last - first);
     solve_lower(first, middle, from, to);
     subtract_product(first, middle, last, from, to);
@@ -81,8 +81,8 @@ void PivotedFactor::subtract_product(int first, int middle, int last, int from, 
 
 /// Factors columns first … last − 1, which hold the Schur complement, by products of blocks (Toledo 1997).
 void PivotedFactor::factor_columns(int first, int last) noexcept {
-  if (last - first <= least || size_ <= small) return factor_one_by_one(first, last);
-  const int middle = first + std::min(most, half(last - first));
+  if (last - first <= fewest_columns || size_ <= small_matrix) return factor_one_by_one(first, last);
+  const int middle = first + std::min(most_columns, half(last - first));
   factor_columns(first, middle);
   exchange_rows(first, middle, middle, last);
   solve_lower(first, middle, middle, last);
