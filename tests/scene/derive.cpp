@@ -193,6 +193,8 @@ TEST(Similar, bodies_have_the_same_loads_and_receivers_at_places_that_scale) {
   scale_sources(twice, 2);
   EXPECT_EQ(twice.receivers[0].at, (Vector3{0.2, 0, 0.6}));
   EXPECT_TRUE(similarity(had, twice));
+  scale_sources(twice, 1.5);
+  EXPECT_EQ(twice.receivers[0].at, (Vector3{0.3, 0, 0.9}));  // rounded: 1.5 · 0.2 is above 0.3
 }
 
 TEST(Derived, kernels_with_receivers_take_another_damping_and_keep_their_static_rows) {
