@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Internal to src/scene: the keys of a scene. A key is declared once, with the member of the settings that
-// holds its value. This declaration reads the key from a Table, writes it as TOML, which kernels are hashed
-// by, and gives its line in the reference.
+// The keys of a scene, and of the settings that accuracy chooses (src/accuracy/settings.cpp). A key is
+// declared once, with the member of the settings that holds its value. This declaration reads the key from a
+// Table, writes it as TOML, which kernels are hashed by, and gives its line in the reference.
 #pragma once
 
 #include <algorithm>

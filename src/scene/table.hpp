@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Internal to src/scene: checked access to a TOML table.
+// Checked access to a TOML table, by the declarations of its keys (keys.hpp).
 #pragma once
 
 #include <fmt/format.h>
