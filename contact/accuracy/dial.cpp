@@ -96,7 +96,7 @@ constexpr double negligible = 0.1;
 /// Makes the share of the modes unknown if it decides that the accuracy is met, although its changes still
 /// grow from band to band, which bounds no further change.
 void refuse_growing_changes(ErrorEstimate& estimate, double change, double accuracy) {
-  if (change > negligible * accuracy && estimate.scatter * estimate.total() <= accuracy)
+  if (change > negligible * accuracy && estimate.scatter() * estimate.total() <= accuracy)
     estimate.by_cause.at(Cause::modes).reset();
 }
 

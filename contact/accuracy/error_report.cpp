@@ -48,14 +48,15 @@ std::vector<std::string> warnings(const ErrorEstimate& estimate, double accuracy
   for (const auto& [cause, errors] : estimate.by_cause)
     if (!errors)
       unknown += (unknown.empty() ? "" : ", ") + std::string(name_of(cause)) + way_to_measure(cause);
-  if (const auto largest = largest_cause(estimate); largest && estimate.scatter * estimate.total() > accuracy)
+  if (const auto largest = largest_cause(estimate);
+      largest && estimate.scatter() * estimate.total() > accuracy)
     out.push_back(fmt::format(
         "the error of the {} is estimated at {:.2g}{}, above accuracy = {:g}; its largest share ({:.2g}) is "
         "that of the {}: use {}",
         name_of(estimate.worst()), estimate.total(),
         estimate.total() > accuracy
             ? ""
-            : fmt::format(" and, at a front, often {:g} times as large", estimate.scatter),
+            : fmt::format(" and, at a front, often {:g} times as large", estimate.scatter()),
         accuracy, *estimate.share(*largest), name_of(*largest), advice_on(*largest)));
   if (!unknown.empty()) out.push_back(fmt::format("the error estimate leaves out: {}", unknown));
   for (const Quantity figure : {Quantity::peak_force, Quantity::duration})

@@ -394,7 +394,7 @@ std::optional<Errors> Estimator::mesh(const StepOptions& options, const Quantiti
   if (!mesh_change_) return std::nullopt;
   // The ends of rods meet with a front, which excites modes that elements resolve with the first order only.
   Errors out = remaining(*mesh_change_, subject_.coarser_change, are_rods(model_) ? of_series : of_mesh);
-  for (const auto& [quantity, error] : subject_.change_near_contact) out[quantity] += error;
+  for (const auto& [quantity, error] : subject_.change_of_rest) out[quantity] += error;
   for (const auto& [quantity, error] : between.value_or(Errors{})) out[quantity] += error;
   return out;
 }
@@ -437,8 +437,7 @@ ErrorEstimate Estimator::estimate(const StepOptions& options) {
   ErrorEstimate out{.requested = subject_.requested, .by_cause = {}};
   const auto base = quantities(options);
   if (!base) return out;
-  constexpr double of_fronts = 2;
-  if (are_rods(model_) && !subject_.at_rest) out.scatter = of_fronts;
+  out.front = are_rods(model_) && !subject_.at_rest;
   out.by_cause = {{Cause::mesh, mesh(options, *base)},
                   {Cause::modes, modes(options, *base)},
                   {Cause::basis, basis(options, *base)},

@@ -20,8 +20,8 @@
 //                one point, which cannot be coarsened, or if the coarser points do not hold the bodies as
 //                before: not one point of two on an edge. d₄ is unknown if only the wider ones do not
 //   mesh         e₂(d₁, d₂) with the next coarser mesh, and the one before it. If both have the same elements
-//                near contact, e₂(d) of these besides. If the coarser one has a narrower band, the whole
-//                change by the modes between the two besides
+//                near contact, or elsewhere, e₂(d) of these besides. If the coarser one has a narrower band,
+//                the whole change by the modes between the two besides
 //   eigensolver  |r − r with frequencies changed by A times their errors| / A,  A · largest error = 1e-3
 //   precision    |r − r in single precision|; in double precision 2⁻²⁹ of it, the ratio of the round-offs
 //   zone         1 if a point whose initial gap is near the reach was pressed, as points beyond may touch too
@@ -64,8 +64,8 @@ struct Subject {
   std::function<Model()> coarser_mesh{};
   Hertz coarser_band{std::numeric_limits<double>::infinity()};  ///< band of coarser_mesh
   std::optional<Errors> coarser_change{};  ///< change from coarser_mesh to an even coarser one
-  /// The last change by a refinement near contact, if coarser_mesh has the same elements there.
-  Errors change_near_contact{};
+  /// The last change by a refinement of the elements that coarser_mesh shares.
+  Errors change_of_rest{};
   double low_rank = 0;  ///< threshold of the low-rank factors with which a contact-adapted basis was solved
   bool at_rest = false;
   double duration = 0;  ///< [s]; unused at rest

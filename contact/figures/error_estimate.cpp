@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <set>
 
 namespace ricochet::contact {
@@ -31,11 +32,17 @@ constexpr std::array<Text, 8> texts{{
 
 }  // namespace
 
-double ErrorEstimate::total(Quantity quantity) const {
+double ErrorEstimate::combined(const std::vector<double>& shares) const {
   double sum = 0;
+  for (const double share : shares) sum += front ? share : share * share;
+  return front ? sum : std::sqrt(sum);
+}
+
+double ErrorEstimate::total(Quantity quantity) const {
+  std::vector<double> shares;
   for (const auto& [cause, errors] : by_cause)
-    if (errors) sum += error_of(*errors, quantity);
-  return sum;
+    if (errors) shares.push_back(error_of(*errors, quantity));
+  return combined(shares);
 }
 
 Quantity ErrorEstimate::worst() const {
@@ -43,7 +50,7 @@ Quantity ErrorEstimate::worst() const {
 }
 
 bool ErrorEstimate::meets(double accuracy) const {
-  return scatter * total() <= accuracy &&
+  return scatter() * total() <= accuracy &&
          std::ranges::all_of(by_cause, [](const auto& of) { return of.second.has_value(); });
 }
 

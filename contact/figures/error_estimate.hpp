@@ -24,17 +24,21 @@ enum class Cause {
 struct ErrorEstimate {
   std::vector<Quantity> requested;                  ///< not empty
   std::map<Cause, std::optional<Errors>> by_cause;  ///< no value if unknown
-  /// Factor by which the error often exceeds its estimate: 2 for rods, whose ends meet with a front, since
-  /// the changes of truncated fronts fluctuate by as much.
-  double scatter = 1;
+  /// Whether the bodies meet with a front, as the ends of rods do.
+  bool front = false;
 
-  /// The error of a quantity: the sum over the causes that are known.
+  /// The error of several causes together. Their signs are unrelated, so that squares add up; but all of them
+  /// blur a front, so that there the errors themselves do.
+  double combined(const std::vector<double>& shares) const;
+  /// Factor by which the error often exceeds its estimate, because changes of truncated fronts fluctuate.
+  double scatter() const { return front ? 2 : 1; }
+  /// The error of a quantity by the causes that are known.
   double total(Quantity quantity) const;
   /// The requested quantity with the largest error.
   Quantity worst() const;
   /// The largest error of the requested quantities.
   double total() const { return total(worst()); }
-  /// Whether the error is probably below an accuracy: all shares are known, and `scatter` times total() is
+  /// Whether the error is probably below an accuracy: all shares are known, and scatter() times total() is
   /// below it.
   bool meets(double accuracy) const;
   /// The share of a cause in total(); no value if unknown.

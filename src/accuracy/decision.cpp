@@ -80,33 +80,23 @@ struct Growth {
   double factor = 1, near_contact = 0;
 };
 
-Growth growth_of(const MeshSettings& was, const MeshSettings& is, int dimension) {
+Growth growth_of(const MeshSettings& was, const MeshSettings& is, const BodySize& size) {
   const double finer = is.order * was.size_factor / (was.order * is.size_factor);  // along each axis
-  return {std::pow(finer, dimension), is.refine == was.refine ? 0 : unknowns_in(is.refine, is.order)};
+  const auto near_contact = [&](const auto& balls) { return unknowns_in(balls, is.order, size.width); };
+  return {std::pow(finer, size.dimension), std::max(0.0, near_contact(is.refine) - near_contact(was.refine))};
 }
 
 /// The sizes that settings lead to, from those of the round. Unknowns of a solid grow with the cube of order
 /// / size, and its modes with that of the band. Ritz vectors grow with the band and with the candidates,
-/// which are nodes of a surface. Elements grow gradually around those near contact, by as many as the last
-/// round had more than predicted.
-std::vector<BodySize> predicted(std::vector<BodySize> sizes, const Settings& round,
+/// which are nodes of a surface.
+std::vector<BodySize> predicted(std::vector<BodySize> sizes, const KernelSettings& before,
                                 const KernelSettings& after) {
-  constexpr double most_gradual = 8;
-  const KernelSettings& before = round.found;
   const double wider = after.up_to.value / before.up_to.value;
   const bool adapted = after.basis == scene::Basis::contact;
   for (BodySize& size : sizes) {
     Growth growth;
     const auto was = before.mesh.find(size.body), is = after.mesh.find(size.body);
-    if (was != before.mesh.end() && is != after.mesh.end())
-      growth = growth_of(was->second, is->second, size.dimension);
-    if (round.coarser && was != before.mesh.end() && growth.near_contact > 0)
-      if (const auto first = round.coarser->mesh.find(size.body); first != round.coarser->mesh.end()) {
-        const Growth last = growth_of(first->second, was->second, size.dimension);
-        if (last.near_contact > 0)
-          growth.near_contact *= std::clamp(
-              (size.unknowns - last.factor * size.coarser_unknowns) / last.near_contact, 1.0, most_gradual);
-      }
+    if (was != before.mesh.end() && is != after.mesh.end()) growth = growth_of(was->second, is->second, size);
     size.unknowns = size.unknowns * growth.factor + growth.near_contact;
     size.modes = std::min(size.modes * std::pow(wider, size.dimension), size.unknowns);
     size.vectors = adapted ? std::min(size.vectors * wider * std::pow(growth.factor, 2.0 / 3), size.unknowns)
@@ -143,23 +133,36 @@ std::string excess(const std::vector<BodySize>& sizes, double candidates) {
       largest.unknowns, largest.body);
 }
 
+/// The settings with which those of the next round are compared to estimate the error of its mesh. A body
+/// whose order rises gets the smaller elements near contact at its former order too, because without them
+/// most of the change would be their effect. A body without finer elements keeps its coarser ones, or its
+/// share would be lost.
+KernelSettings coarser_than(const Settings& last, const KernelSettings& next) {
+  KernelSettings out = last.found;
+  for (auto& [body, mesh] : out.mesh) {
+    const MeshSettings& finer = next.mesh.at(body);
+    if (mesh.order < finer.order && mesh.refine != finer.refine) {
+      mesh.refine = finer.refine;
+      out.zone = next.zone;
+    } else if (mesh == finer && last.coarser && last.coarser->mesh.contains(body)) {
+      mesh = last.coarser->mesh.at(body);
+    }
+  }
+  return out;
+}
+
 /// Settings of the next round, with those of the last ones that the estimate of its mesh needs. Two levels of
 /// the mesh have the same band and basis, so that they differ only in the mesh. Changes that follow each
 /// other show a pace only if they are of the same elements.
 Settings following(const Settings& last, Settings next, const contact::Dialled& round) {
-  const MeshChange now = change_between(last.found, next.found);
-  if (now != MeshChange{}) {
-    KernelSettings coarser = last.found;
-    // A body without finer elements keeps its coarser ones, or its share would be lost.
-    if (last.coarser)
-      for (auto& [body, mesh] : coarser.mesh)
-        if (next.found.mesh.at(body) == mesh && last.coarser->mesh.contains(body))
-          mesh = last.coarser->mesh.at(body);
+  if (change_between(last.found, next.found) != MeshChange{}) {
+    KernelSettings coarser = coarser_than(last, next.found);
+    const MeshChange now = change_between(coarser, next.found);
     const contact::Errors change = round.mesh_change.value_or(contact::Errors{});
-    if (now.near_contact)
-      next.change_near_contact.clear();
-    else if (last_change(last) == only_near_contact)
-      next.change_near_contact = change;
+    if (now.near_contact && now.elsewhere)
+      next.change_of_rest.clear();
+    else if (now != last_change(last))
+      next.change_of_rest = change;
     next.coarser_change = now == last_change(last) ? change : contact::Errors{};
     next.coarser = std::move(coarser);
   }
@@ -167,7 +170,8 @@ Settings following(const Settings& last, Settings next, const contact::Dialled& 
     // A few candidates suffice for Ritz vectors on the coarser mesh, as they do for those of the round.
     if (next.coarser->basis != next.found.basis && next.found.basis == scene::Basis::contact &&
         round.quantities && !round.quantities->pressed.empty())
-      if (const auto zone = zone_of(round.model, *round.quantities)) next.coarser->zone = zone;
+      if (const auto zone = zone_of(round.model, *round.quantities))
+        next.coarser->zone = std::min(*zone, next.coarser->zone.value_or(*zone));
     next.coarser->basis = next.found.basis;
     next.coarser->up_to = next.found.up_to;
     next.coarser->flexibility_error = next.found.flexibility_error;
@@ -205,7 +209,7 @@ std::optional<FinerNearContact> finer_near_contact(const scene::Scene& scene, co
   if (finer == settings.found ||
       expected_candidates(round.model, finer, zone_near_contact(*round.quantities)) > most_candidates)
     return std::nullopt;
-  const std::vector<BodySize> then = predicted(sizes, settings, finer);
+  const std::vector<BodySize> then = predicted(sizes, settings.found, finer);
   if (!excess(then, expected_candidates(round.model, finer,
                                         zone_with_finer_elements(round.model, *round.quantities)))
            .empty())
@@ -331,19 +335,21 @@ class Table {
     return row;
   }
 
-  /// Elements near contact reduce the share of the spacing and, unless they were the last to be refined, most
-  /// of that of the mesh. Where they cannot be refined alone, finer elements everywhere also have more
-  /// candidates, unless the scene gives their spacing.
+  /// The first smaller elements near contact reduce the share of the spacing and most of that of the mesh.
+  /// Where they cannot be refined alone, finer elements everywhere also have more candidates, unless the
+  /// scene gives their spacing.
   void share_elements(std::vector<Row>& rows) const {
     const auto mesh = std::ranges::find(rows, Cause::mesh, &Row::cause),
                spacing = std::ranges::find(rows, Cause::spacing, &Row::cause);
     if (mesh == rows.end() || spacing == rows.end()) return;
-    const auto give = [](Row& from, Row& to) {
-      to.share += std::exchange(from.share, 0);
+    const auto give = [this](Row& from, Row& to) {
+      to.share = round_.estimate->combined({to.share, std::exchange(from.share, 0)});
       to.unknown |= from.unknown;
       from.refined = nullptr;
     };
-    if (local_ && last_change(settings_) != only_near_contact && !mesh->unknown)
+    const bool first = std::ranges::all_of(settings_.found.mesh,
+                                           [](const auto& of_body) { return of_body.second.refine.empty(); });
+    if (local_ && first && !mesh->unknown)
       give(*mesh, *spacing);
     else if (!local_ && finer_ && !gives_spacing(scene_))
       give(*spacing, *mesh);
@@ -432,7 +438,7 @@ bool refines_for_few(const Table& table, const Settings& settings, const contact
 
 Decision after_pilot(const scene::Scene& scene, const Table& table, const Settings& settings,
                      const contact::Dialled& round, const std::vector<BodySize>& sizes) {
-  const double accuracy = *scene.accuracy / round.estimate->scatter;
+  const double accuracy = *scene.accuracy / round.estimate->scatter();
   Settings next = settings;
   if (scene.contact.scheme != Scheme::at_rest) next.found.zone = zone_of(round.model, *round.quantities);
   if (is_open(scene)) {
@@ -457,7 +463,7 @@ Decision decide(const scene::Scene& scene, const Settings& settings, const conta
   if (!round.estimate) return after_no_touch(table, settings, round);
   if (!settings.coarser && table.has_finer()) return after_pilot(scene, table, settings, round, sizes);
 
-  const double accuracy = *scene.accuracy / round.estimate->scatter;
+  const double accuracy = *scene.accuracy / round.estimate->scatter();
   std::vector<Row> rows = table.rows();
   Settings next = settings;
   if (round.quantities && refines_for_few(table, settings, round))
@@ -465,18 +471,23 @@ Decision decide(const scene::Scene& scene, const Settings& settings, const conta
       spacing->unknown = true;
       ++next.for_few_candidates;
     }
-  double total = round.estimate->total();
   const bool measured = std::ranges::none_of(rows, &Row::unknown);
-  if (total <= accuracy && measured) return {{}, ""};
+  if (round.estimate->total() <= accuracy && measured) return {{}, ""};
 
   // What cannot be reduced may exceed the accuracy. The rest is then refined only until it matters less.
-  double fixed = 0;
-  for (const Row& row : rows) fixed += row.refined ? 0 : row.share;
-  const auto wanted = [&] { return std::max(accuracy, 2 * fixed); };
+  std::vector<double> left, fixed;  // shares
+  for (const Row& row : rows) {
+    left.push_back(row.share);
+    fixed.push_back(row.refined ? 0 : row.share);
+  }
+  const auto above_wanted = [&] {
+    return round.estimate->combined(left) - std::max(accuracy, 2 * round.estimate->combined(fixed));
+  };
   std::set<Cause> chosen;
   const auto choose = [&](Row& row) {
     Settings refined = row.refined(next);
-    const bool wider = row.cause == Cause::modes && !is_resolved(predicted(sizes, settings, refined.found));
+    const bool wider =
+        row.cause == Cause::modes && !is_resolved(predicted(sizes, settings.found, refined.found));
     if (wider && !table.has_finer()) {
       row.obstacle =
           "its elements have no modes in a wider band, and they are the finest that accuracy chooses";
@@ -484,21 +495,22 @@ Decision decide(const scene::Scene& scene, const Settings& settings, const conta
     }
     if (wider) refined = table.with_finer_mesh(std::move(refined));
     row.obstacle =
-        excess(predicted(sizes, settings, refined.found), candidates_of(round.model, refined.found));
+        excess(predicted(sizes, settings.found, refined.found), candidates_of(round.model, refined.found));
     if (!row.obstacle.empty()) return false;
     if (change_between(next.found, refined.found).elsewhere) chosen.insert(Cause::mesh);
     next = std::move(refined);
     chosen.insert(row.cause);
     return true;
   };
-  for (Row& row : rows) {
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    Row& row = rows[k];
     if (!row.refined) continue;
-    const bool matters = total > wanted() && row.share > worth_while * (total - wanted());
+    const bool matters = above_wanted() > 0 && row.share > worth_while * above_wanted();
     if (!row.unknown && !matters) continue;
     if (choose(row))
-      total -= (1 - expected) * row.share;
+      left[k] *= expected;
     else
-      fixed += row.share;
+      fixed[k] = row.share;
   }
   if (chosen.contains(Cause::mesh) || chosen.contains(Cause::spacing))  // new kernels anyway
     for (Row& row : rows)

@@ -22,6 +22,7 @@ struct BodySize {
   double unknowns = 0;
   double coarser_unknowns = 0;  ///< on the next coarser mesh; 0: unknown
   int dimension = 3;            ///< 1: a rod
+  double width = 0;             ///< smallest side of a box with the same inertia [m]
 };
 
 struct Decision {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "src/scene/scene.hpp"
 
@@ -29,7 +30,7 @@ double rounded(double value, double unit) { return unit * std::round(value / uni
 
 double two_digits(double value) { return rounded(value, std::pow(10.0, std::floor(std::log10(value)) - 1)); }
 
-double distance(const std::array<double, 3>& a, const std::array<double, 3>& b) {
+double apart(const std::array<double, 3>& a, const std::array<double, 3>& b) {
   return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
@@ -70,7 +71,7 @@ std::map<std::string, std::vector<scene::FineBall>> balls_near_contact(
         scene::FineBall ball{.radius = spread * next, .size = order * next / denser};
         for (int k = 0; k < 3; ++k) ball.at[static_cast<std::size_t>(k)] = rounded(at[k], next / 100);
         const auto contains = [&](const scene::FineBall& other) {
-          return distance(ball.at, other.at) + next <= 1.1 * other.radius && other.size <= 1.1 * ball.size;
+          return apart(ball.at, other.at) + next <= 1.1 * other.radius && other.size <= 1.1 * ball.size;
         };
         for (const scene::Body& other : scene.bodies) {
           if (!other.refine_open || !same_geometry(other, placed)) continue;
@@ -85,14 +86,22 @@ std::map<std::string, std::vector<scene::FineBall>> balls_near_contact(
 
 double times_denser(int pressed) { return pressed < few ? 4 : 2; }
 
-double unknowns_in(const std::vector<scene::FineBall>& balls, int order) {
-  // A regular tetrahedron has the volume size³/8.5 and, as one of many, order³/6 nodes. Half of a ball lies
-  // outside the body, balls overlap, and elements grow slowly around them: about three times radius³ remain
-  // for each.
-  double count = 0;
-  for (const scene::FineBall& ball : balls)
-    count += 3 * 8.5 * (order * order * order / 6.0) * 3 * std::pow(ball.radius / ball.size, 3);
-  return count;
+double unknowns_in(const std::vector<scene::FineBall>& balls, int order, double distance) {
+  // Half of each sphere lies in the body. Spheres around several balls are shared among those that they
+  // contain.
+  double per_cube = 0;
+  for (const scene::FineBall& ball : balls) {
+    double thickness = 0;
+    for (double from = 0; from < ball.radius + distance; from += thickness) {
+      thickness = ball.size_at(from) / 4;
+      const double radius = from + thickness / 2;
+      const auto contains = [&](const scene::FineBall& other) { return apart(ball.at, other.at) <= radius; };
+      per_cube += 2 * std::numbers::pi * radius * radius * thickness / std::pow(ball.size_at(radius), 3) /
+                  static_cast<double>(std::ranges::count_if(balls, contains));
+    }
+  }
+  // A regular tetrahedron has the volume size³/8.5 and, as one of many, order³/6 nodes.
+  return 3 * 8.5 * (order * order * order / 6.0) * per_cube;
 }
 
 }  // namespace ricochet::accuracy

@@ -23,7 +23,8 @@ std::map<std::string, std::vector<scene::FineBall>> balls_near_contact(
 /// Factor by which the distance of candidates falls in these balls, for a number of pressed points of a pair.
 double times_denser(int pressed);
 
-/// Estimates the unknowns that tetrahedra of an order have in and near these balls.
-double unknowns_in(const std::vector<scene::FineBall>& balls, int order);
+/// Estimates the unknowns that tetrahedra of an order have in and around these balls, with sizes that grow up
+/// to a distance [m] from each of them.
+double unknowns_in(const std::vector<scene::FineBall>& balls, int order, double distance);
 
 }  // namespace ricochet::accuracy

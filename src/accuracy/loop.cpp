@@ -73,6 +73,13 @@ double modes_in_band(const scene::Scene& scene, std::size_t k, const kernels::Ke
   return std::max(found, kernels::expected_count(kernel.mass, kernel.inertia, fastest)(omega * omega));
 }
 
+/// Smallest side of a box with the inertia of a body [m].
+double width_of(const kernels::Kernel& kernel) {
+  const Eigen::Map<const Eigen::Matrix3d> inertia(kernel.inertia.data());
+  const Eigen::Matrix3d second = inertia.trace() / 2 * Eigen::Matrix3d::Identity() - inertia;  // ∫ ρ x xᵀ dV
+  return std::sqrt(12 * std::max(0.0, second.selfadjointView<Eigen::Lower>().eigenvalues()[0]) / kernel.mass);
+}
+
 /// Runs the impact with the kernels of one round, on one rank.
 RoundImpact impact_of(const scene::Scene& scene, const Settings& settings, const fs::path& folder) {
   const scene::Scene closed = with_settings(scene, settings.found);
@@ -91,7 +98,8 @@ RoundImpact impact_of(const scene::Scene& scene, const Settings& settings, const
                      .vectors = static_cast<double>(kernels.kernel[k]->modes.size()),
                      .unknowns = static_cast<double>(kernels.kernel[k]->dofs),
                      .coarser_unknowns = coarser ? static_cast<double>(coarser->kernels[k]->dofs) : 0,
-                     .dimension = kernels.kernel[k]->surface.corners() == 1 ? 1 : 3});
+                     .dimension = kernels.kernel[k]->surface.corners() == 1 ? 1 : 3,
+                     .width = width_of(*kernels.kernel[k])});
   contact::Dialled dialled = dial_of(closed, kernels, prepared, std::move(model), coarser, settings.rate, {});
   return {std::move(kernels), std::move(dialled), std::move(sizes)};
 }

@@ -37,8 +37,6 @@ struct MeshChange {
   bool operator==(const MeshChange&) const = default;
 };
 
-inline constexpr MeshChange only_near_contact{true, false};
-
 MeshChange change_between(const KernelSettings& coarser, const KernelSettings& finer);
 
 /// The last change of the elements.

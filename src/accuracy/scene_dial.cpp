@@ -111,7 +111,7 @@ contact::Dialled dial_of(const scene::Scene& scene, const store::Kernels& kernel
     const Settings& settings = coarser->settings;
     if (scene.modes.up_to) subject.coarser_band = settings.coarser->up_to;
     if (!settings.coarser_change.empty()) subject.coarser_change = settings.coarser_change;
-    subject.change_near_contact = settings.change_near_contact;
+    subject.change_of_rest = settings.change_of_rest;
   }
   return store::in_file(scene.file, [&] {
     return contact::dial(subject, std::move(model),

@@ -84,7 +84,7 @@ const SectionOf<Settings> settings_keys{"the settings",
                                          {"found", Type::table},
                                          {"coarser", Type::table},
                                          {"coarser_change", Type::table},
-                                         {"change_near_contact", Type::table}}};
+                                         {"change_of_rest", Type::table}}};
 
 std::string toml_of(const KernelSettings& settings, const std::string& table) {
   std::string text = fmt::format("\n[{}]\n{}", table, kernel_keys.write(settings));
@@ -118,8 +118,8 @@ std::string to_toml(const Settings& settings) {
   };
   add_changes("\n# Relative change from there to an even coarser mesh.\n[coarser_change]\n",
               settings.coarser_change);
-  add_changes("\n# Relative change from the last refinement near contact.\n[change_near_contact]\n",
-              settings.change_near_contact);
+  add_changes("\n# Last relative change from the elements that both meshes share.\n[change_of_rest]\n",
+              settings.change_of_rest);
   return text;
 }
 
@@ -147,11 +147,11 @@ std::optional<Settings> parse_settings(const std::string& text) try {
   settings_keys.read(root, settings);
   auto found = kernel_settings_of(root, "found");
   auto coarser_change = changes_of(parsed, "coarser_change"),
-       change_near_contact = changes_of(parsed, "change_near_contact");
-  if (!found || !coarser_change || !change_near_contact) return std::nullopt;
+       change_of_rest = changes_of(parsed, "change_of_rest");
+  if (!found || !coarser_change || !change_of_rest) return std::nullopt;
   settings.found = std::move(*found);
   settings.coarser_change = std::move(*coarser_change);
-  settings.change_near_contact = std::move(*change_near_contact);
+  settings.change_of_rest = std::move(*change_of_rest);
   settings.coarser = kernel_settings_of(root, "coarser");
   return settings;
 } catch (const toml::parse_error&) {

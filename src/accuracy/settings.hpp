@@ -42,9 +42,9 @@ struct Settings {
   /// quantity from there to an even coarser one. No value if the mesh cannot be coarser.
   std::optional<KernelSettings> coarser;
   std::map<Quantity, double> coarser_change;  ///< empty if unknown
-  /// The last relative change from elements near contact, if those everywhere were refined since; otherwise
-  /// empty.
-  std::map<Quantity, double> change_near_contact{};
+  /// If the coarser mesh has the same elements near contact, or the same ones elsewhere: the last relative
+  /// change from these; otherwise empty.
+  std::map<Quantity, double> change_of_rest{};
   Hertz rate{0};  ///< rate of contact steps; 0 at rest
   /// How often elements near contact became smaller only because few candidates were pressed.
   int for_few_candidates = 0;

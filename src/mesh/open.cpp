@@ -231,9 +231,6 @@ void open_file(const scene::Body& body) {
     gmsh::open(Parameters(body).path());
 }
 
-/// Growth of element sizes per distance from a refined ball.
-constexpr double growth = 0.4;
-
 /// Asks gmsh for the small elements of a body while this object lives.
 class LocalSizes {
  public:
@@ -248,7 +245,7 @@ class LocalSizes {
           for (const scene::FineBall& ball : balls) {
             const double away =
                 std::hypot(scale * x - ball.at[0], scale * y - ball.at[1], scale * z - ball.at[2]);
-            size = std::min(size, ball.size + growth * std::max(0.0, away - ball.radius));
+            size = std::min(size, ball.size_at(away));
           }
           return std::min({size / (scale * factor), otherwise...});
         });

@@ -56,7 +56,7 @@ Settings some_settings() {
   return {.found = found,
           .coarser = coarser,
           .coarser_change = {{Quantity::impulse, 1e-3}, {Quantity::peak_force, 0.1}},
-          .change_near_contact = {{Quantity::rebound, 2e-3}},
+          .change_of_rest = {{Quantity::rebound, 2e-3}},
           .rate = Hertz{1e5}};
 }
 
@@ -110,11 +110,11 @@ TEST(Settings, survive_text_with_every_member_whatever_its_value) {
   };
   for (int k = 0; k < 200; ++k) {
     Settings settings;
-    auto& [found, coarser, coarser_change, change_near_contact, rate, for_few_candidates] = settings;
+    auto& [found, coarser, coarser_change, change_of_rest, rate, for_few_candidates] = settings;
     draw_kernels(found);
     if (flip()) draw_kernels(coarser.emplace());
     draw_changes(coarser_change);
-    draw_changes(change_near_contact);
+    draw_changes(change_of_rest);
     rate = Hertz{draw()};
     for_few_candidates = static_cast<int>(random() % 5);
     ASSERT_EQ(parse_settings(to_toml(settings)), settings) << to_toml(settings);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <map>
@@ -24,11 +25,14 @@ struct Material {
 
 using Damping = kernels::Damping;
 
-/// Small elements in a ball.
+/// Small elements in a ball, which grow around it.
 struct FineBall {
-  Vector3 at{};       ///< [m], in the frame of the body
-  double radius = 0;  ///< [m]
-  double size = 0;    ///< longest edge of elements within the radius [m]
+  static constexpr double growth = 0.4;  ///< of their size per distance from the ball
+  Vector3 at{};                          ///< [m], in the frame of the body
+  double radius = 0;                     ///< [m]
+  double size = 0;                       ///< longest edge of elements within the radius [m]
+  /// Longest edge of elements at a distance from the centre [m].
+  double size_at(double distance) const { return size + growth * std::max(0.0, distance - radius); }
   bool operator==(const FineBall&) const = default;
 };
 
