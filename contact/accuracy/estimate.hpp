@@ -5,7 +5,8 @@
 // Notation: r is a quantity, |·| its relative distance, and Δ the step. Each quantity has its own error:
 //
 //   step         d + e(d, |r(Δ) − r(2Δ)|) with d = |r(Δ) − r(Δ/2)|; 2 d for the impulse scheme, which is of
-//                first order and may be unstable at 2Δ
+//                first order and may be unstable at 2Δ. e₁ instead of e if Δ does not sample all modes:
+//                shorter steps then also extend the series of modes
 //   modes        e₁(d₂, d₄) with d₂ = |r − r of the modes up to half of the band|, or up to three quarters
 //                of it if that changes more, and d₄ the change if the band is halved once more. e_a instead
 //                if these changes grow, or if the upper half of the band has fewer than two modes that the

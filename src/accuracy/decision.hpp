@@ -40,8 +40,8 @@ Decision decide(const scene::Scene& scene, const Settings& settings, const conta
                 const std::vector<BodySize>& sizes);
 
 /// Largest sum of (modes + candidates) × unknowns over the bodies that a refinement may lead to, since each
-/// candidate has a static correction. On two cores, kernels of this size take about half a minute.
-inline constexpr double most_work = 6e7;
+/// candidate has a static correction. On two cores, kernels of this size take about a minute.
+inline constexpr double most_work = 1.2e8;
 
 /// Largest number of unknowns of a body that a refinement may lead to. The factors of a solid of this size
 /// take about 3 GB.

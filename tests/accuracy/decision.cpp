@@ -108,7 +108,7 @@ TEST(Decision, refines_nothing_that_matters_less_than_what_is_given) {
   EXPECT_TRUE(coarse.next);
 }
 
-// Twice the band of a solid has eight times the modes: 8 · 300 modes of 24 000 unknowns are affordable, and
+// Twice the band of a solid has eight times the modes: 8 · 300 modes of 48 000 unknowns are affordable, and
 // 8 · 320 are not.
 TEST(Decision, starts_no_round_that_is_too_much_work) {
   const scene::Scene scene = open_scene();
@@ -116,24 +116,24 @@ TEST(Decision, starts_no_round_that_is_too_much_work) {
   const auto modes_of = [&](double modes) {
     accuracy::Settings settings = second_round(scene);
     settings.found.basis = scene::Basis::modes;
-    return decide(scene, settings, round, body_of(modes, 24000, 5e3));
+    return decide(scene, settings, round, body_of(modes, 48000, 1e4));
   };
   EXPECT_TRUE(modes_of(300).next);
   const Decision found = modes_of(320);
   EXPECT_FALSE(found.next);
   EXPECT_THAT(found.reason, HasSubstr("modes contributes 0.1: the next round would compute about 3e+03 modes "
-                                      "of 2e+04 unknowns of \"part\""));
+                                      "of 5e+04 unknowns of \"part\""));
 }
 
 // From order 3 to 4, a solid has (4/3)³ times the unknowns, and its surface (4/3)² times the candidates: 1156
-// Ritz vectors of 47 407 unknowns are affordable, and 1333 are not.
+// Ritz vectors of 94 815 unknowns are affordable, and 1333 are not.
 TEST(Decision, counts_the_vectors_of_new_candidates_as_work) {
   const scene::Scene scene = open_scene();
   accuracy::Settings settings = second_round(scene);
   settings.found.basis = scene::Basis::contact;
   const auto round = round_with({{Cause::mesh, 0.1}});
-  EXPECT_TRUE(decide(scene, settings, round, body_of(650, 2e4, 1e4)).next);
-  EXPECT_FALSE(decide(scene, settings, round, body_of(750, 2e4, 1e4)).next);
+  EXPECT_TRUE(decide(scene, settings, round, body_of(650, 4e4, 2e4)).next);
+  EXPECT_FALSE(decide(scene, settings, round, body_of(750, 4e4, 2e4)).next);
 }
 
 // 8 · 500 modes are more than half of 3000 unknowns, and 8 · 180 are not.
