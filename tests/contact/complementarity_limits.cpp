@@ -170,35 +170,4 @@ TEST(LimitedSolve, goes_on_where_it_was_stopped_and_ends_at_the_solution) {
   }
 }
 
-// The count of unsuccessful block pivots persists between calls;
-// otherwise a small budget would cycle forever.
-TEST(LimitedSolve, ends_for_matrices_on_which_block_pivoting_cycles) {
-  Random random(4);
-  std::uniform_int_distribution<int> small(-2, 2);
-  for (int trial = 0; trial < 2000; ++trial) {
-    const Index n = 3 + trial % 10;
-    const MatrixXd B = MatrixXd::NullaryExpr(n, n / 2, [&] { return small(random); }), S = B * B.transpose();
-    const VectorXd r = B * VectorXd::NullaryExpr(n / 2, [&] { return small(random); });
-    VectorXd lambda(n);
-    for (const int most : {1, 2, 3}) {
-      ComplementaritySolver solver(static_cast<int>(n), {.max_pivots = most});
-      SolveStatus status = SolveStatus::limited;
-      for (int call = 0; call < 500 && status == SolveStatus::limited; ++call)
-        status = solver.solve(S, r, lambda);
-      ASSERT_EQ(status, SolveStatus::solved) << "S\n" << S << "\nr " << r.transpose();
-      ASSERT_LE(violation(S, r, lambda), 1e-12);
-    }
-  }
-}
-
-TEST(LimitedSolve, is_never_met_without_a_limit) {
-  Random random(5);
-  ComplementaritySolver solver(50, {.same_matrix = true});
-  const MatrixXd S = with_condition(random, 50, 1e6);
-  VectorXd lambda(50);
-  for (int trial = 0; trial < 200; ++trial)
-    ASSERT_EQ(solver.solve(S, normal_vector(random, 50), lambda), SolveStatus::solved);
-  EXPECT_EQ(solver.statistics().limited, 0);
-}
-
 }  // namespace complementarity_limits_test

@@ -132,32 +132,7 @@ TEST(FrictionEquilibrium, that_needs_more_friction_is_refused_with_the_force_tha
 }
 
 // Round-off of sums over contact points must not refuse a body, and a load that nothing carries must not pass
-// as round-off: the limits are 1e-11 of the weight without friction and 1e-9 with it. A load between is
-// refused in one line as well: it is no failure of the solver.
-TEST(FrictionEquilibrium, that_nothing_holds_is_told_from_round_off) {
-  const Kernel kernel = block();
-  const auto smooth = [&](double angle) {
-    return find_equilibrium(build_model({{"block", &kernel}}, {{"floor", {0, 0, -height}, Vector3d::UnitZ()}},
-                                        {{"block", "floor", {}, {}, {}}},
-                                        gravity * Vector3d(std::sin(angle), 0, -std::cos(angle))));
-  };
-  EXPECT_NO_THROW(smooth(1e-12));
-  for (const double tilt : {1e-10, 1e-9, 1e-8, 1e-7})
-    EXPECT_THAT(complaint_of([&] { smooth(tilt); }),
-                StartsWith("bodies.block: no contact forces hold it at rest"))
-        << tilt;
-  const double angle = 0.3;
-  const auto rough = [&](double more) {
-    return find_equilibrium(on_incline(kernel, angle + more, std::tan(angle)));
-  };
-  EXPECT_NO_THROW(rough(1e-10));
-  for (const double more : {1e-8, 1e-7, 1e-6})
-    EXPECT_THAT(complaint_of([&] { rough(more); }),
-                StartsWith("bodies.block: no contact forces hold it at rest"))
-        << more;
-}
-
-// Whatever lies between "at rest" and "refused": no load ends as a failure of the solver.
+// as round-off. Whatever lies between: no load ends as a failure of the solver.
 TEST(FrictionEquilibrium, is_found_or_refused_at_every_distance_from_what_can_be_held) {
   const Kernel kernel = block();
   for (double more = 1e-13; more < 1e-6; more *= 1.7) {
@@ -175,6 +150,8 @@ TEST(FrictionEquilibrium, is_found_or_refused_at_every_distance_from_what_can_be
       }
     if (more < 5e-12) {
       EXPECT_EQ(refusals, 0) << more;
+    } else if (more > 1e-10 && more < 5e-10) {  // 1e-11 of the weight without friction, 1e-9 with it
+      EXPECT_EQ(refusals, 1) << more;
     } else if (more > 1e-8) {
       EXPECT_EQ(refusals, 2) << more;
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Tables in closed form for the rods of tests/contact/rods.cpp, separated by a gap: ρ = A = E = 1, L = 10,
+// Tables in closed form for two rods, separated by a gap: ρ = A = E = 1, L = 10,
 // Z = 1, v = 1.
 #pragma once
 

@@ -45,25 +45,6 @@ double mean(const std::vector<double>& values, double from, double to) {
   return std::accumulate(at(from), at(to), 0.0) / (100 * (to - from));
 }
 
-// D'Alembert's solution: the force is ρcAv = 1 until the wave returns at t = 2L/c = 20; its front reverses
-// the far end at t = 10. 1 %: error of 100 modes and 2000 steps.
-TEST(Simulation, of_a_rod_that_meets_a_wall_is_the_wave_solution) {
-  Simulation simulation(rod_at_wall());
-  ASSERT_EQ(simulation.points().size(), 1);
-  EXPECT_EQ(simulation.points()[0].normal, (Vector3{-1, 0, 0}));
-  std::vector<double> far_end(3000), force(3000);
-  const BlockResult done =
-      simulation.step_block(3000, {.velocity = far_end.data(), .total_force = force.data()});
-  EXPECT_EQ(done.status, StepStatus::ok);
-  EXPECT_EQ(done.steps, 3000);
-  EXPECT_NEAR(mean(force, 1, 18), 1, 0.01);
-  EXPECT_EQ(mean(force, 21, 30), 0);
-  EXPECT_NEAR(mean(far_end, 1, 9), -1, 0.01);
-  EXPECT_NEAR(mean(far_end, 11, 19), 1, 0.01);
-  EXPECT_NEAR(simulation.mean_velocity(0)[0], 1, 0.01);
-  EXPECT_NEAR(simulation.pickup_displacement(0), -10 + 20, 0.1);
-}
-
 // Two hundred contact steps per sample: the force of a sample is their mean, so its impulse is that of the
 // bodies. Blocks equal steps. 1e-12: round-off of the sums.
 TEST(Simulation, makes_contact_steps_at_a_rate_of_their_own) {
@@ -87,6 +68,7 @@ TEST(Simulation, makes_contact_steps_at_a_rate_of_their_own) {
   }
   EXPECT_NEAR(impulse, 10 * (1 + by_step.mean_velocity(0)[0]), 1e-12);
   EXPECT_NEAR(by_step.mean_velocity(0)[0], 1, 2e-3);
+  EXPECT_EQ(by_step.points()[0].normal, (Vector3{-1, 0, 0}));
   EXPECT_EQ(force[1], 0);  // the gap of 0.3 closes at 0.3 s
   EXPECT_GT(force[3], 0.5);
 }
@@ -167,31 +149,6 @@ Scene bar_far_from_wall(int modes, double decay) {
   return scene;
 }
 
-// The foot moves at speed V from t = 0 on. The wave reaches the tip at t = L/c, which then moves at 2V until
-// 3L/c, rests until 5L/c, and so on. 200 modes blur each front over 2L/200 and lack 1/(200 π) of the motion
-// of the foot.
-TEST(Simulation, hears_the_waves_of_a_support_that_moves) {
-  constexpr double V = 0.3;
-  Scene scene = bar_far_from_wall(200, 0);
-  scene.forcing = {{"bar", "foot", true, {V, 0, 0}, {0, 1000}, {0, 1000}}};
-  Simulation simulation(scene), steps(scene);
-  std::vector<double> heard(700);
-  simulation.step_block(700, {.velocity = heard.data()});
-  for (int k = 1; k <= 700; ++k) {
-    ASSERT_EQ(steps.step(), StepStatus::ok);
-    EXPECT_EQ(steps.pickup_velocity(0), heard[static_cast<std::size_t>(k - 1)]) << k;
-    const double t = 0.1 * k;
-    double tip = 0;
-    for (double front = length; front < t; front += 4 * length)
-      tip += 2 * V * std::min(t - front, 2 * length);
-    EXPECT_NEAR(steps.pickup_displacement(0), tip, 2e-3 * V * (length + t)) << t;
-    if (std::abs(std::fmod(t, 2 * length) - length) < 1) continue;
-    EXPECT_NEAR(steps.pickup_velocity(0), std::fmod(t + length, 4 * length) > 2 * length ? 2 * V : 0,
-                0.15 * V);
-  }
-  EXPECT_NEAR(steps.energy().total(), 0, 1e-10);
-}
-
 // A force F at the tip stretches the bar by F L/(E A): from the start if it is a dead load, and once the bar
 // has come to rest if it grows. 1e-9: e^(−0.15 · 200).
 TEST(Simulation, stretches_a_bar_by_its_load) {
@@ -208,7 +165,11 @@ TEST(Simulation, stretches_a_bar_by_its_load) {
   EXPECT_EQ(growing.displacement()[0], 0);
   ASSERT_EQ(growing.step_block(3000).status, StepStatus::ok);
   EXPECT_NEAR(growing.displacement()[0], 2 * length, 1e-9);
-  EXPECT_NEAR(growing.energy().ledger(), 0, 1e-10);  // with the loss to damping
+  EXPECT_NEAR(growing.energy().ledger(), 0, 1e-10);                        // with the loss to damping
+  scene.forcing = {{"bar", "foot", true, {0.3, 0, 0}, {-2, -1}, {0, 1}}};  // displaced from the start
+  Simulation displaced(scene);
+  ASSERT_EQ(displaced.step_block(10).status, StepStatus::ok);
+  EXPECT_NEAR(displaced.displacement()[0], 0.3, 1e-12);
 }
 
 // It is at the wall at t = 5, and its force there is 1.
@@ -220,27 +181,6 @@ TEST(Simulation, lets_a_body_arrive_at_its_time) {
   ASSERT_EQ(simulation.step_block(2000, {.total_force = force.data()}).status, StepStatus::ok);
   EXPECT_EQ(*std::max_element(force.begin(), force.begin() + 499), 0);
   EXPECT_NEAR(mean(force, 5, 19), 1, 0.01);
-}
-
-// A mass falls from h and bounces: it reaches the floor at √(2h/g) and from then on at intervals of 2
-// √(2h/g). With impulses at the ends of steps, each bounce comes late. 1e-10: an instant is found to
-// 1e-13 of the way, and later bounces amplify its error.
-TEST(Simulation, bounces_at_the_exact_instants) {
-  constexpr double h = 0.1, g = 9.81;
-  Scene scene = falling({.modes = 1, .points = 1, .flexibility = 0}, h, 0, g);
-  scene.scheme = Scheme::impulse;
-  scene.restitution = 1;
-  scene.rate_hz = 1000;
-  const double first = std::sqrt(2 * h / g), since = std::fmod(1 - first, 2 * first),
-               fallen = h - (g * first * since - g * since * since / 2);
-  for (const Instant instant : {Instant::exact, Instant::step}) {
-    scene.instant = instant;
-    Simulation simulation(scene);
-    ASSERT_EQ(simulation.step_block(1000).status, StepStatus::ok);
-    const double error = std::abs(-simulation.pickup_displacement(0) - fallen);
-    EXPECT_EQ(error < 1e-10, instant == Instant::exact) << error;
-    EXPECT_EQ(error > 1e-4, instant == Instant::step) << error;
-  }
 }
 
 /// The compliant scheme and the impulse scheme with both admittances.
@@ -393,26 +333,6 @@ double mean_velocity_after(const Scene& scene, double time, std::size_t k) {
 // that.
 constexpr double bounce = 0.3 * gravity / 3000;
 
-// Coulomb: v = v₀ − μ g t, until it stops at t = v₀/(μ g) and stays.
-TEST(Friction, stops_a_plate_as_coulomb_has_it) {
-  const Scene scene = sliding({1, 0, 0}, rough);
-  const double stop = 1 / (0.3 * gravity);
-  for (const double share : {0.25, 0.5, 0.75})
-    EXPECT_NEAR(mean_velocity_after(scene, share * stop, 0), 1 - share, 2 * bounce) << share;
-  EXPECT_NEAR(mean_velocity_after(scene, 2 * stop, 0), 0, 2 * bounce);
-  EXPECT_EQ(mean_velocity_after(sliding({1, 0, 0}, Friction{}), stop, 0), 1);
-  EXPECT_EQ(mean_velocity_after(sliding({1, 0, 0}, std::nullopt), stop, 0), 1);
-}
-
-// Only the relative motion matters.
-TEST(Friction, of_a_belt_carries_a_plate_along) {
-  const double time = 0.6 / (0.3 * gravity);
-  const double slows = mean_velocity_after(sliding({0, 0.8, 0}, rough), time, 1);
-  EXPECT_NEAR(slows, 0.2, 2 * bounce);
-  EXPECT_NEAR(mean_velocity_after(sliding({}, rough, {0, -0.8, 0}), time, 1), slows - 0.8, 1e-9);
-  EXPECT_NEAR(mean_velocity_after(sliding({0, 0.8, 0}, rough, {0, 0.8, 0}), time, 1), 0.8, 1e-9);
-}
-
 // A floor that moves at 0.8 m/s for a while and then rests: μ g speeds the plate up, and slows it down as
 // long.
 TEST(Friction, of_a_floor_that_starts_and_stops_does_the_same_to_a_plate) {
@@ -421,15 +341,7 @@ TEST(Friction, of_a_floor_that_starts_and_stops_does_the_same_to_a_plate) {
   scene.obstacles[0].slides = {{{0.8 * half, 0, 0}, {0, half}, {0, 1}}};
   for (const auto& [time, speed] : {std::pair{0.5, 0.3}, {1.0, 0.6}, {1.5, 0.3}, {2.0, 0.0}, {2.5, 0.0}})
     EXPECT_NEAR(mean_velocity_after(scene, time * half, 0), speed, 3 * bounce) << time;
-}
-
-// Stribeck: with v_s far above 1 m/s it is the static coefficient that acts, far below it the dynamic one.
-TEST(Friction, passes_from_static_to_dynamic_with_the_sliding_speed) {
-  const double time = 0.1;
-  EXPECT_NEAR(mean_velocity_after(sliding({1, 0, 0}, Friction{0.4, 0.2, 1e3}), time, 0),
-              1 - 0.4 * gravity * time, 2 * bounce);
-  EXPECT_NEAR(mean_velocity_after(sliding({1, 0, 0}, Friction{0.4, 0.2, 1e-3}), time, 0),
-              1 - 0.2 * gravity * time, 2 * bounce);
+  EXPECT_NEAR(mean_velocity_after(sliding({}, rough, {0, -0.8, 0}), half, 1), -0.6, 2 * bounce);  // a belt
 }
 
 // The weight compresses the springs by about 1e-6 m; 1e-14 m is round-off.
@@ -450,6 +362,8 @@ TEST(Friction, of_zero_is_none) {
   Scene scene = falling({}, 1e-4, 1, 9.81);
   scene.pairs[0].friction = Friction{0, 0, 0};
   EXPECT_NO_THROW(Simulation{scene});
+  for (const std::optional<Friction>& none : {std::optional(Friction{}), std::optional<Friction>()})
+    EXPECT_EQ(mean_velocity_after(sliding({1, 0, 0}, none), 0.1, 0), 1);
 }
 
 TEST(TangentialForce, is_that_of_coulomb_on_the_floor) {

@@ -265,46 +265,6 @@ Model falling_sphere(double speed) {
   return model;
 }
 
-struct Blow {
-  double rebound = 0, peak = 0, end = 0;
-};
-Blow strike(const Model& model, double step, int block) {
-  const auto stepper = make_stepper(model, {.step = step, .block = block});
-  Blow out;
-  for (bool touched = false; !touched || stepper->active() > 0;) {
-    EXPECT_EQ(stepper->step(), StepStatus::ok);
-    touched = touched || stepper->active() > 0;
-    out.peak = std::max(out.peak, stepper->end_force()(0));
-    if (stepper->active() > 0) out.end = stepper->time();
-  }
-  for (int k = 0; k < 3; ++k) EXPECT_EQ(stepper->step(), StepStatus::ok);
-  out.rebound = -stepper->modal()->v(0) / model.v0(0);
-  return out;
-}
-
-// Hertz: ½ m v² = 2/5 F δ at the largest approach, and the contact lasts 2.9432 δ/v. The peak force errs like
-// the force of the law to the power 2/5, by 2.1 %.
-TEST(Spring, carries_a_blow_of_Hertz_at_a_single_point) {
-  const SphereOnPatch sphere;
-  const double speed = 1e-3, K = sphere.force(1);
-  const double approach = std::pow(5 * speed * speed / (4 * K), 0.4), peak = K * std::pow(approach, 1.5);
-  const double duration = 2.9432 * approach / speed;
-  ASSERT_LT(approach, sphere.filled());
-  const Model model = falling_sphere(speed);
-  // The law of this patch is Hertz's with another factor, at any force.
-  const double lawful = std::pow(sphere.law() / K, 0.4);
-  for (const int steps : {25, 50, 100, 200}) {
-    const Blow blow = strike(model, duration / steps, 1), blocks = strike(model, duration / steps, 0);
-    const double second_order = std::pow(25.0 / steps, 2);
-    EXPECT_NEAR(blow.peak / peak, 1.02, 0.01) << steps;
-    EXPECT_NEAR(blow.peak / peak, lawful, 0.01 * second_order) << steps;
-    EXPECT_NEAR(blow.end / duration, 0.98, 0.03) << steps;
-    EXPECT_NEAR(blow.rebound, 1, 5e-4 * second_order) << steps;
-    EXPECT_LT(blow.rebound, 1 + 1e-14);
-    EXPECT_NEAR(blocks.rebound, blow.rebound, 1e-12);
-  }
-}
-
 /// A rigid sphere of unit mass that falls on many patches.
 /// @param aside  whether it meets the half-space between four candidates, otherwise at one
 /// @param farthest  distance of the candidates from there
@@ -334,9 +294,11 @@ Model sphere_on_patches(double radius, double farthest, bool aside, double speed
   return model;
 }
 
-// With fewer than two candidates across the contact radius, the error of the peak depends on where the
-// contact is; it is at most 6 % about a candidate. Between candidates, a contact below a patch starts late,
-// because it is closer than any point at which gaps are known.
+// Hertz: ½ m v² = 2/5 F δ at the largest approach, and the contact lasts 2.9432 δ/v. The peak force of a
+// single patch errs like the force of its law to the power 2/5, by 2.1 %. With fewer than two candidates
+// across the contact radius, the error of the peak depends on where the contact is; it is at most 6 % about a
+// candidate. Between candidates, a contact below a patch starts late, because it is closer than any point at
+// which gaps are known.
 TEST(Springs, carry_a_blow_of_Hertz_on_any_number_of_patches) {
   struct Case {
     double across;

@@ -297,17 +297,6 @@ TEST(Stepper, reports_what_is_not_a_number_in_a_mode_that_moves_no_point) {
   }
 }
 
-TEST(Stepper, falls_as_galilei_has_it) {
-  for (const Scheme scheme : {Scheme::compliant, Scheme::impulse}) {
-    const auto stepper = make_stepper(dropped(1, 1, 1), {.scheme = scheme, .step = 1e-3});
-    for (int k = 0; k < 400; ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
-    EXPECT_NEAR(stepper->displacement()(0), 0.5 * gravity * 0.16, 1e-13);
-    EXPECT_NEAR(stepper->modal()->v(0) / std::sqrt(mass), gravity * 0.4, 1e-13);
-    EXPECT_NEAR(stepper->modal()->energy().loads, mass * gravity * 0.5 * gravity * 0.16, 1e-12);
-    EXPECT_EQ(stepper->force()(0), 0);
-  }
-}
-
 TEST(Stepper, power_through_the_contact_sums_to_the_energy_it_takes) {
   for (const Scheme scheme : {Scheme::compliant, Scheme::impulse}) {
     Model model = dropped(12, 3, 1e-3);

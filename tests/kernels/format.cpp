@@ -2,9 +2,6 @@
 // Kernel files: reading returns the written data, equal kernels give equal files, and
 // a file with its final name is complete.
 #include <hdf5.h>
-#include <signal.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
 
 #include <cstring>
 
@@ -241,32 +238,6 @@ TEST(KernelFile, another_program_finds_the_shape_as_points_by_components_by_mode
   EXPECT_EQ(values[2][1][3], kernel.surface.shape[(2 * 3 + 1) * 5 + 3]);
 }
 
-TEST(KernelFile, a_write_that_is_killed_leaves_no_file_of_the_final_name) {
-  const Folder folder;
-  const pid_t child = ::fork();
-  if (child == 0) {
-    hdf5::Writer file(folder / "body.kernel.h5");
-    file.write<double>("/x", std::vector<double>(1000, 1.5), {1000}, "m");
-    ::kill(::getpid(), SIGKILL);
-  }
-  int status = 0;
-  ::waitpid(child, &status, 0);
-  ASSERT_TRUE(WIFSIGNALED(status));
-  EXPECT_FALSE(std::filesystem::exists(folder / "body.kernel.h5"));
-}
-
-TEST(KernelFile, a_write_that_is_given_up_keeps_the_old_file_and_leaves_nothing_else) {
-  const Folder folder;
-  write(sample_kernel(1), folder / "body.kernel.h5");
-  const std::string before = test::bytes_of(folder / "body.kernel.h5");
-  {
-    hdf5::Writer file(folder / "body.kernel.h5");
-    file.write<double>("/x", std::vector<double>(1000, 1.5), {1000}, "m");
-  }
-  EXPECT_EQ(test::bytes_of(folder / "body.kernel.h5"), before);
-  EXPECT_EQ(folder.entries(), 1U);
-}
-
 TEST(KernelFile, a_kernel_that_would_not_be_read_is_not_written) {
   const Folder folder;
   Kernel kernel = sample_kernel(1);
@@ -286,38 +257,6 @@ TEST(KernelFile, a_scene_too_long_for_an_attribute_is_refused_and_not_cut) {
   const std::string message = complaint_of([&] { write(kernel, folder / "body.kernel.h5"); });
   EXPECT_NE(message.find("attribute scene of / has 64001 bytes"), std::string::npos) << message;
   EXPECT_EQ(folder.entries(), 1U);
-}
-
-TEST(KernelFile, a_place_that_cannot_be_written_is_an_input_error_that_names_it) {
-  const Folder folder;
-  test::put_bytes(folder / "file", "not a folder");
-  std::filesystem::create_directory(folder / "occupied");
-  for (const std::string place : {"missing/body.h5", "file/body.h5", "occupied"}) {
-    const std::string message = complaint_of([&] { write(sample_kernel(1), folder / place); });
-    EXPECT_EQ(message.find((folder / place).string() + ": cannot write"), 0U) << message;
-  }
-  EXPECT_EQ(folder.entries(), 2U) << "a temporary file was left behind";
-}
-
-TEST(KernelFile, a_full_disk_is_an_input_error_and_leaves_nothing_behind) {
-  const Folder folder;
-  const pid_t child = ::fork();
-  if (child == 0) {  // the size limit represents a full disk; only the child is subject to it
-    ::signal(SIGXFSZ, SIG_IGN);
-    const rlimit limit{20'000, 20'000};
-    ::setrlimit(RLIMIT_FSIZE, &limit);
-    try {
-      write(sample_kernel(3), folder / "body.kernel.h5");
-    } catch (const InputError&) {
-      ::_exit(42);
-    }
-    ::_exit(1);
-  }
-  int status = 0;
-  ::waitpid(child, &status, 0);
-  ASSERT_TRUE(WIFEXITED(status)) << "killed by signal " << WTERMSIG(status);
-  EXPECT_EQ(WEXITSTATUS(status), 42);
-  EXPECT_EQ(folder.entries(), 0U);
 }
 
 }  // namespace format_test

@@ -77,23 +77,6 @@ TEST_F(PartsRefused, with_one_twice) {
   EXPECT_THAT(complaint(body_), AllOf(about("split.msh"), HasSubstr("is in more than one")));
 }
 
-TEST_F(PartsRefused, without_a_group_that_the_scene_names) {
-  body_.contact = {"rim"};
-  EXPECT_THAT(complaint(body_),
-              AllOf(about("split.msh"), HasSubstr("no physical surface \"rim\""),
-                    HasSubstr("\"bottom\", \"sides\", \"top\""), HasSubstr("change bodies.body.contact")));
-  body_.contact = {"top"};
-  body_.support = {{"rim", "xyz"}};
-  EXPECT_THAT(complaint(body_), AllOf(about("split.msh"), HasSubstr("no physical surface \"rim\""),
-                                      HasSubstr("change bodies.body.support")));
-  body_.support.clear();
-  body_.materials[0].group = "steel";
-  EXPECT_THAT(complaint(body_), AllOf(about("split.msh"), HasSubstr("no physical volume \"steel\""),
-                                      HasSubstr("\"body\""), HasSubstr("change bodies.body.material")));
-  body_.materials[0].group = "body";
-  EXPECT_EQ(complaint(body_), "accepted");
-}
-
 /// A file with one tetrahedron in volume 1, and facet 9 named "between" where
 /// two tetrahedra meet. Node 1 lies at `x`.
 std::string one_cell(const std::string& x, const std::string& tag_and_nodes) {

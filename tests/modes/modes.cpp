@@ -201,6 +201,22 @@ TEST(Band, that_ends_where_the_mesh_has_no_modes_is_refused_on_every_rank) {
   EXPECT_EQ(modes_up_to(1e3), 6U);
 }
 
+TEST(Band, that_ends_at_a_mode_includes_it) {
+  const mesh::GmshSession gmsh;
+  const parallel::Teams& teams = test::own_teams();
+  const Made block = make(test::block_geo("tet", 2, 0), 2, {}, teams);
+  const modes::ModeSet all =
+      modes::compute_modes(teams, block.mesh, block.body, *block.factor, {.count = 30});
+  for (const std::size_t n : {10U, 17U}) {
+    const double omega = all.angular_frequency[n];
+    const Hertz end = to_hertz(RadPerSecond{omega});
+    const modes::ModeSet set =
+        modes::compute_modes(teams, block.mesh, block.body, *block.factor, {.up_to = end});
+    ASSERT_EQ(set.angular_frequency.size(), n + 1);
+    EXPECT_NEAR(set.angular_frequency.back(), omega, 1e-9 * omega);
+  }
+}
+
 /// Flexibility of all modes above the first `kept`, from the dense eigenvectors.
 Eigen::MatrixXd dense_residual(const Made& made, const Eigen::MatrixXd& loads, Eigen::Index kept) {
   const Eigen::MatrixXd stiffness = test::dense(made.mesh, made.body, made.body.stiffness),

@@ -156,20 +156,8 @@ class Algebra(ProgramTest):
         self.assertIn("assembly", run.err)
         self.assert_same(derived, computed)
 
-    def test_another_material_and_size_with_all_modes(self):
-        self.check(["modes={count=40}"], [*OTHER, "modes={count=40}"])
-
     def test_another_material_and_size_cut_to_a_band(self):
         self.check([], [*OTHER, "modes.up_to_hz=0.9", "output.view=false"], ranks=2)
-
-    def test_a_number_of_modes_out_of_a_band_of_a_supported_body(self):
-        clamped = "bodies.block.support={side='xyz'}"
-        self.check([clamped], [clamped, *OTHER, "modes={count=12}"])
-
-    def test_one_direction_and_modes_that_contact_needs(self):
-        modes = "modes={{up_to_hz={},flexibility_error=0.01}}"
-        down = "contact.direction=[0,0,-1]"
-        self.check([down, modes.format(0.5)], [down, *OTHER, modes.format(0.5 * FASTER)])
 
     def test_one_direction_of_a_turned_body_out_of_all(self):
         every = "modes.residual_components=all"
@@ -205,20 +193,6 @@ class Algebra(ProgramTest):
         # Without rigid motion, both have the static flexibility of the body.
         exact, found = (static_flexibility(file) for file in files[:2])
         np.testing.assert_allclose(found, exact, rtol=0, atol=1e-9 * np.abs(exact).max())
-
-    def test_rods_with_a_cross_section(self):
-        self.write("rod.geo", scenes.rod())
-        rod = [
-            "bodies.block.mesh=rod.geo",
-            "bodies.block.contact=left",
-            "contact.direction=[-1,0,0]",
-            "obstacles.floor.normal=[1,0,0]",
-            "modes={count=6}",
-        ]
-        material = "bodies.block.material={{density={},young={},area={}}}"
-        self.check(
-            [*rod, material.format(1, 1, 1)], [*rod, OTHER[0], *OTHER[3:], material.format(3, 0.5, 0.2)]
-        )
 
     def test_receivers_loads_and_moving_supports_at_places_that_scale(self):
         def sources(scale):

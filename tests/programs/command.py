@@ -2,7 +2,6 @@
 """The command ricochet: help, mistyped words, the programs that it runs, and the table of modes compared with the kernel."""
 
 import csv
-import math
 import os
 import unittest
 import unittest.mock
@@ -76,13 +75,6 @@ class Words(ProgramTest):
         self.assertEqual((self.folder / "ranks").read_text(), "3\n")
         self.assertEqual(len(list(self.folder.glob("*.kernel.h5"))), 2)
 
-    def test_an_output_that_cannot_be_written_is_an_error(self):
-        with open("/dev/full", "w") as full:
-            done = Run([BIN / "ricochet", "--help"], stdout=full)
-        self.refused(
-            done, "ricochet --help: cannot write to standard output (No space left on device)", status=1
-        )
-
 
 class Modes(ProgramTest):
     """The table of modes compared with the data of the kernel, by another formula for each column."""
@@ -106,9 +98,6 @@ class Modes(ProgramTest):
         rows = self.rows(self.folder / "bar.csv")
         frequency = self.column(rows, "frequency_hz")
         self.assertEqual(list(frequency[:6]), [0] * 6)
-        # Timoshenko's correction of Euler's beam is 2 % for this thickness, and the mesh adds 1 %.
-        bending = 4.73004**2 / (2 * math.pi * 0.3**2) * math.sqrt(70e9 * 0.02**2 / 12 / 2700)
-        self.assertAlmostEqual(frequency[6] / bending, 1, delta=0.03)
         # Rigid motion has the entire mass along each axis; elastic modes of a free body have none.
         for axis in "xyz":
             mass = self.column(rows, f"effective_mass_{axis}_kg")

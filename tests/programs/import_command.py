@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """ricochet import: body files from matrices of CalculiX and from lists of numbers, and refused input."""
 
-import resource
 import shutil
 import unittest
 
@@ -11,7 +10,7 @@ import numpy as np
 from box_test import BoxTest
 from boxes import MATERIAL, Box, listed
 from mistakes_table import TABLE
-from programs import Command, Run, kernel, limited
+from programs import Command, Run, kernel
 
 from ricochet.errors import InputError
 from ricochet.interchange.body import clockwise
@@ -140,15 +139,6 @@ class ImportCommand(BoxTest):
                 file["surface/s/4"][:], np.concatenate([self.box.foot, self.box.top])
             )
             np.testing.assert_array_equal(file["nodes/s"][:], np.unique([self.box.foot, self.box.top]))
-
-    def test_a_full_disk_leaves_the_earlier_body_file(self):
-        out = self.write("body.h5", "earlier")
-        with limited(resource.RLIMIT_FSIZE, 4096):
-            run = Command("import", "matrices", *self.matrices, "--out", out)
-        self.refused(run, "body.h5: cannot be written (File too large)")
-        self.assertEqual(
-            [(path.name, path.read_text()) for path in self.folder.iterdir()], [("body.h5", "earlier")]
-        )
 
     def test_decks_that_are_wrong_are_refused_by_their_line(self):
         deck = (

@@ -13,9 +13,10 @@ import unittest
 
 import ricochet
 from mistakes_table import BYTES, FILES, SCENE, TABLE, sections
-from programs import BIN, SOURCE, Command, Forked, ProgramTest, Run
+from programs import BIN, SOURCE, Command, Forked, ProgramTest, Run, settings
 
 PAGE = SOURCE / "docs" / "messages.md"
+SCENES = SOURCE / "tests" / "scene" / "scenes"
 LONGEST = 250  # characters
 # Words of languages and libraries that a user need not know.
 INTERNAL = re.compile(r"Traceback|Errno|std::|terminate|exception|\.cpp|\.py\b|0x[0-9a-f]{6}|MPI_|errno")
@@ -125,6 +126,18 @@ class Mistakes(ProgramTest):
                     self.assertEqual(f"ricochet-contact: {line}", done.err)
                     compared += 1
         self.assertGreater(compared, 30)
+
+    def test_the_command_says_what_the_reader_says(self):
+        (self.folder / "push.csv").write_text("0, 1\n")
+        for group in TABLE["refusals"]:
+            old, new, line, *sets = group["lines"][0]
+            text = (SCENES / f"{group['of']}.toml").read_text() if group["of"] != "nothing" else ""
+            (self.folder / "refused.toml").write_text(text.replace(old, new, 1) if old else text + new)
+            done = Forked("impact", "refused.toml", *settings(sets), folder=self.folder)
+            line = line.replace("scene.toml", "refused.toml")
+            place = "" if line.startswith(("refused.toml:", "--set")) else "refused.toml: "
+            with self.subTest(group["what"]):
+                self.assertEqual((done.status, done.err), (2, f"ricochet-contact: {place}{line}\n"))
 
     def test_each_study_is_refused_in_one_line(self):
         for text, part in TABLE["studies"]:

@@ -122,12 +122,6 @@ class Reach(ProgramTest):
             # Flexibilities agree to 1e-9. Forces follow with the condition number, over 300 steps.
             self.assertLess(np.abs(found - expected).max(), 1e-6 * np.abs(expected).max())
 
-    def test_one_two_and_three_ranks_leave_out_the_same(self):
-        shutil.copytree(self.made / "reach", self.folder / "1")
-        for ranks in (2, 3):
-            self.succeed(kernel(self.scene, self.folder / str(ranks), ranks=ranks))
-        self.same_on_all_ranks("upper", "lower")
-
     def test_a_mesh_in_parts_leaves_out_the_same_on_any_number_of_ranks(self):
         nodes, elements = grid()
         for part in range(3):

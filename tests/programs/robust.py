@@ -66,17 +66,6 @@ class Signals(Robust):
             self.assertEqual(self.left(), [])
         self.assertEqual(list(self.out.glob("errors.*")), [])
 
-    def test_what_a_killed_run_left_goes_at_the_next_and_what_a_live_one_writes_stays(self):
-        self.kernels()
-        dead = self.run_that_writes()
-        dead.kill()
-        dead.wait()
-        self.assertEqual(len(self.left()), 1)
-        live = self.run_that_writes()
-        self.assertEqual(self.left(), [f"errors.result.h5.{live.pid}.partial"])
-        self.succeed(contact(self.scene, self.out))
-        self.assertEqual(self.left(), [f"errors.result.h5.{live.pid}.partial"])
-
     def test_a_rank_that_dies_ends_the_job_and_the_next_goes_on_from_its_slices(self):
         command = [
             "mpirun",
@@ -112,24 +101,6 @@ class Signals(Robust):
 
 
 class Places(Robust):
-    def test_a_full_disk_is_said_in_one_line_and_nothing_is_left(self):
-        self.kernels()
-        self.succeed(contact(self.scene, self.out))
-        before = {path.name: path.read_bytes() for path in self.out.iterdir()}
-        for limit in (0, 1000, 20_000):  # no bytes, too few for a header, too few for the rows
-            run = self.limited(
-                resource.RLIMIT_FSIZE,
-                limit,
-                BIN / "ricochet-contact",
-                self.scene,
-                "--out",
-                self.out,
-                *settings(["time.duration=100"]),
-                "--quiet",
-            )
-            self.refused(run, "errors.result.h5", "File too large")
-        self.assertEqual(before, {path.name: path.read_bytes() for path in self.out.iterdir()})
-
     @unittest.skipUnless(os.geteuid() == 0, "mounts")
     def test_what_does_not_fit_is_refused_before_the_first_step(self):
         self.out.mkdir()
@@ -157,17 +128,6 @@ class Places(Robust):
         self.refused(contact(self.scene, self.out), "errors.result.h5", "Read-only")
         self.refused(kernel(self.scene, self.out, "modes.count=7", ranks=1), "out/a-", "Read-only")
         self.succeed(kernel(self.scene, self.out, ranks=1))  # all kernels exist, so nothing is written
-
-    def test_a_folder_that_is_a_file_is_refused_by_all(self):
-        self.kernels()
-        file = self.write("file", "")
-        self.refused(kernel(self.scene, file, ranks=1), "file: cannot create this folder")
-        (path,) = self.out.glob("a-*.kernel.h5")
-        self.refused(
-            Run([BIN / "ricochet-recast", path, "--young-factor", "2", "--out", file]),
-            "file: cannot create this folder",
-        )
-        self.refused(Command("sweep", self.write("study.toml", STUDY), "--out", file), "sweep: ", "file")
 
     def test_output_that_goes_nowhere_is_no_success(self):
         for option in ("--dry-run", "--batch"):

@@ -29,11 +29,6 @@ contact = "foot"
 TIME = "rate_hz = 4000.0\nduration = 0.3"
 
 
-def moment(points, forces):
-    """Sum of x × F over the points of each row: (rows,3)."""
-    return np.cross(points[None], forces).sum(axis=1)
-
-
 class Spin(ProgramTest):
     def run_scene(self, text):
         self.write("cube.geo", CUBE)
@@ -57,36 +52,6 @@ class Spin(ProgramTest):
         np.testing.assert_allclose(found[body, "momentum"][0], MASS * velocity, atol=1e-10)
         expected = np.cross(centre, MASS * velocity) + INERTIA * spin
         np.testing.assert_allclose(found[body, "angular_momentum"][0], expected, atol=1e-10)
-
-    def test_changes_by_the_moments_of_the_contact_forces(self):
-        velocity, spin = [0.1, 0, -0.5], [0.1, -0.2, 0.3]
-        body = f"{BODY}translate = [2, -1, 0.01]\nvelocity = {velocity}\nangular_velocity = {spin}\n"
-        found = self.run_scene(
-            scenes.scene(
-                {"block": body}, "count = 30", "", TIME, {"floor": "normal = [0, 0, 1]"}, "Cube on floor"
-            )
-        )
-        self.at_start(found, "block", (2.5, -0.5, 0.51), velocity, spin)
-        forces = -found["contact/force"][:, :, None] * found["normal"][None]  # on the cube [N]
-        self.assertGreater(forces[..., 2].sum() / 4000, 0.5)  # it did hit the floor
-        # The force of a patch acts at its centroid, from which its gap is measured. All candidates face the floor, in
-        # their order.
-        points = found["block", "centroid"] + [2, -1, 0.01]
-        np.testing.assert_allclose(found["point_a"], points, atol=1e-12)
-        rows = np.rint(found["contact/time"] * 4000).astype(int)
-        for of, rate in (
-            ("momentum", forces.sum(axis=1)),
-            ("angular_momentum", moment(points, forces)),
-        ):
-            gained = np.zeros((len(found["time"]), 3))
-            gained[rows] = rate / 4000
-            # 1e-10: round-off of 1200 steps and of the patches.
-            np.testing.assert_allclose(
-                found["block", of] - found["block", of][0], np.cumsum(gained, axis=0), atol=1e-10
-            )
-        change = np.ptp(found["block", "angular_momentum"], axis=0)
-        self.assertGreater(change[:2].min(), 0.1)
-        self.assertLess(change[2], 1e-10)  # forces along z have no moment about z
 
     def test_of_two_free_bodies_has_a_constant_sum_up_to_the_offsets_of_patches(self):
         bodies = {

@@ -68,15 +68,10 @@ class Strikes(ProgramTest):
         for key in ("episodes", "peak_force_n", "impulse_ns", "exit_velocity", "restitution"):
             self.assertEqual(found[0][key], found[1][key])
 
-    def test_strikes_that_do_not_fit_are_refused_in_one_line(self):
-        for sets, part in [
-            (["loads.gravity=[2e-4,0,0]"], '"rod.3" would start behind the surface that it strikes at 60 s'),
-        ]:
-            for program in (kernel, contact):
-                run = program(self.scene, self.out, *sets)
-                if program is kernel and run.status == 0:
-                    continue  # motion matters to the impact only
-                self.refused(run, part)
+    def test_a_strike_that_does_not_fit_is_refused_in_one_line(self):
+        part = '"rod.3" would start behind the surface that it strikes at 60 s'
+        self.succeed(kernel(self.scene, self.out))  # motion matters to the impact only
+        self.refused(contact(self.scene, self.out, "loads.gravity=[2e-4,0,0]"), part)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Table kernels as a user runs them: the shipped example compared with d'Alembert's wave solution for two rods, and kernels
-sampled from modes compared with modal stepping."""
+"""Table kernels as a user runs them: what the shipped example refuses, and kernels sampled from modes compared with modal stepping. The
+manual compares the example with d'Alembert's waves."""
 
 import unittest
 
@@ -15,44 +15,10 @@ IMPULSE = "contact.scheme=impulse"
 
 
 class AnalyticRods(ProgramTest):
-    """Two rods close a gap at v = 1 and remain in contact for 2L/c = 20 under a force of Zv/2 = 1/2."""
-
     def table(self, *arguments):
         path = self.folder / "rods.table.h5"
         self.succeed(Run(["/usr/bin/python3", ANALYTIC / "table.py", *arguments, path]))
         return path
-
-    def collide(self, table, *sets):
-        result = impact(SCENE, self.folder / "out", f'contact.table="{table}"', *sets)
-        return result.summary, result
-
-    def test_other_rods_at_a_rate_that_the_wave_does_not_meet(self):
-        # Z = 2·3·0.5 = 3, c = 3, 2L/c = 4/3 or 133.3 steps at 100 Hz: the sampled jump is
-        # one step wide, and so is the error.
-        table = self.table(
-            "--density",
-            "2",
-            "--young",
-            "18",
-            "--area",
-            "0.5",
-            "--length",
-            "2",
-            "--gap",
-            "0.1",
-            "--speed",
-            "2",
-            "--duration",
-            "2",
-        )
-        for scheme in ("impulse", "compliant"):
-            with self.subTest(scheme=scheme):
-                summary, result = self.collide(table, f"contact.scheme={scheme}", "time.duration=2")
-                self.assertAlmostEqual(
-                    summary["contact_end_s"] - summary["contact_start_s"], 4 / 3, delta=0.011
-                )
-                self.assertAlmostEqual(np.median(result.force), 3, delta=1e-9)
-                self.assertAlmostEqual(summary["impulse_ns"], 4, delta=3 * 0.01)
 
     def test_needs_no_kernels(self):
         run = self.succeed(kernel(SCENE, self.folder / "kernels", quiet=False))

@@ -37,14 +37,6 @@ def printed(what, *arguments):
 
 
 class Errors(unittest.TestCase):
-    def test_have_the_status_of_their_kind(self):
-        self.assertEqual(errors.RicochetError("x").status, 1)
-        self.assertEqual(errors.SolverError("x").status, 1)
-        self.assertEqual(errors.InputError("x").status, 2)
-        for status, kind in ((1, errors.SolverError), (2, errors.InputError), (137, errors.SolverError)):
-            error = errors.failure(status, "why")
-            self.assertEqual((type(error), error.status, str(error)), (kind, status, "why"))
-
     def test_are_reported_once_in_one_line(self):
         self.assertEqual(
             printed(errors.InputError("a\nb\tc").report, "ricochet x"), (2, "", "ricochet x: a b c\n")
@@ -83,24 +75,10 @@ class Verbs(unittest.TestCase):
                 self.assertEqual((status, out), (128 + number, ""))
                 self.assertEqual(err, f"ricochet {verb}: interrupted{more}\n")
 
-    def test_state_the_version_and_end(self):
-        for words in (["--version"], ["plot", "--version"]):
-            out, name = io.StringIO(), " ".join(["ricochet", *words[:-1]])
-            with mock.patch.object(cli.options.programs, "version", lambda: "1.2.3"):
-                with self.assertRaises(SystemExit) as ended, contextlib.redirect_stdout(out):
-                    cli.dispatch(words)
-            self.assertEqual((ended.exception.code or 0, out.getvalue()), (0, f"{name} 1.2.3\n"))
-
     def test_end_with_0_or_the_status_of_their_error(self):
         self.assertEqual(self.dispatched("plot", lambda _: None), (0, "", ""))
         refused = self.dispatched("plot", mock.Mock(side_effect=errors.InputError("no")))
         self.assertEqual(refused, (2, "", "ricochet plot: no\n"))
-
-    def test_refuse_words_that_they_do_not_know(self):
-        with self.assertRaises(SystemExit) as ended, contextlib.redirect_stderr(io.StringIO()) as err:
-            self.dispatched("plot", self.fail, "extra")
-        self.assertEqual(ended.exception.code, 2)
-        self.assertEqual(err.getvalue(), "")  # printed within
 
 
 class Tradeoffs(unittest.TestCase):

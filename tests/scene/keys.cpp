@@ -20,62 +20,7 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 /// Every table, each with only its required keys.
-const std::string barest = R"([bodies.ball]
-mesh = "ball.geo"
-contact = "skin"
-support = { foot = "xyz" }
-[[bodies.ball.refine]]
-at = [0, 0, 0]
-radius = 1
-size = 0.1
-[bodies.ball.material]
-density = 1000
-young = 1e9
-[bodies.ball.damping]
-[obstacles.floor]
-normal = [0, 0, 1]
-[modes]
-count = 10
-[contact]
-[contact.friction]
-static = 0.4
-[[contact.pair]]
-between = ["ball", "floor"]
-[time]
-duration = 0.01
-[loads]
-[[loads.traction]]
-body = "ball"
-group = "skin"
-vector = [0, 0, 1]
-[[loads.point]]
-body = "ball"
-at = [0, 0, 0]
-vector = [0, 0, 1]
-[[loads.motion]]
-body = "ball"
-group = "foot"
-vector = [0, 0, 1]
-[output]
-[[output.receiver]]
-name = "mic"
-body = "ball"
-at = [0, 0, 0]
-[output.sound]
-receivers = "mic"
-direction = [0, 0, 1]
-[bodies.hammer]
-mesh = "hammer.geo"
-contact = "skin"
-material = { density = 1000, young = 1e9 }
-velocity = [0, 0, -1]
-[[contact.pair]]
-between = ["hammer", "floor"]
-[[strikes]]
-mallet = "hammer"
-time = 0.001
-)";
-
+const std::string barest = shared_scene("barest");
 /// The error of the scene, or an empty string if it is accepted.
 std::string refusal(const std::string& text, const std::vector<Override>& overrides) {
   try {

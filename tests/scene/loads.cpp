@@ -17,43 +17,11 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-const std::string supported =
-    changed(smallest, "contact = \"skin\"", "contact = \"skin\"\nsupport = { foot = \"xz\", side = \"y\" }");
-
-const std::string sources = R"(
-[[loads.traction]]
-body = "ball"
-group = "cap"
-vector = [0, 0, -2e3]
-history = "push.csv"
-
-[[loads.traction]]
-body = "ball"
-group = "cap"
-name = "cap again"
-vector = [1, 0, 0]
-
-[[loads.point]]
-body = "ball"
-at = [0.1, 0.2, 0.3]
-vector = [0, 5, 0]
-
-[[loads.point]]
-body = "ball"
-at = [0, 0, 0.3]
-vector = [0, 5, 0]
-
-[[loads.motion]]
-body = "ball"
-group = "foot"
-vector = [1e-3, 0, -2e-3]
-history = "push.csv"
-
-[[output.receiver]]
-name = "mic é"
-body = "ball"
-at = [0.4, 0.5, -0.6]
-)";
+// A supported ball with loads, a motion of its support and a receiver; at the end, the motion of an obstacle.
+const std::string driven = shared_scene("driven"),
+                  supported = driven.substr(0, driven.find("[[loads.traction]]")),
+                  belt = driven.substr(driven.rfind("[[loads.motion]]")),
+                  sources = driven.substr(supported.size(), driven.size() - supported.size() - belt.size());
 
 /// The scene with all of these, read in the folder of its history.
 Scene driven_scene(const std::vector<Override>& overrides = {},
@@ -96,60 +64,6 @@ TEST(Sources, are_read_and_named_after_their_group_or_number) {
   EXPECT_THAT(scene.output.receivers[0].at, ElementsAre(0.4, 0.5, -0.6));
 }
 
-TEST(Sources, are_refused_in_one_line) {
-  const std::tuple<const char*, const char*> refusals[] = {
-      {"loads.traction[0].body=cube",
-       "loads.traction[0].body = \"cube\": there is no body \"cube\": there is only \"ball\""},
-      {"loads.traction[0].vector=[1,2]",
-       "loads.traction[0].vector = [1, 2]: must be three numbers, [x, y, z]"},
-      {"loads.traction[0].at=[1,2,3]",
-       "loads.traction[0].at = [1, 2, 3]: unknown key here: it belongs to "
-       "[[bodies.NAME.refine]] or [[loads.point]] or "
-       "[[output.receiver]]"},
-      {"loads.traction[1].name=cap",
-       "loads.traction[1].name = \"cap\": bodies.ball has a load or motion \"cap\" already: give each its "
-       "own "
-       "name"},
-      {"loads.motion[0].name=cap",
-       "loads.motion[0].name = \"cap\": bodies.ball has a load or motion \"cap\" already: give each its own "
-       "name"},
-      {"loads.point[1].name=a/b",
-       "loads.point[1].name = \"a/b\": \"a/b\" is not a valid name: use 1 to 100 bytes without \"/\" and "
-       "control characters, but not body_force, body_force_residual or rotation"},
-      {"loads.motion[0].group=cap",
-       "loads.motion[0].group = \"cap\": is not a support of bodies.ball: those are \"foot\", \"side\""},
-      {"loads.motion[0].vector=[0,1,0]",
-       "loads.motion[0].vector = [0, 1, 0]: moves \"foot\" along the body's y, which it does not hold (it "
-       "holds "
-       "\"xz\"): add it to bodies.ball.support, or move along a component that is fixed"},
-      {"loads.motion[0].history=gone.csv",
-       "loads.motion[0].history = \"gone.csv\": no such file: give a CSV of times [s] and factors, or leave "
-       "it "
-       "out"},
-      {"output.receiver[0].body=cube",
-       "output.receiver[0].body = \"cube\": there is no body \"cube\": there is only \"ball\""},
-      {"output.receiver[0].gain=2",
-       "output.receiver[0].gain = 2: unknown key. The keys here are at, body, name."}};
-  for (const auto& [set, line] : refusals)
-    EXPECT_EQ(complaint_of([&, set = set] { driven_scene({set}); }), std::string("scene.toml: ") + line);
-  EXPECT_EQ(
-      complaint_of([] {
-        driven_scene({}, supported + sources +
-                             "[[output.receiver]]\nname = \"mic é\"\nbody = \"ball\"\n"
-                             "at = [0, 0, 0]\n");
-      }),
-      "scene.toml: output.receiver[1].name = \"mic é\": another receiver has this name: give each its own");
-  EXPECT_EQ(complaint_of([] { driven_scene({}, changed(supported + sources, "at = [0, 0, 0.3]\n", "")); }),
-            "scene.toml: loads.point[1].at: is missing: where the force acts, [x, y, z] in world axes");
-  EXPECT_EQ(
-      complaint_of([] { driven_scene({"bodies.ball.support={}"}); }),
-      "scene.toml: loads.motion[0].group = \"foot\": bodies.ball has no support: give it one, support = { "
-      "… }");
-}
-
-const std::string belt =
-    "[[loads.motion]]\nobstacle = \"floor\"\nvector = [0, 0.5, 0]\nhistory = \"push.csv\"\n";
-
 TEST(MotionsOfObstacles, are_read_and_preserved_beside_those_of_supports) {
   const Folder folder;
   folder.write("push.csv", "0, 1\n");
@@ -169,43 +83,10 @@ TEST(MotionsOfObstacles, do_not_change_kernels) {
   EXPECT_EQ(driven_request({}, supported + sources + belt).hash, driven_request().hash);
 }
 
-TEST(MotionsOfObstacles, are_refused_in_one_line) {
-  const std::tuple<const char*, const char*> refusals[] = {
-      {"loads.motion[1].obstacle=flor",
-       "loads.motion[1].obstacle = \"flor\": there is no obstacle \"flor\". Did you mean \"floor\"?"},
-      {"loads.motion[1].vector=[0,1,-0.5]",
-       "loads.motion[1].vector = [0, 1, -0.5]: has the component -0.5 m along the normal of obstacles.floor: "
-       "an obstacle moves along its surface; leave this component out"},
-      {"loads.motion[1].body=ball",
-       "loads.motion[1].body = \"ball\": belongs to the motion of a support: leave it out, or leave obstacle "
-       "out"},
-      {"loads.motion[1].group=foot",
-       "loads.motion[1].group = \"foot\": belongs to the motion of a support: leave it out, or leave "
-       "obstacle "
-       "out"}};
-  for (const auto& [set, line] : refusals)
-    EXPECT_EQ(complaint_of([&, set = set] { driven_scene({set}, supported + sources + belt); }),
-              std::string("scene.toml: ") + line);
-  EXPECT_EQ(
-      complaint_of([] { driven_scene({}, supported + sources + belt + belt); }),
-      "scene.toml: loads.motion[2].name: obstacles.floor has a load or motion \"floor\" already: give each "
-      "its own name");
-  EXPECT_EQ(
-      complaint_of([] {
-        driven_scene({}, supported + "[[loads.motion]]\nobstacle = \"floor\"\nvector = [0, 1, 0]\n");
-      }),
-      "scene.toml: loads.motion[0].history: is missing: without it the obstacle does not move: give a CSV "
-      "of times [s] and factors, or obstacles.floor.velocity");
-}
-
-// A support holds components along the axes of the mesh and moves along those of the world.
+// A support holds components along the axes of the mesh and moves along those of the world: x of the body is
+// y of the world.
 TEST(Motions, of_a_rotated_body_are_along_the_components_of_its_support) {
-  const std::vector<Override> turned{"bodies.ball.rotate_deg=[0,0,90]"};  // x of the body is y of the world
-  EXPECT_NO_THROW(driven_scene({turned[0], "loads.motion[0].vector=[0,1,-1]"}));
-  EXPECT_THAT(complaint_of([&] {
-                driven_scene({turned[0], "loads.motion[0].vector=[1,0,0]"});
-              }),
-              HasSubstr("along the body's y, which it does not hold"));
+  EXPECT_NO_THROW(driven_scene({"bodies.ball.rotate_deg=[0,0,90]", "loads.motion[0].vector=[0,1,-1]"}));
 }
 
 void expect_same(const std::vector<Forcing>& a, const std::vector<Forcing>& b) {

@@ -72,69 +72,10 @@ TEST(Set, is_applied_in_order) {
               ElementsAre(9, 2, 3));
 }
 
-TEST(Set, is_checked_like_the_file) {
-  const std::pair<std::string, std::string> refusals[] = {
-      {"bodies.ball.material.poisson=0.5",
-       "bodies.ball.material.poisson = 0.5: must be above -1 and below 0.5. Nearly incompressible: try "
-       "0.49."},
-      {"bodies.ball.velocity=fast", "bodies.ball.velocity = \"fast\": must be three numbers, [x, y, z]"},
-      {"bodies.bal.velocity=[0,0,1]",
-       "bodies.bal.mesh: is missing: name a .geo, .step, .brep or .msh file, or a body file (.h5); or did "
-       "you mean bodies.ball?"},
-      {"times.duration=1", "times = {…}: unknown key. Did you mean \"time\"?"},
-      {"modes.up_to_hz=100", "modes = {…}: give one of up_to_hz and count"}};
-  for (const auto& [set, line] : refusals)
-    EXPECT_EQ(complaint_about(smallest, {set}), "scene.toml: " + line) << set;
-}
-
-TEST(Set, without_key_and_value_is_refused) {
-  const std::string how = ": write KEY=VALUE with a dotted key, as in bodies.upper.velocity=[0,-6,0]";
-  const std::pair<std::string, std::string> refusals[] = {
-      {"", "has no \"=\": write KEY=VALUE"},
-      {"title", "has no \"=\": write KEY=VALUE"},
-      {"=3", "a part of the key is empty" + how},
-      {"time.=3", "a part of the key is empty" + how},
-      {".time=3", "a part of the key is empty" + how},
-      {"time..duration=3", "a part of the key is empty" + how},
-      {"[0]=3", "a part of the key is empty" + how},
-      {"\"time.duration=3", "the quote is not closed" + how},
-      {"\"time\"duration=3", "the key is invalid" + how},
-      {"contact.between[0]x=3", "the key is invalid" + how},
-      {"contact.between[]=3", "a list index must be a number in brackets" + how},
-      {"contact.between[-1]=3", "a list index must be a number in brackets" + how},
-      {"contact.between[first]=3", "a list index must be a number in brackets" + how},
-      {"contact.between[0=3", "a list index must be a number in brackets" + how},
-      {"contact.between[99999999999999999999]=3", "a list index must be a number in brackets" + how}};
-  for (const auto& [set, line] : refusals)
-    EXPECT_EQ(complaint_about(smallest, {set}), "--set " + set + ": " + line);
-}
-
-TEST(Set, without_a_target_is_refused) {
-  const std::pair<std::string, std::string> refusals[] = {
-      {"contact.between[2]=3", "between has no entry [2]"},
-      {"time.duration[0]=3", "duration has no entry [0]"},
-      {"contact.pair[0].gap=3",
-       "the scene has no list contact.pair: add it to the scene, or give the whole list"},
-      {"bodies.bal.contact[0]=3", "the scene has no list bodies.bal.contact. Did you mean \"ball\"?"},
-      {"contact.betwen[0]=3", "the scene has no list contact.betwen. Did you mean \"between\"?"},
-      {"time.duration.seconds=3", "duration is not a table"},
-      {"contact.between.first=3", "between is not a table"},
-      {"contact.between[0].name=3", "between is not a table"}};
-  for (const auto& [set, line] : refusals)
-    EXPECT_EQ(complaint_about(smallest, {set}), "--set " + set + ": " + line);
-}
-
-// A line break would start another line of TOML, but --set takes a single key.
 TEST(Set, that_is_not_utf_8_is_refused) {
   for (const char* bytes : {"title=\xff", "title=\xc3", "title=\xc0\x80", "title=\xed\xa0\x80", "t\x80=1"})
     EXPECT_EQ(complaint_about(smallest, {bytes}), "--set: is not UTF-8: give it in that encoding");
   EXPECT_EQ(scene_of(smallest, {"title=\u00e9 \u20ac \U0001f600"}).title, "\u00e9 \u20ac \U0001f600");
-}
-
-TEST(Set, that_holds_two_lines_is_refused_in_one) {
-  EXPECT_EQ(complaint_about(smallest, {"time.duration=1\ntitle=2"}),
-            "--set time.duration=1 title=2: holds more than one value");
-  EXPECT_EQ(complaint_about(smallest, {"one\ntwo"}), "--set one two: has no \"=\": write KEY=VALUE");
 }
 
 }  // namespace overrides_test

@@ -17,48 +17,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-const std::string struck = R"(
-[bodies.hammer]
-mesh = "ball.msh"
-material = { density = 7800, young = 2e11 }
-contact = "skin"
-translate = [1, 2, 3]
-velocity = [0, 0, -2]
-
-[bodies.plate]
-mesh = "plate.msh"
-material = { density = 1000, young = 1e9 }
-contact = "top"
-support = { rim = "xyz" }
-
-[modes]
-count = 10
-
-[contact]
-between = ["hammer", "plate"]
-gap = 1e-5
-
-[time]
-duration = 3
-
-[[strikes]]
-mallet = "hammer"
-time = 0.5
-speed = 0.7
-
-[[strikes]]
-mallet = "hammer"
-time = 1.5
-
-[[strikes]]
-mallet = "hammer"
-time = 2
-speed = 5
-direction = [0, 3, -4]
-translate = [4, 5, 6]
-rotate_deg = [0, 0, 90]
-)";
-
+const std::string struck = shared_scene("struck");
 TEST(Strikes, after_the_first_add_a_copy_of_the_mallet_and_its_pairs) {
   const Scene scene = scene_of(struck);
   ASSERT_EQ(scene.bodies.size(), 4U);
@@ -106,50 +65,6 @@ TEST(Strikes, are_written_as_such_and_read_back) {
   Scene back = read(folder.write("scene.toml", text), {});
   EXPECT_EQ(back, scene);
   EXPECT_EQ(to_toml(back), text);
-}
-
-TEST(Strikes, are_refused_in_one_line) {
-  const std::vector<std::pair<std::vector<Override>, std::string>> refusals = {
-      {{"strikes[0].mallet=hamer"},
-       "strikes[0].mallet = \"hamer\": there is no body \"hamer\". Did you mean \"hammer\"?"},
-      {{"strikes[1].mallet=plate"},
-       "strikes[1].mallet = \"plate\": bodies.plate has a support, so it cannot fly: name a free body"},
-      {{"strikes[0].time=-1"}, "strikes[0].time = -1: must not be negative"},
-      {{"strikes[2].time=3"},
-       "strikes[2].time = 3: is not before the end, time.duration = 3: lengthen the run, or leave this "
-       "strike out"},
-      {{"strikes[0].speed=0"}, "strikes[0].speed = 0: must be above 0"},
-      {{"strikes[0].pace=1"},
-       "strikes[0].pace = 1: unknown key. The keys here are direction, mallet, rotate_deg, speed, time, "
-       "translate."},
-      {{"bodies.hammer.velocity=[0,0,0]"},
-       "strikes[0].direction: is missing: give it, or bodies.hammer.velocity"},
-      {{"bodies.hammer.velocity=[0,0,0]", "strikes[0].direction=[1,0,0]"},
-       "strikes[1].speed: is missing: give it, or bodies.hammer.velocity"},
-      {{"bodies.hammer.angular_velocity=[0,0,1]"},
-       "strikes[0].mallet = \"hammer\": bodies.hammer.angular_velocity would turn it before the strike: "
-       "leave it "
-       "out"},
-      {{"output.receiver=[{name=\"mic\",body=\"hammer\",at=[1,2,3]}]"},
-       "strikes[0].mallet = \"hammer\": bodies.hammer has a receiver or a load, which a mallet cannot have: "
-       "leave "
-       "it out"},
-      {{"contact.between=[\"plate\",\"hammer\"]"},
-       "strikes[0].mallet = \"hammer\": its gap would move \"plate\", the first name in contact.between: "
-       "name the "
-       "mallet first"},
-      {{"accuracy=1e-2"},
-       "strikes[0]: errors of several strikes are not estimated: leave it out, or give [modes] and set "
-       "accuracy = \"off\""},
-      {{"contact.kernel=table"},
-       "strikes[0]: sampled responses know no strikes: leave it out, or set contact.kernel = \"modes\""},
-      {{"contact.scheme=static"},
-       "strikes[0]: bodies at rest strike nothing: leave it out, or choose another contact.scheme"},
-      {{"modes.strikes=1"}, "modes.strikes = 1: unknown key here: it belongs to [[strikes]]"}};
-  for (const auto& [overrides, line] : refusals)
-    EXPECT_EQ(complaint_about(struck, overrides), "scene.toml: " + line);
-  EXPECT_THAT(complaint_about(tabular + "[[strikes]]\n"),
-              HasSubstr("strikes = [{…}]: is replaced by contact.table"));
 }
 
 }  // namespace strikes_test

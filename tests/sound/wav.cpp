@@ -116,11 +116,4 @@ TEST(Wav, that_cannot_be_written_is_refused_in_one_line) {
   EXPECT_THAT(complaint_of([&] { check_length(48000LL * 36000, 48000); }), HasSubstr("holds 7456"));
 }
 
-TEST(Wav, with_the_name_of_a_folder_is_refused_and_leaves_nothing_behind) {
-  const Folder folder;
-  std::filesystem::create_directories(folder / "mic.wav" / "full");
-  EXPECT_THAT(complaint_of([&] { write_wav(folder / "mic.wav", {0, 0, 0}, 48000); }), HasSubstr("mic.wav"));
-  EXPECT_EQ(folder.entries(), 1U);
-}
-
 }  // namespace wav_test

@@ -60,11 +60,6 @@ def friction(bench):
         0,
         max(summary["impulse_ns"], summary["limited_steps"], summary["energy_drift"]),
     )
-    for setting in ("10.1", "-0.1", "{static=0.3,dynamic=0.2}", "{dynamic=0.2}", "1e300"):
-        line = bench.refusal("block.toml", f"contact.friction={setting}", out=out)
-        yield Row(f"friction = {setting}", "refused, naming friction", 0, "friction" not in line)
-    line = bench.refusal("block.toml", "contact.friction=0.3", 'contact.scheme="impulse"', out=out)
-    yield Row("friction of impulses", "refused, naming friction", 0, "friction" not in line)
 
 
 def _omega(path):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Cases of scripts/verify --extremes that run the programs: positions, speeds, damping, ranks and values out of range. There is
-a function for each kind of extreme, which takes a Bench and yields Row(setting, oracle, bound, found). If `found` exceeds
-`bound` or is not a number, the case fails."""
+"""Cases of scripts/verify --extremes that run the programs: positions, speeds, damping and ranks. There is a function for each kind of
+extreme, which takes a Bench and yields Row(setting, oracle, bound, found). If `found` exceeds `bound` or is not a number, the case
+fails."""
 
 import h5py
 import numpy as np
@@ -68,8 +68,6 @@ def speeds(bench):
         1e-6,
         relative(summary["restitution"], reference["restitution"]),
     )
-    line = bench.refusal("block.toml", velocity(1e200), out=out)
-    yield Row("1e200 m/s", "refused, and why", 0, "velocity" not in line)
 
 
 def nothing_touches(bench):
@@ -177,21 +175,4 @@ def double_modes(bench):
     )
 
 
-def nonsense(bench):
-    """Values that would exceed the range of arithmetic are refused before any computation."""
-    out = bench.fresh()
-    for setting, word in (
-        ("bodies.block.material.density=1e300", "density"),
-        ("bodies.block.material.young=1e-300", "young"),
-        ("bodies.block.scale=1e150", "scale"),
-        ("modes={up_to_hz=1e300}", "up_to_hz"),
-        ("modes={up_to_hz=1e-9}", "up_to_hz"),
-        ("bodies.block.geometry={a=0}", "block.geo"),
-        ("time.rate_hz=1e300", "rate_hz"),
-        ("loads.gravity=[0,0,-1e300]", "gravity"),
-    ):
-        line = bench.refusal("block.toml", setting, out=out)
-        yield Row(setting, f"refused, naming {word}", 0, word not in line)
-
-
-ALL = [placements, speeds, nothing_touches, damping, ranks, double_modes, nonsense]
+ALL = [placements, speeds, nothing_touches, damping, ranks, double_modes]
