@@ -9,10 +9,9 @@
 #include "base/similar.hpp"
 #include "tests/scene/scenes.hpp"
 
-namespace near_misses_test {
+namespace ricochet::scene::near_misses_test {
 
-using namespace ricochet::scene;
-using namespace ricochet::scene::test;
+using namespace test;
 using ::testing::HasSubstr;
 
 /// A change of `smallest`, and the end of the line that it gives.
@@ -225,4 +224,4 @@ TEST(MostSimilar, is_none_for_a_word_that_shares_few_letters) {
   EXPECT_EQ(ricochet::base::most_similar("velo", words), "velocity");
 }
 
-}  // namespace near_misses_test
+}  // namespace ricochet::scene::near_misses_test

@@ -4,11 +4,9 @@
 
 #include "tests/scene/scenes.hpp"
 
-namespace overrides_test {
+namespace ricochet::scene::overrides_test {
 
-using namespace ricochet;
-using namespace ricochet::scene;
-using namespace ricochet::scene::test;
+using namespace test;
 using ::testing::ElementsAre;
 using ::testing::Pair;
 
@@ -137,4 +135,4 @@ TEST(Set, that_holds_two_lines_is_refused_in_one) {
   EXPECT_EQ(complaint_about(smallest, {"one\ntwo"}), "--set one two: has no \"=\": write KEY=VALUE");
 }
 
-}  // namespace overrides_test
+}  // namespace ricochet::scene::overrides_test

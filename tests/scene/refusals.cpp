@@ -6,10 +6,9 @@
 
 #include "tests/scene/scenes.hpp"
 
-namespace refusals_test {
+namespace ricochet::scene::refusals_test {
 
-using namespace ricochet::scene;
-using namespace ricochet::scene::test;
+using namespace test;
 using ::testing::HasSubstr;
 
 struct Refusal {
@@ -595,4 +594,4 @@ TEST(Refused, is_reported_in_one_line_for_any_value) {
   EXPECT_EQ(complaint_about(smallest + "[\"a\\nb\\u007f\"]\n").find_first_of("\n\x7f"), std::string::npos);
 }
 
-}  // namespace refusals_test
+}  // namespace ricochet::scene::refusals_test

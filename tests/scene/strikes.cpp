@@ -8,11 +8,9 @@
 #include "src/scene/write.hpp"
 #include "tests/scene/scenes.hpp"
 
-namespace strikes_test {
+namespace ricochet::scene::strikes_test {
 
-using namespace ricochet;
-using namespace ricochet::scene;
-using namespace ricochet::scene::test;
+using namespace test;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -152,4 +150,4 @@ TEST(Strikes, are_refused_in_one_line) {
               HasSubstr("strikes = [{…}]: is replaced by contact.table"));
 }
 
-}  // namespace strikes_test
+}  // namespace ricochet::scene::strikes_test
