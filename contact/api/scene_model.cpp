@@ -216,21 +216,21 @@ std::string friction_on_rod(const std::string& body) {
 StepOptions step_options(const Scene& scene) {
   if (!(scene.rate_hz > 0 && std::isfinite(scene.rate_hz)))
     throw InputError(fmt::format("rate_hz = {}: must be positive and finite.", scene.rate_hz));
-  const double ratio = steps_per_sample(scene.rate_hz, scene.contact_rate_hz);
-  if (!(ratio <= 1e6) || (ratio > 1 && scene.scheme != Scheme::compliant))
+  const double ratio = scene.steps_per_sample();
+  if (!(ratio <= most_steps_per_sample) || (ratio > 1 && scene.scheme != Scheme::compliant))
     throw InputError(
-        fmt::format("contact_rate_hz = {}: must be 0 with the impulse scheme, and at most 1e6 times rate_hz "
-                    "= {} otherwise.",
-                    scene.contact_rate_hz, scene.rate_hz));
+        fmt::format("contact_rate_hz = {}: must be left out with the impulse scheme, and at most 1e6 times "
+                    "rate_hz = {} otherwise.",
+                    scene.contact_rate_hz.value_or(scene.rate_hz), scene.rate_hz));
   return {.scheme = scene.scheme,
           .admittance = scene.admittance,
           .instant = scene.instant,
           .restitution = scene.restitution,
           .contact_step = scene.integration,
-          .step = 1 / (scene.rate_hz * ratio),
+          .step = scene.step(),
           .steps_per_sample = static_cast<int>(ratio),
           .max_pivots = scene.max_pivots,
-          .precision = scene.single_precision ? Precision::float32 : Precision::float64};
+          .precision = scene.precision};
 }
 
 contact::Matrix pickups_of(const Scene& scene, const contact::Model& model) {

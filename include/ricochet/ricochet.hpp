@@ -18,25 +18,18 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <limits>
 #include <memory>
-#include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "ricochet/denormals.hpp"
 #include "ricochet/energy.hpp"
 #include "ricochet/error.hpp"
-#include "ricochet/friction.hpp"
 #include "ricochet/kernel.hpp"
-#include "ricochet/scheme.hpp"
+#include "ricochet/scene.hpp"
 #include "ricochet/step_status.hpp"
 
 namespace ricochet {
-
-/// A constant kernel, shared by any number of simulations and threads.
-using SharedKernel = std::shared_ptr<const kernels::Kernel>;
 
 /// Reads a kernel file. Throws a one-line InputError if the file is missing, truncated, not a kernel, or
 /// inconsistent. Call it from one thread at a time, because HDF5 may not be thread-safe.
@@ -45,95 +38,6 @@ SharedKernel load_kernel(const std::filesystem::path& path);
 /// Writes a kernel file (docs/formats/kernel.md); a partial file never has the final name. Throws a one-line
 /// InputError if the place cannot be written. Call it from one thread at a time, like load_kernel.
 void save_kernel(const kernels::Kernel& kernel, const std::filesystem::path& path);
-
-/// A kernel placed in the world: first rotated, then translated.
-struct Body {
-  std::string name;
-  SharedKernel kernel{};
-  Vector3 rotate_deg{};        ///< about the fixed axes x, then y, then z
-  Vector3 translate{};         ///< [m]
-  Vector3 velocity{};          ///< initial, of the centre of mass [m/s]
-  Vector3 angular_velocity{};  ///< initial, about the centre of mass, world axes [rad/s]
-  /// When it is at its place with its velocity [s]. Until then, it falls freely.
-  double arrival = 0;
-};
-
-/// A load of a kernel, or the motion of a support: `vector` times a factor that is 0 before its first time,
-/// linear between its times and constant after the last one. A support must not jump.
-struct Forcing {
-  std::string body;
-  std::string name;  ///< of the load, or of the support, in the kernel
-  bool support = false;
-  Vector3 vector{};  ///< of a load [Pa] or [N]; of a support [m]
-  /// Ascending [s]. Without times, the factor has always been 1: bodies start at rest under a dead load.
-  std::vector<double> time{};
-  std::vector<double> factor{};  ///< one for each time
-};
-
-/// A displacement along a surface: `vector` times a factor that is 0 before its first time, linear between
-/// its times and constant after the last one. It must not jump.
-struct Slide {
-  Vector3 vector{};              ///< [m]
-  std::vector<double> time{};    ///< ascending [s]
-  std::vector<double> factor{};  ///< one for each time
-  bool operator==(const Slide&) const = default;
-};
-
-/// Rigid half-space {x : (x − point)·normal ≤ 0}.
-struct HalfSpace {
-  std::string name;
-  Vector3 point{};     ///< [m]
-  Vector3 normal{};    ///< outward, of any nonzero length
-  Vector3 velocity{};  ///< along its surface [m/s], as of a conveyor belt; felt by pairs with friction only
-  std::vector<Slide> slides{};  ///< further motions along its surface
-  bool operator==(const HalfSpace&) const = default;
-};
-
-/// Two surfaces that may touch, by name.
-struct Pair {
-  std::string a;                       ///< a body
-  std::string b;                       ///< a body or a half-space
-  std::optional<Vector3> direction{};  ///< of contact, out of a; default: from the surface normals
-  /// Moves body a along the direction until the closest points have this gap [m].
-  std::optional<double> gap{};
-  std::optional<double> reach{};  ///< drops points whose initial gap is not below this [m]
-  /// Drops points whose initial gap exceeds that of the closest ones by this or more [m].
-  std::optional<double> zone{};
-  /// Coulomb friction, except of the impulse scheme. Kernels must then hold all three components, also of the
-  /// static correction, as those of a scene with contact.friction do. No value, or coefficients of 0:
-  /// frictionless.
-  std::optional<Friction> friction{};
-  bool operator==(const Pair&) const = default;
-};
-
-/// An audio channel: the motion of a point of a body along a direction. Unlike a receiver, it has one
-/// component, and it may be a contact candidate.
-struct Pickup {
-  std::string body;
-  std::string receiver{};     ///< a receiver of the kernel, by name; if empty, `candidate` is used
-  std::size_t candidate = 0;  ///< row of the kernel's surface.node, if no receiver is named
-  Vector3 direction{};        ///< of any nonzero length
-};
-
-struct Scene {
-  std::vector<Body> bodies{};
-  std::vector<HalfSpace> obstacles{};
-  std::vector<Pair> pairs{};
-  std::vector<Pickup> pickups{};
-  std::vector<Forcing> forcing{};
-  Vector3 gravity{};  ///< [m/s²]
-  Scheme scheme = Scheme::compliant;
-  Admittance admittance = Admittance::jump;
-  Instant instant = Instant::step;                    ///< of the impulse scheme
-  double restitution = 0;                             ///< of the impulse scheme, in [0, 1]
-  ContactStep integration = ContactStep::conserving;  ///< of the compliant scheme
-  double rate_hz = 44100;                             ///< steps of the simulation per second
-  /// Contact steps per second of the compliant scheme, made while a point could close; rounded up to a
-  /// multiple of rate_hz, and 0 for rate_hz.
-  double contact_rate_hz = 0;
-  int max_pivots = std::numeric_limits<int>::max();  ///< largest number of pivots of a contact solve
-  bool single_precision = false;  ///< of the products of the compliant scheme: faster, less exact
-};
 
 struct ContactPoint {
   std::size_t pair = 0;        ///< index into Scene::pairs

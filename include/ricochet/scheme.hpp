@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The schemes of time stepping, as scenes, the library and both embedding interfaces name them.
+// The schemes of time stepping and their settings.
 #pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
 
 namespace ricochet {
 
@@ -28,6 +33,36 @@ enum class ContactStep {
   conserving,      ///< a mean of the forces at the last three instants: second order, and contact in place
                    ///< conserves energy
   backward_euler,  ///< the force at the end of the step: first order, and every change of force costs energy
+};
+
+/// How a step finds the contact.
+struct ContactScheme {
+  Scheme scheme = Scheme::compliant;
+  Admittance admittance = Admittance::jump;           ///< of the impulse scheme
+  Instant instant = Instant::step;                    ///< of the impulse scheme
+  double restitution = 0;                             ///< e of the impulse scheme, in [0, 1]
+  ContactStep integration = ContactStep::conserving;  ///< of the compliant scheme
+  int max_pivots = std::numeric_limits<int>::max();   ///< bound on the work of a step, at least 1
+  bool operator==(const ContactScheme&) const = default;
+};
+
+/// Largest number of contact steps per output sample.
+inline constexpr double most_steps_per_sample = 1e6;
+
+/// When steps are made, and how exactly.
+struct Stepping {
+  double rate_hz = 44100;  ///< output samples per second
+  /// Contact steps per second of the compliant scheme, made while a point could close; rounded up to a
+  /// multiple of rate_hz. No value: rate_hz.
+  std::optional<double> contact_rate_hz{};
+  /// Of the matrix products of the compliant scheme. Single precision is faster and less exact.
+  Precision precision = Precision::float64;
+  /// Number of contact steps per output sample, a whole number. Round-off of the rates does not count.
+  double steps_per_sample() const {
+    return std::max(1.0, std::ceil(contact_rate_hz.value_or(rate_hz) / rate_hz * (1 - 1e-12)));
+  }
+  double step() const { return 1 / (rate_hz * steps_per_sample()); }  ///< of contact, Δ [s]
+  bool operator==(const Stepping&) const = default;
 };
 
 }  // namespace ricochet

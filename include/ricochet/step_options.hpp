@@ -2,19 +2,11 @@
 // The options of time stepping.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "ricochet/scheme.hpp"
 
 namespace ricochet {
-
-/// Number of contact steps per output sample, for two rates of equal units. That of contact steps is rounded
-/// up to a multiple of that of samples, but round-off does not count.
-inline double steps_per_sample(double sample_rate, double contact_rate) {
-  return std::max(1.0, std::ceil(contact_rate / sample_rate * (1 - 1e-12)));
-}
 
 struct StepOptions {
   Scheme scheme = Scheme::compliant;

@@ -373,7 +373,7 @@ class Table {
       case Cause::step:
         return scene_.time.rate_by_accuracy
                    ? "shorter steps do not reduce it"
-                   : given(fmt::format("time.{}rate_hz = {:g}", scene_.time.contact_rate ? "contact_" : "",
+                   : given(fmt::format("time.{}rate_hz = {:g}", scene_.time.contact_rate_hz ? "contact_" : "",
                                        1 / scene_.time.step()));
       case Cause::eigensolver:
         return "of modes.relative_residual and modes.low_rank";

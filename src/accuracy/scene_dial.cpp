@@ -118,7 +118,7 @@ contact::Dialled dial_of(const scene::Scene& scene, const store::Kernels& kernel
                          {.accuracy = *scene.accuracy,
                           .options = store::step_options(scene),
                           .choose_rate = scene.time.rate_by_accuracy,
-                          .choose_precision = !scene.time.precision,
+                          .choose_precision = scene.time.precision_by_accuracy,
                           .choose_points = leaves_points_open(scene),
                           .rate = rate});
   });
@@ -126,10 +126,14 @@ contact::Dialled dial_of(const scene::Scene& scene, const store::Kernels& kernel
 
 scene::Scene resolved(scene::Scene scene, const contact::Dialled& dialled) {
   if (dialled.rate) {
-    (scene.contact.has_contact_rate() ? scene.time.contact_rate.emplace() : scene.time.rate) = *dialled.rate;
+    (scene.contact.has_contact_rate() ? scene.time.contact_rate_hz.emplace() : scene.time.rate_hz) =
+        dialled.rate->value;
     scene.time.rate_by_accuracy = false;
   }
-  if (dialled.precision) scene.time.precision = dialled.precision;
+  if (dialled.precision) {
+    scene.time.precision = *dialled.precision;
+    scene.time.precision_by_accuracy = false;
+  }
   return scene;
 }
 

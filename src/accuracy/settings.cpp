@@ -71,7 +71,8 @@ const SectionOf<MeshSettings> mesh_keys{
 const SectionOf<KernelSettings> kernel_keys{
     "the settings of kernels",
     "",
-    {{"basis", choice(&KernelSettings::basis, {"modes", "contact"}), "", required("give the basis")},
+    {{"basis", choice<KernelSettings>(&KernelSettings::basis, {"modes", "contact"}), "",
+      required("give the basis")},
      {"up_to_hz", &KernelSettings::up_to, "", required(), scene::above("0")},
      {"flexibility_error", &KernelSettings::flexibility_error},
      {"zone", &KernelSettings::zone, "", none, scene::above("0")},

@@ -90,7 +90,7 @@ class Keeper : public ImpactObserver {
   contact::RecordOptions settled(const Impact& impact) const {
     contact::RecordOptions out = *options_;
     out.every = impact.scene.output.every;
-    out.receivers_every = impact.scene.output.receivers_every(impact.scene.time.rate);
+    out.receivers_every = impact.scene.output.receivers_every(impact.scene.time.rate_hz);
     return out;
   }
 

@@ -33,7 +33,7 @@ contact::RecorderOptions ImpactFiles::recorder_options(const Impact& impact) con
           .kernel_files = impact.kernels.file,
           .every = scene.output.every,
           .snapshot_every = scene.output.snapshot_every,
-          .receivers_every = scene.output.receivers_every(scene.time.rate)};
+          .receivers_every = scene.output.receivers_every(scene.time.rate_hz)};
 }
 
 void ImpactFiles::prepared(const Impact& impact) {
@@ -50,8 +50,7 @@ void ImpactFiles::started(const Impact& impact, const contact::Stepper& stepper)
   const contact::Model& model = *source.modes();
   if (options_.motion) motion_.emplace(stepper, model, motion_options(impact.scene, impact.samples(), stem_));
   store::in_file(impact.scene.file, [&] {
-    sounds_.emplace(model.receivers, impact.samples(), impact.scene.time.rate.value,
-                    impact.scene.output.sound);
+    sounds_.emplace(model.receivers, impact.samples(), impact.scene.time.rate_hz, impact.scene.output.sound);
   });
   sounds_->record(recorder_->receivers());
   if (!options_.problems.empty())

@@ -178,7 +178,7 @@ ImpactResult run_impact(ImpactRequest request, store::KernelStore& store, consol
   if (impact.scene.contact.scheme == Scheme::at_rest) {
     summary = rest(impact, console, observer);
   } else {
-    impact.steps = contact::step_count(impact.scene.time.duration, impact.scene.time.rate.value) *
+    impact.steps = contact::step_count(impact.scene.time.duration, impact.scene.time.rate_hz) *
                    impact.options.steps_per_sample;
     if (by_table) add_table(impact, console);
     summary = steps(impact, console, observer);

@@ -47,7 +47,7 @@ std::unique_ptr<contact::Stepper> table_stepper(const Impact& impact) {
         fmt::format("{}: time.duration = {:.6g} s: {} has samples for {:.6g} s. Shorten the run, or make the "
                     "table longer (tail = \"linear\" if its responses have died out).",
                     scene.file.string(), scene.time.duration, scene.contact.table.string(),
-                    static_cast<double>(out->available()) / scene.time.rate.value));
+                    static_cast<double>(out->available()) / scene.time.rate_hz));
   return out;
 }
 

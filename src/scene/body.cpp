@@ -199,14 +199,14 @@ const SectionOf<Damping> damping_keys{
       "one. Not for Ritz vectors and not with `flexibility_error`, which leave no mode its number",
       "[1e-3, 2e-3]"}}};
 
-const SectionOf<Obstacle> obstacle_keys{
+const SectionOf<HalfSpace> obstacle_keys{
     "[obstacles.NAME]",
     "A rigid half-space, which can replace one of the two bodies of a pair.",
-    {{"point", &Obstacle::point, "m", initial, any(), "a point of its surface"},
-     {"normal", direction(&Obstacle::normal), "",
+    {{"point", &HalfSpace::point, "m", initial, any(), "a point of its surface"},
+     {"normal", direction<HalfSpace>(&HalfSpace::normal), "",
       required("the direction out of the obstacle, for example [0, 0, 1]"), any(),
       "outward normal of the obstacle"},
-     {"velocity", &Obstacle::velocity, "m/s", initial, any(),
+     {"velocity", &HalfSpace::velocity, "m/s", initial, any(),
       "velocity along its surface, in world axes, like that of a conveyor belt; a component along the normal "
       "is refused. It acts through `friction` only, and not with `scheme = \"static\"`"}}};
 
@@ -251,8 +251,8 @@ Body read_body(const std::string& name, const Table& table, const std::vector<st
   return body;
 }
 
-Obstacle read_obstacle(const std::string& name, const Table& table, const Scene& scene) {
-  Obstacle obstacle{.name = name};
+HalfSpace read_obstacle(const std::string& name, const Table& table, const Scene& scene) {
+  HalfSpace obstacle{.name = name};
   obstacle_keys.read(table, obstacle);
   if (const double along = along_normal(obstacle, obstacle.velocity); along != 0)
     table.complain("velocity", fmt::format("has the component {:.6g} m/s along the normal: an obstacle "

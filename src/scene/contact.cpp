@@ -75,11 +75,11 @@ const SectionOf<Pair> pair_keys{
     "One table for each of several pairs. Keys that a pair does not give are taken from `[contact]`.",
     {{"between", Access(Type::texts, read_between, between_of), "", required(), any(),
       "names of two bodies, or of a body and an obstacle. \"Body a\" below is the first body"},
-     {"direction", direction(&Pair::direction), "", none, any(),
+     {"direction", direction<Pair>(&Pair::direction), "", none, any(),
       "the normal of every contact point: out of the first name in `between`, in world axes. Without it each "
       "point has the mutual normal (n_a − n_b)/|n_a − n_b|. Against an obstacle it must lie along the "
       "obstacle's normal and point towards the second name"},
-     {"along", direction(&Pair::along), "", none, any(),
+     {"along", direction<Pair>(&Pair::along), "", none, any(),
       "merges all nodes of the contact surface on a line in this direction (world axes) into one candidate. "
       "Each line should meet the surface on one side of the body only"},
      {"spacing", &Pair::spacing, "m", none, above("0"),
@@ -115,38 +115,42 @@ const SectionOf<Friction> friction_keys{
 const SectionOf<Contact> contact_keys = SectionOf<Contact>{
     "[contact]",
     "",
-    {{"kernel", choice(&Contact::kernel, {"modes", "table"}), "", initial, any(),
+    {{"kernel", choice<Contact>(&Contact::kernel, {"modes", "table"}), "", initial, any(),
       "`\"table\"`: unit-impulse responses are sampled at each step and convolved with forces"},
      {"table", Access(&Contact::table).only(is_sampled, "kernel = \"table\""), "", none, any(),
       "file of sampled responses, for `kernel = \"table\"` only. It replaces bodies, modes, pairs and loads, "
       "which must not be given"},
-     {"scheme", choice(&Contact::scheme, {"compliant", "impulse", "static"}), "", initial, any(),
+     {"scheme", choice<Contact>(&Contact::scheme, {"compliant", "impulse", "static"}), "", initial, any(),
       "contact law. `\"compliant\"`: forces with which no point penetrates at the end of a step. "
       "`\"impulse\"`: impulses on the points that touch. `\"static\"`: equilibrium under gravity, without "
       "time"},
      {"solver",
-      choice(&Contact::solver, {"exact", "uzawa"}).only(has<Scheme::at_rest>, "scheme = \"static\""), "",
-      initial, any(), "`static` only. `uzawa`: iteration on the pressures, for comparison; without friction"},
+      choice<Contact>(&Contact::solver, {"exact", "uzawa"}).only(has<Scheme::at_rest>, "scheme = \"static\""),
+      "", initial, any(),
+      "`static` only. `uzawa`: iteration on the pressures, for comparison; without friction"},
      {"integration",
-      choice(&Contact::integration, {"conserving", "backward-euler"})
+      choice<Contact>(&Contact::integration, {"conserving", "backward-euler"})
           .only(has<Scheme::compliant>, "scheme = \"compliant\""),
       "", initial, any(),
       "`compliant` only. `\"conserving\"`: the modes are driven by a mean of the forces at the last "
       "instants, with an error of second order. `\"backward-euler\"`: by the force at the end of the step; "
       "each change of force costs energy"},
      {"admittance",
-      choice(&Contact::admittance, {"jump", "difference"}).only(has<Scheme::impulse>, "scheme = \"impulse\""),
+      choice<Contact>(&Contact::admittance, {"jump", "difference"})
+          .only(has<Scheme::impulse>, "scheme = \"impulse\""),
       "", initial, any(),
       "`impulse` only: velocity jump, or difference quotient over a step. `difference` needs ω_max · step < "
       "π"},
      {"instant",
-      choice(&Contact::instant, {"step", "exact"}).only(has<Scheme::impulse>, "scheme = \"impulse\""), "",
-      initial, any(),
+      choice<Contact>(&Contact::instant, {"step", "exact"})
+          .only(has<Scheme::impulse>, "scheme = \"impulse\""),
+      "", initial, any(),
       "`impulse` only: contact at the end of the step, or (event location) at the instant at which a point "
       "closes"},
-     {"restitution", Access(&Contact::restitution).only(has<Scheme::impulse>, "scheme = \"impulse\""), "1",
-      initial, from_to("0", "1"), "`impulse` only: coefficient of restitution"},
-     {"max_pivots", &Contact::max_pivots, "", none, from_to("1", "1e9"),
+     {"restitution",
+      Access<Contact>(&Contact::restitution).only(has<Scheme::impulse>, "scheme = \"impulse\""), "1", initial,
+      from_to("0", "1"), "`impulse` only: coefficient of restitution"},
+     {"max_pivots", Access<Contact>(&Contact::max_pivots).if_changed(), "", none, from_to("1", "1e9"),
       "bounds the work of a step, for real time: the number of changes of the active set. A step that is cut "
       "short may let points penetrate; the summary counts such steps"},
      {"increments",
@@ -178,7 +182,7 @@ void read_pair(const Table& table, const Scene& scene, const Contact& contact, P
   if (pair.a.empty()) return;
   if (pair.a == pair.b) table.complain("between", "must name two different bodies");
   std::vector<std::string> names = names_of(scene.bodies);
-  for (const Obstacle& obstacle : scene.obstacles) names.push_back(obstacle.name);
+  for (const HalfSpace& obstacle : scene.obstacles) names.push_back(obstacle.name);
   for (const std::string& name : {pair.a, pair.b})
     check_exists(table, "between", "body or obstacle", name, names);
   if (scene.find_body(pair.a) == nullptr && scene.find_body(pair.b) == nullptr)

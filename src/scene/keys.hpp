@@ -122,8 +122,9 @@ struct Access : AnyAccess {
                   [put](const void* s, const auto&) { return std::string(put(*static_cast<const S*>(s))); }} {
   }
 
-  template <class T>
-  Access(T S::*member)
+  /// @param member  of S or of its base B
+  template <class T, class B>
+  Access(T B::*member)
       : Access(
             type_of<T>,
             [member](const Table& table, const Key& key, S& s) { return table.read(key, s.*member); },
@@ -150,20 +151,22 @@ struct Access : AnyAccess {
     return settings;
   }
 };
+template <class S, class T>
+Access(T S::*) -> Access<S>;
 template <class S, class Put>
 Access(Type, bool (*)(const Table&, const Key&, S&), Put) -> Access<S>;
 
-/// A direction, which is normalised.
-template <class S, class T>
-Access<S> direction(T S::*member) {
+/// A direction, which is normalised: a member of S or of its base B.
+template <class S, class T, class B>
+Access<S> direction(T B::*member) {
   Access<S> access(member);
   access.type = Type::direction;
   return access;
 }
 
-/// An enumeration, or an optional one; `names` in the order of its members.
-template <class S, class T>
-Access<S> choice(T S::*member, const std::vector<std::string>& names) {
+/// An enumeration, or an optional one, in S or in its base B; `names` in the order of its members.
+template <class S, class T, class B>
+Access<S> choice(T B::*member, const std::vector<std::string>& names) {
   using Value = typename decltype(std::optional(std::declval<T>()))::value_type;
   Access<S> access(
       Type::text,
@@ -271,7 +274,7 @@ extern const SectionOf<Body> body_keys, matter_keys;  ///< matter: what its kern
 extern const SectionOf<FineBall> refine_keys;
 extern const SectionOf<Material> material_keys;
 extern const SectionOf<Damping> damping_keys;
-extern const SectionOf<Obstacle> obstacle_keys;
+extern const SectionOf<HalfSpace> obstacle_keys;
 extern const SectionOf<Modes> modes_keys;
 extern const SectionOf<Contact> contact_keys;
 extern const SectionOf<Pair> pair_keys;

@@ -73,7 +73,8 @@ const SectionOf<Forcing> motion_keys{
      {"obstacle", Access(&Forcing::obstacle).if_changed(), "", none, any(),
       "name of an obstacle, in place of `body` and `group`. Its motion acts through `friction` only, and "
       "needs a `history`"},
-     {"body", Access(&Forcing::body).if_changed(), "", "– without `obstacle`", any(), "name of a body"},
+     {"body", Access<Forcing>(&Forcing::body).if_changed(), "", "– without `obstacle`", any(),
+      "name of a body"},
      {"group", Access(&Forcing::group).if_changed(), "", "– without `obstacle`", any(),
       "one of the body's supports"},
      vector_of_source("m",

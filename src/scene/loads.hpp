@@ -24,7 +24,7 @@ inline const std::array load_kinds{LoadKind{"traction", traction_keys, &Loads::t
 /// The key `body` of a load or a receiver.
 template <class S>
 Declared<S> body_key() {
-  return {"body", Access(&S::body).if_changed(), "", required("name the body"), any(), "name of a body"};
+  return {"body", Access<S>(&S::body).if_changed(), "", required("name the body"), any(), "name of a body"};
 }
 
 /// The key `at` of a load or a receiver.

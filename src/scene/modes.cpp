@@ -8,7 +8,7 @@ namespace ricochet::scene {
 const SectionOf<Modes> modes_keys{
     "[modes]",
     "",
-    {{"basis", choice(&Modes::basis, {"modes", "contact"}), "", initial, any(),
+    {{"basis", choice<Modes>(&Modes::basis, {"modes", "contact"}), "", initial, any(),
       "`\"modes\"`: certified modes of the body. `\"contact\"`: contact-adapted basis, load-dependent Ritz "
       "vectors for the loads that contact can apply"},
      {"up_to_hz", &Modes::up_to, "Hz", none, above("0"),
@@ -29,7 +29,8 @@ const SectionOf<Modes> modes_keys{
       "threshold of MUMPS's block low-rank factorisation, for `basis = \"contact\"` only; 0: full rank. It "
       "saves memory on large solid bodies. The solves have about this relative error, so keep it well below "
       "`flexibility_error`"},
-     {"residual_components", choice(&Modes::all_components, {"auto", "all"}).if_changed(), "", initial, any(),
+     {"residual_components", choice<Modes>(&Modes::all_components, {"auto", "all"}).if_changed(), "", initial,
+      any(),
       "components of the residual flexibility. `\"auto\"`: only the normal of each candidate if no pair is "
       "tilted against it by more than 3 degrees, otherwise all three. `\"all\"`: always all three"},
      {"residual_flexibility", &Modes::residual_flexibility, "", initial, any(),

@@ -52,7 +52,7 @@ const SectionOf<Sound> sound_keys{
     "to its largest sample.",
     {{"receivers", &Sound::receivers, "", required("name one receiver (mono) or two (left and right)"), any(),
       "name of a receiver (mono), or a list of two (left and right)"},
-     {"direction", direction(&Sound::direction), "",
+     {"direction", direction<Sound>(&Sound::direction), "",
       required("the component that is heard, for example the normal of the wall"), any(),
       "component of the velocity that is heard, in world axes, for example the normal of the wall"},
      {"high_pass_hz", &Sound::high_pass_hz, "Hz", initial, from_to("0", "1000"),
@@ -60,8 +60,8 @@ const SectionOf<Sound> sound_keys{
       "must be below half of `time.rate_hz`"},
      {"fade", &Sound::fade, "s", initial, at_least("0"),
       "duration of the fade at the end (raised cosine); 0: none"},
-     {"format", choice(&Sound::format, {sample_format_names.begin(), sample_format_names.end()}), "", initial,
-      any(),
+     {"format", choice<Sound>(&Sound::format, {sample_format_names.begin(), sample_format_names.end()}), "",
+      initial, any(),
       "samples: integers of 16 or 24 bits, or floats of 32 bits. The header is the plain one that all "
       "players read"}}};
 
@@ -103,10 +103,10 @@ void read_output(const Table& root, Scene& scene) {
   if (output.vtk_every > 0 && table->has("view") && !output.view)
     table->complain("view", "vtk_every needs the visualisation surfaces: leave view out, or set it to true");
   output.view = output.view || output.vtk_every > 0;
-  const double samples = output.receivers_rate ? scene.time.rate.value / output.receivers_rate->value : 1;
+  const double samples = output.receivers_rate ? scene.time.rate_hz / output.receivers_rate->value : 1;
   if (scene.time.duration > 0 && !(samples >= 1 && samples <= most_samples_per_receiver_row))
     table->complain("receivers_rate_hz", fmt::format("must be from rate_hz / {} to rate_hz = {:g}",
-                                                     most_samples_per_receiver_row, scene.time.rate.value));
+                                                     most_samples_per_receiver_row, scene.time.rate_hz));
   output.receivers = read_receivers(*table, scene);
   output.sound = read_sound(*table, output.receivers);
   if (output.receivers_rate && output.receivers.empty())

@@ -86,15 +86,16 @@ const SectionOf<Scene> scene_keys{
 const SectionOf<Time> time_keys{
     "[time]",
     "",
-    {{"rate_hz", &Time::rate, "Hz", initial, above("0"),
+    {{"rate_hz", &Time::rate_hz, "Hz", initial, above("0"),
       "output samples per second. In free flight, steps go from sample to sample. With scheme = `impulse` "
       "and with sampled responses, also the steps per second; `impulse` with `accuracy` chooses it"},
-     {"contact_rate_hz", &Time::contact_rate, "Hz", "rate_hz, or chosen by `accuracy`", above("0"),
+     {"contact_rate_hz", &Time::contact_rate_hz, "Hz", "rate_hz, or chosen by `accuracy`", above("0"),
       "steps per second while a point could close, rounded up to a multiple of rate_hz. Needs `scheme = "
       "\"compliant\"` and `kernel = \"modes\"`"},
      {"duration", &Time::duration, "s", required(), above("0"),
       "simulated time. duration · rate_hz is rounded to a whole number of samples, from 1 to 1e9"},
-     {"precision", choice(&Time::precision, {"double", "single"}), "", ", or chosen by `accuracy`", any(),
+     {"precision", choice<Time>(&Time::precision, {"double", "single"}), "", ", or chosen by `accuracy`",
+      any(),
       "`\"single\"`: matrix products of the steps in single precision, which is faster with many points. "
       "Needs `scheme = \"compliant\"` and `kernel = \"modes\"`"}}};
 
@@ -108,23 +109,23 @@ void read_time(const Table& root, Scene& scene) {
   if (!table) root.complain("time", "is missing: give duration [s]");
   time_keys.read(*table, time);
   const bool steps_by_modes = contact.has_contact_rate();
-  if (time.contact_rate && !steps_by_modes)
+  if (time.contact_rate_hz && !steps_by_modes)
     table->complain("contact_rate_hz",
                     "belongs to scheme = \"compliant\" and kernel = \"modes\": give rate_hz alone");
-  if (time.contact_rate && time.contact_rate->value > most_steps_per_sample * time.rate.value)
+  if (time.contact_rate_hz && *time.contact_rate_hz > most_steps_per_sample * time.rate_hz)
     table->complain("contact_rate_hz", fmt::format("is above {:g} times rate_hz = {:g}: raise rate_hz",
-                                                   most_steps_per_sample, time.rate.value));
+                                                   most_steps_per_sample, time.rate_hz));
   time.rate_by_accuracy = scene.accuracy && !table->has(steps_by_modes ? "contact_rate_hz" : "rate_hz");
   const bool is_open = time.rate_by_accuracy && !steps_by_modes;
-  const double samples = is_open ? 1 : time.duration * time.rate.value;
+  const double samples = is_open ? 1 : time.duration * time.rate_hz;
   if (samples < 1 || samples > 1e9)
     table->complain(
         "duration",
         fmt::format("makes {:.3g} samples at rate_hz = {:g}: must be from 1 to 1e9: change rate_hz", samples,
-                    time.rate.value));
+                    time.rate_hz));
   if (time.precision == Precision::float32 && !steps_by_modes)
     table->complain("precision", "belongs to scheme = \"compliant\" and kernel = \"modes\": leave it out");
-  if (!table->has("precision") && scene.accuracy && steps_by_modes) time.precision.reset();
+  time.precision_by_accuracy = scene.accuracy && steps_by_modes && !table->has("precision");
 }
 
 /// Decides which settings of meshes are chosen for the accuracy: the order if a scene does not give it, and

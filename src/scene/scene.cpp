@@ -5,18 +5,12 @@
 #include <cmath>
 
 #include "base/rotation.hpp"
-#include "ricochet/step_options.hpp"
 
 namespace ricochet::scene {
 
-int Time::steps_per_sample() const {
-  const double ratio = contact_rate ? ricochet::steps_per_sample(rate.value, contact_rate->value) : 1;
-  return static_cast<int>(std::min(ratio, most_steps_per_sample));
-}
-
-int Output::receivers_every(Hertz rate) const {
-  const double wanted = receivers_rate ? receivers_rate->value : every > 1 ? audio_rows.value : rate.value;
-  const double ratio = std::floor(rate.value / wanted * (1 + 1e-12));
+int Output::receivers_every(double rate_hz) const {
+  const double wanted = receivers_rate ? receivers_rate->value : every > 1 ? audio_rows.value : rate_hz;
+  const double ratio = std::floor(rate_hz / wanted * (1 + 1e-12));
   return static_cast<int>(std::clamp(ratio, 1.0, double{most_samples_per_receiver_row}));
 }
 
@@ -25,8 +19,8 @@ const Body* Scene::find_body(const std::string& name) const {
   return found == bodies.end() ? nullptr : &*found;
 }
 
-const Obstacle* Scene::find_obstacle(const std::string& name) const {
-  const auto found = std::ranges::find(obstacles, name, &Obstacle::name);
+const HalfSpace* Scene::find_obstacle(const std::string& name) const {
+  const auto found = std::ranges::find(obstacles, name, &HalfSpace::name);
   return found == obstacles.end() ? nullptr : &*found;
 }
 
@@ -58,7 +52,7 @@ Vector3 in_body(const Body& body, const Vector3& world) {
   return own;
 }
 
-double along_normal(const Obstacle& obstacle, const Vector3& vector) {
+double along_normal(const HalfSpace& obstacle, const Vector3& vector) {
   double along = 0;
   for (std::size_t k = 0; k < 3; ++k) along += obstacle.normal[k] * vector[k];
   // 1e-9: above the round-off of directions that a scene gives with ten digits

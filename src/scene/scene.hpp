@@ -13,7 +13,6 @@
 #include "src/scene/data/contact.hpp"
 #include "src/scene/data/loads.hpp"
 #include "src/scene/data/modes.hpp"
-#include "src/scene/data/obstacle.hpp"
 #include "src/scene/data/output.hpp"
 #include "src/scene/data/time.hpp"
 
@@ -40,8 +39,8 @@ struct Scene {
   std::vector<Quantity> accuracy_of{Quantity::impulse, Quantity::rebound};
   /// Sorted by name, then copies of mallets; empty with contact.table.
   std::vector<Body> bodies;
-  std::vector<Strike> strikes{};  ///< [[strikes]], already applied to bodies and pairs
-  std::vector<Obstacle> obstacles;
+  std::vector<Strike> strikes{};     ///< [[strikes]], already applied to bodies and pairs
+  std::vector<HalfSpace> obstacles;  ///< with a unit normal
   Modes modes;
   Contact contact;
   Time time;
@@ -49,9 +48,12 @@ struct Scene {
   Output output;
 
   const Body* find_body(const std::string& name) const;
-  const Obstacle* find_obstacle(const std::string& name) const;
+  const HalfSpace* find_obstacle(const std::string& name) const;
   bool operator==(const Scene&) const = default;
 };
+
+/// The component of a vector along the normal of the obstacle; exactly 0 if it is round-off.
+double along_normal(const HalfSpace& obstacle, const Vector3& vector);
 
 /// Accuracy of a scene that leaves its modes open and gives none.
 inline constexpr double default_accuracy = 1e-2;

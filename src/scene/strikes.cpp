@@ -21,7 +21,7 @@ const SectionOf<Strike> strike_keys{
       "time at which the mallet is at its place; it touches when it has crossed the rest of its gap"},
      {"speed", &Strike::speed, "m/s", "that of the mallet's `velocity`", above("0"),
       "its speed at this time"},
-     {"direction", direction(&Strike::direction), "", "that of the mallet's `velocity`", any(),
+     {"direction", direction<Strike>(&Strike::direction), "", "that of the mallet's `velocity`", any(),
       "direction of its velocity, in world axes"},
      {"translate", &Strike::translate, "m", "that of the mallet", any(), "its place, as for bodies"},
      {"rotate_deg", &Strike::rotate_deg, "degrees", "that of the mallet", any(),

@@ -41,7 +41,8 @@ std::string time_of(const Scene& scene) {
   if (!(scene.time.duration > 0)) return "";
   std::set<std::string_view> open;
   if (scene.time.rate_by_accuracy && !scene.contact.has_contact_rate()) open.insert("rate_hz");
-  if (!scene.accuracy && scene.time.precision == Time{}.precision) open.insert("precision");
+  if (scene.time.precision_by_accuracy || (!scene.accuracy && scene.time.precision == Time{}.precision))
+    open.insert("precision");
   return "\n[time]\n" + time_keys.without(open).write(scene.time);
 }
 
@@ -75,7 +76,7 @@ std::string to_toml(const Scene& scene) {
     if (body.copy_of.empty())
       text += fmt::format("\n[bodies.{}]\n{}", body.name, body_keys.write(body, folder));
   for (const Strike& strike : scene.strikes) text += "\n[[strikes]]\n" + strike_keys.write(strike);
-  for (const Obstacle& obstacle : scene.obstacles)
+  for (const HalfSpace& obstacle : scene.obstacles)
     text += fmt::format("\n[obstacles.{}]\n{}", toml_string(obstacle.name), obstacle_keys.write(obstacle));
   if (!tabular) text += "\n[modes]\n" + modes_keys.write(scene.modes);
   if (tabular || !scene.contact.pairs.empty())

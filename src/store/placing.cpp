@@ -15,40 +15,31 @@ namespace ricochet::store {
 namespace fs = std::filesystem;
 
 Scene library_scene(const scene::Scene& scene, const KernelPointers& kernels) {
-  Scene out;
-  for (std::size_t k = 0; k < scene.bodies.size() && k < kernels.size(); ++k) {
-    const scene::Body& body = scene.bodies[k];
-    out.bodies.push_back({body.name, SharedKernel(SharedKernel(), kernels[k]), body.rotate_deg,
-                          body.translate, body.velocity, body.angular_velocity, body.arrival});
-  }
-  for (const scene::Obstacle& obstacle : scene.obstacles)
-    out.obstacles.push_back({obstacle.name, obstacle.point, obstacle.normal, obstacle.velocity, {}});
-  for (const scene::Pair& pair : scene.contact.pairs)
-    out.pairs.push_back({pair.a, pair.b, pair.direction, pair.gap, pair.reach, pair.zone, pair.friction});
+  Scene out{scene.contact, scene.time};
+  for (std::size_t k = 0; k < scene.bodies.size() && k < kernels.size(); ++k)
+    out.bodies.emplace_back(scene.bodies[k]).kernel = SharedKernel(SharedKernel(), kernels[k]);
+  out.obstacles = scene.obstacles;
+  out.pairs.assign(scene.contact.pairs.begin(), scene.contact.pairs.end());
   out.gravity = scene.loads.gravity;
-  out.scheme = scene.contact.scheme;
-  out.admittance = scene.contact.admittance;
-  out.instant = scene.contact.instant;
-  out.restitution = scene.contact.restitution;
-  out.integration = scene.contact.integration;
-  out.rate_hz = scene.time.rate.value;
-  if (scene.time.contact_rate) out.contact_rate_hz = scene.time.contact_rate->value;
-  if (scene.contact.max_pivots) out.max_pivots = *scene.contact.max_pivots;
-  out.single_precision = scene.time.precision == Precision::float32;
   return out;
 }
 
 void read_histories(const scene::Scene& scene, Scene& out) {
   const auto add = [&](const std::vector<scene::Forcing>& all, bool support) {
     for (const scene::Forcing& driven : all) {
-      contact::History history;
-      if (!driven.history.empty()) history = contact::read_history(driven.history);
+      Forcing made = driven;
+      made.support = support;
+      if (support) made.name = driven.group;
+      if (!driven.history.empty()) {
+        contact::History history = contact::read_history(driven.history);
+        made.time = std::move(history.time);
+        made.factor = std::move(history.value);
+      }
       if (driven.obstacle.empty())
-        out.forcing.push_back({driven.body, support ? driven.group : driven.name, support, driven.vector,
-                               std::move(history.time), std::move(history.value)});
+        out.forcing.push_back(std::move(made));
       else
         std::ranges::find(out.obstacles, driven.obstacle, &HalfSpace::name)
-            ->slides.push_back({driven.vector, std::move(history.time), std::move(history.value)});
+            ->slides.push_back({made.vector, std::move(made.time), std::move(made.factor)});
     }
   };
   add(scene.loads.tractions, false);

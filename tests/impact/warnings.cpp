@@ -88,7 +88,7 @@ TEST(ObstaclesThatMove, without_friction_are_warned_of) {
   scene.obstacles = {{.name = "belt", .normal = {0, 0, 1}, .velocity = {1, 0, 0}},
                      {.name = "floor", .normal = {0, 0, 1}},
                      {.name = "table", .normal = {0, 0, 1}}};
-  scene.loads.motions = {{.name = "table", .body = "", .group = "", .obstacle = "table"}};
+  scene.loads.motions.emplace_back().obstacle = "table";
   scene.contact.pairs.resize(2);
   scene.contact.pairs[0].a = scene.contact.pairs[1].a = "box";
   scene.contact.pairs[0].b = "belt";

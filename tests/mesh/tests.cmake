@@ -4,3 +4,4 @@ add_mpi_tests(mesh mesh
 set_tests_properties(mesh.np2 PROPERTIES LABELS "mpi;long")  # as those of tests/surface
 # By itself, because gmsh does not read the file after one with a syntax error.
 add_mpi_tests(mesh_refusals mesh FILES refusals)
+set_tests_properties(mesh_refusals.np1 mesh_refusals.np2 PROPERTIES LABELS "mpi;long")

@@ -6,11 +6,9 @@
 #include "src/scene/write.hpp"
 #include "tests/scene/scenes.hpp"
 
-namespace accuracy_test {
+namespace ricochet::scene::accuracy_test {
 
-using namespace ricochet;
-using namespace ricochet::scene;
-using namespace ricochet::scene::test;
+using namespace test;
 
 TEST(Accuracy, leaves_nothing_open_if_it_is_not_requested) {
   const Scene scene = scene_of(smallest);
@@ -44,7 +42,7 @@ TEST(Accuracy, chooses_what_is_not_given) {
     EXPECT_EQ(scene.modes.basis, Basis::contact);
     EXPECT_FALSE(scene.modes.up_to);
     EXPECT_TRUE(scene.time.rate_by_accuracy);
-    EXPECT_FALSE(scene.time.precision);
+    EXPECT_TRUE(scene.time.precision_by_accuracy);
   }
 }
 
@@ -55,7 +53,7 @@ TEST(Accuracy, leaves_what_is_given) {
   EXPECT_EQ(scene.modes.count, 10);
   EXPECT_EQ(scene.modes.basis, Basis::modes);
   EXPECT_FALSE(scene.time.rate_by_accuracy);
-  EXPECT_EQ(scene.time.rate.value, 1e3);
+  EXPECT_EQ(scene.time.rate_hz, 1e3);
   EXPECT_EQ(scene.time.steps_per_sample(), 3);  // rounded up
   EXPECT_EQ(scene.time.step(), 1 / 3e3);
   EXPECT_EQ(scene.time.precision, Precision::float32);
@@ -101,4 +99,4 @@ TEST(Refine, takes_many_balls_in_one_line) {
   EXPECT_EQ(block_of(scene_of(open_scene, {"bodies.block.refine=[" + balls + "]"})).refine.size(), 40U);
 }
 
-}  // namespace accuracy_test
+}  // namespace ricochet::scene::accuracy_test

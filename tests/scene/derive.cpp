@@ -12,11 +12,9 @@
 #include "tests/kernels/sample.hpp"
 #include "tests/scene/scenes.hpp"
 
-namespace derive_test {
+namespace ricochet::scene::derive_test {
 
-using namespace ricochet;
-using namespace ricochet::scene;
-using namespace ricochet::scene::test;
+using namespace test;
 using kernels::Kernel;
 using kernels::test::Bar;
 using ::testing::DoubleNear;
@@ -405,4 +403,4 @@ TEST(Folders, hold_kernels_to_derive_from_among_other_files) {
   EXPECT_EQ(found->kernel.hash, wanted.hash);
 }
 
-}  // namespace derive_test
+}  // namespace ricochet::scene::derive_test

@@ -12,10 +12,9 @@
 
 #include "tests/scene/scenes.hpp"
 
-namespace keys_test {
+namespace ricochet::scene::keys_test {
 
-using namespace ricochet::scene;
-using namespace ricochet::scene::test;
+using namespace test;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -133,4 +132,4 @@ TEST(DocsKeysMd, equals_the_output_of_the_programs) {
       << "it differs: build/bin/ricochet-contact --keys > docs/keys.md";
 }
 
-}  // namespace keys_test
+}  // namespace ricochet::scene::keys_test

@@ -7,11 +7,9 @@
 #include "src/scene/write.hpp"
 #include "tests/scene/scenes.hpp"
 
-namespace loads_test {
+namespace ricochet::scene::loads_test {
 
-using namespace ricochet;
-using namespace ricochet::scene;
-using namespace ricochet::scene::test;
+using namespace test;
 using ::testing::DoubleNear;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -174,4 +172,4 @@ TEST(KernelRequests, hold_positions_in_the_frame_of_the_body) {
               ElementsAre(DoubleNear(-1.5, 1e-12), DoubleNear(-3.6, 1e-12), DoubleNear(-0.6, 1e-12)));
 }
 
-}  // namespace loads_test
+}  // namespace ricochet::scene::loads_test

@@ -4,11 +4,9 @@
 
 #include "tests/scene/scenes.hpp"
 
-namespace overrides_test {
+namespace ricochet::scene::overrides_test {
 
-using namespace ricochet;
-using namespace ricochet::scene;
-using namespace ricochet::scene::test;
+using namespace test;
 using ::testing::ElementsAre;
 using ::testing::Pair;
 
@@ -78,4 +76,4 @@ TEST(Set, that_is_not_utf_8_is_refused) {
   EXPECT_EQ(scene_of(smallest, {"title=\u00e9 \u20ac \U0001f600"}).title, "\u00e9 \u20ac \U0001f600");
 }
 
-}  // namespace overrides_test
+}  // namespace ricochet::scene::overrides_test

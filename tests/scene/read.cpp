@@ -5,11 +5,9 @@
 #include "src/scene/read.hpp"
 #include "tests/scene/scenes.hpp"
 
-namespace read_test {
+namespace ricochet::scene::read_test {
 
-using namespace ricochet;
-using namespace ricochet::scene;
-using namespace ricochet::scene::test;
+using namespace test;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::Pair;
@@ -44,11 +42,11 @@ TEST(SceneDefaults, of_everything_else_are_those_documented) {
   EXPECT_TRUE(scene.modes.residual_flexibility);
   EXPECT_EQ(scene.modes.relative_residual, 1e-8);
   EXPECT_EQ(scene.contact.scheme, Scheme::compliant);
-  EXPECT_FALSE(scene.contact.max_pivots);
+  EXPECT_EQ(scene.contact.max_pivots, Contact{}.max_pivots);
   ASSERT_EQ(scene.contact.pairs.size(), 1U);
   const scene::Pair& pair = scene.contact.pairs[0];
   EXPECT_FALSE(pair.direction || pair.along || pair.spacing || pair.gap || pair.reach);
-  EXPECT_EQ(scene.time.rate.value, 44100);
+  EXPECT_EQ(scene.time.rate_hz, 44100);
   EXPECT_EQ(scene.time.duration, 0.01);
   EXPECT_THAT(scene.loads.gravity, ElementsAre(0, 0, 0));
   EXPECT_EQ(scene.output.every, 1);
@@ -184,7 +182,7 @@ TEST(SceneValues, of_everything_else_are_read) {
   EXPECT_FALSE(scene.modes.count);
   EXPECT_FALSE(scene.modes.residual_flexibility);
   EXPECT_EQ(scene.modes.relative_residual, 1e-6);
-  EXPECT_EQ(scene.time.rate.value, 96000);
+  EXPECT_EQ(scene.time.rate_hz, 96000);
   EXPECT_THAT(scene.loads.gravity, ElementsAre(0, -9.81, 1));
   EXPECT_EQ(scene.output.every, 4);
   EXPECT_TRUE(scene.output.view);
@@ -202,7 +200,7 @@ TEST(SceneValues, of_rows_of_receivers_divide_the_output_rate) {
   const Override mic = "output.receiver=[{name=\"mic\",body=\"ball\",at=[0,0,1]}]";
   const auto every = [&](const char* rate, const char* set) {
     const Scene scene = scene_of(smallest, {mic, std::string("time.rate_hz=") + rate, set});
-    return scene.output.receivers_every(scene.time.rate);
+    return scene.output.receivers_every(scene.time.rate_hz);
   };
   EXPECT_EQ(every("352800", "title=any"), 1);
   EXPECT_EQ(every("352800", "output.every=100"), 8);
@@ -417,4 +415,4 @@ TEST(Title, is_refused_if_it_makes_file_names_too_long) {
             "255: shorten it");
 }
 
-}  // namespace read_test
+}  // namespace ricochet::scene::read_test

@@ -10,10 +10,9 @@
 #include "src/scene/read.hpp"
 #include "tests/scene/scenes.hpp"
 
-namespace refusals_test {
+namespace ricochet::scene::refusals_test {
 
-using namespace ricochet::scene;
-using namespace ricochet::scene::test;
+using namespace test;
 using ::testing::HasSubstr;
 
 /// The list of refusals, which describes its entries.
@@ -138,4 +137,4 @@ TEST(MostSimilar, is_none_for_a_word_that_shares_few_letters) {
   EXPECT_EQ(ricochet::base::most_similar("velo", words), "velocity");
 }
 
-}  // namespace refusals_test
+}  // namespace ricochet::scene::refusals_test

@@ -11,11 +11,9 @@
 
 #include "tests/scene/scenes.hpp"
 
-namespace request_test {
+namespace ricochet::scene::request_test {
 
-using namespace ricochet;
-using namespace ricochet::scene;
-using namespace ricochet::scene::test;
+using namespace test;
 using ::testing::ElementsAre;
 using ::testing::ElementsAreArray;
 
@@ -316,4 +314,4 @@ TEST(Rotation, by_any_angle_matches_the_closed_form) {
   EXPECT_NEAR(matrix[3], 0.5, 1e-15);
 }
 
-}  // namespace request_test
+}  // namespace ricochet::scene::request_test

@@ -8,11 +8,9 @@
 #include "src/scene/write.hpp"
 #include "tests/scene/scenes.hpp"
 
-namespace strikes_test {
+namespace ricochet::scene::strikes_test {
 
-using namespace ricochet;
-using namespace ricochet::scene;
-using namespace ricochet::scene::test;
+using namespace test;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -67,4 +65,4 @@ TEST(Strikes, are_written_as_such_and_read_back) {
   EXPECT_EQ(to_toml(back), text);
 }
 
-}  // namespace strikes_test
+}  // namespace ricochet::scene::strikes_test

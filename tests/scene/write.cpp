@@ -8,11 +8,9 @@
 
 #include "tests/scene/scenes.hpp"
 
-namespace write_test {
+namespace ricochet::scene::write_test {
 
-using namespace ricochet;
-using namespace ricochet::scene;
-using namespace ricochet::scene::test;
+using namespace test;
 using ::testing::HasSubstr;
 
 void expect_same(const Scene& a, Scene b) {
@@ -171,4 +169,4 @@ TEST(Slug, is_the_title_as_a_file_name) {
   EXPECT_EQ(slug(""), "scene");
 }
 
-}  // namespace write_test
+}  // namespace ricochet::scene::write_test

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Placements that are kept between runs, compared with newly computed ones.
+// Placements that are kept between runs, compared with newly computed ones, and the scene that they are made
+// of.
 #include <gtest/gtest.h>
+
+#include <algorithm>
 
 #include "src/scene/scene.hpp"
 #include "src/store/stored_kernels.hpp"
@@ -19,14 +22,7 @@ scene::Scene scene_of(double height) {
   out.bodies[1].name = "b";
   out.bodies[1].rotate_deg = {180, 0, 0};
   out.bodies[1].translate = {0, 0, height};
-  out.contact.pairs = {{.a = "a",
-                        .b = "b",
-                        .direction = {},
-                        .along = {},
-                        .spacing = {},
-                        .gap = 0.01,
-                        .reach = 0.2,
-                        .zone = {}}};
+  out.contact.pairs = {{{.a = "a", .b = "b", .gap = 0.01, .reach = 0.2}}};
   return out;
 }
 
@@ -68,6 +64,29 @@ TEST(PlacementStore, serves_bodies_in_the_same_positions_and_no_others) {
   expect_as_new();
   scene.bodies[1].translate[2] = 4.2;
   expect_as_new();
+}
+
+TEST(LibraryScene, has_all_settings_of_the_scene_that_was_read) {
+  const kernels::Kernel a = cap(8, 1, 0.3), b = cap(12, 3, 0.3);
+  scene::Scene scene = scene_of(4.2);
+  scene.bodies[0].velocity = {0, 0, 1};
+  scene.bodies[0].arrival = 0.1;
+  scene.obstacles = {{.name = "belt", .normal = {0, 0, 1}, .velocity = {1, 0, 0}}};
+  scene.contact.pairs[0].zone = 0.1;
+  scene.contact.scheme = Scheme::impulse;
+  scene.contact.max_pivots = 3;
+  scene.time.contact_rate_hz = 1e5;
+  scene.loads.gravity = {0, 0, -9.81};
+  Scene library = store::library_scene(scene, {&a, &b});
+  EXPECT_TRUE(static_cast<ContactScheme&>(library) == scene.contact);
+  EXPECT_TRUE(static_cast<Stepping&>(library) == scene.time);
+  EXPECT_EQ(library.obstacles, scene.obstacles);
+  EXPECT_TRUE(std::ranges::equal(library.pairs, scene.contact.pairs));
+  EXPECT_EQ(library.gravity, scene.loads.gravity);
+  ASSERT_EQ(library.bodies.size(), 2U);
+  EXPECT_EQ(library.bodies[1].kernel.get(), &b);
+  for (Body& body : library.bodies) body.kernel.reset();
+  EXPECT_TRUE(std::ranges::equal(library.bodies, scene.bodies));
 }
 
 }  // namespace placement_store_test

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "kernels/damping.hpp"
-#include "ricochet/units.hpp"
+#include "ricochet/scene.hpp"
 
 namespace ricochet::scene {
 
@@ -36,8 +36,8 @@ struct FineBall {
   bool operator==(const FineBall&) const = default;
 };
 
-struct Body {
-  std::string name;
+/// What meshes and kernels need beside the settings of the library, whose `kernel` it does not hold.
+struct Body : ricochet::Body {
   std::filesystem::path mesh;              ///< resolved against the scene's folder
   std::map<std::string, double> geometry;  ///< DefineConstant overrides of a .geo
   int order = 3;
@@ -46,13 +46,8 @@ struct Body {
   /// Whether ricochet-kernel chooses order, size_factor and refine for the accuracy.
   bool order_open = false, size_open = false, refine_open = false;
   double scale = 1;
-  Vector3 translate{};              ///< [m], after rotation
-  Vector3 rotate_deg{};             ///< about x, then y, then z, through the origin of the mesh
   std::vector<Material> materials;  ///< empty for an imported body
   Damping damping;
-  Vector3 velocity{};                ///< initial velocity of the centre of mass [m/s]
-  Vector3 angular_velocity{};        ///< initial, about the centre of mass, world axes [rad/s]
-  double arrival = 0;                ///< time at which it is at its place, with its velocity [s]
   std::string copy_of{};             ///< the mallet of which it is a copy, for a further strike
   std::vector<std::string> contact;  ///< physical groups that may touch
   /// Fixed components by physical group: a subset of "xyz", in that order.

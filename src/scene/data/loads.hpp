@@ -5,20 +5,16 @@
 #include <string>
 #include <vector>
 
-#include "ricochet/units.hpp"
+#include "ricochet/scene.hpp"
 
 namespace ricochet::scene {
 
-/// A force on a surface or at a point, or the displacement of a support or obstacle: `vector` times a
-/// piecewise linear history. The history is a CSV of t [s] and a factor, which is 0 before the first row and
-/// keeps its last value after the last row. Without a history, the factor is always 1: a dead load.
-struct Forcing {
-  /// Unique within a body or obstacle; default: the group, "point <number in the scene>", or the obstacle.
-  std::string name;
-  std::string body;   ///< empty for the motion of an obstacle
+/// A force on a surface or at a point, or the displacement of a support or obstacle. Its times and factors
+/// are those of a CSV of t [s] and a factor. Its name is unique within a body or obstacle; default: the
+/// group, "point <number in the scene>", or the obstacle.
+struct Forcing : ricochet::Forcing {
   std::string group;  ///< traction: physical surface; motion: support of the body
   Vector3 at{};       ///< point force: point of application in world axes, bodies as placed by the scene [m]
-  Vector3 vector{};   ///< in world axes: [Pa], [N] or [m]
   std::filesystem::path history{};  ///< resolved against the scene's folder; empty: constant
   std::string obstacle{};           ///< motion: an obstacle that moves along its surface, in place of a body
   bool operator==(const Forcing&) const = default;

@@ -39,8 +39,8 @@ struct Output {
   std::vector<Receiver> receivers;        ///< [[output.receiver]]
   std::optional<Sound> sound{};           ///< [output.sound]
   std::optional<Hertz> receivers_rate{};  ///< of rows of receivers; no value: see receivers_every
-  /// Output samples between rows of receivers, for `rate` output samples per second.
-  int receivers_every(Hertz rate) const;
+  /// Output samples between rows of receivers, for `rate_hz` output samples per second.
+  int receivers_every(double rate_hz) const;
   bool operator==(const Output&) const = default;
 };
 

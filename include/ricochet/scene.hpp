@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The scene that the library runs. The scene that programs read (src/scene/scene.hpp) has the same structs,
+// and beside them what meshes, kernels and files need. SI units; vectors are in world axes.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ricochet/friction.hpp"
+#include "ricochet/kernel.hpp"
+#include "ricochet/scheme.hpp"
+
+namespace ricochet {
+
+/// A constant kernel, shared by any number of simulations and threads.
+using SharedKernel = std::shared_ptr<const kernels::Kernel>;
+
+/// A kernel placed in the world: first rotated, then translated.
+struct Body {
+  std::string name;
+  SharedKernel kernel{};
+  Vector3 rotate_deg{};        ///< about the fixed axes x, then y, then z
+  Vector3 translate{};         ///< [m]
+  Vector3 velocity{};          ///< initial, of the centre of mass [m/s]
+  Vector3 angular_velocity{};  ///< initial, about the centre of mass, world axes [rad/s]
+  /// When it is at its place with its velocity [s]. Until then, it falls freely.
+  double arrival = 0;
+  bool operator==(const Body&) const = default;
+};
+
+/// A load of a kernel, or the motion of a support: `vector` times a factor that is 0 before its first time,
+/// linear between its times and constant after the last one. A support must not jump.
+struct Forcing {
+  std::string body;
+  std::string name;  ///< of the load, or of the support, in the kernel
+  bool support = false;
+  Vector3 vector{};  ///< of a load [Pa] or [N]; of a support [m]
+  /// Ascending [s]. Without times, the factor has always been 1: bodies start at rest under a dead load.
+  std::vector<double> time{};
+  std::vector<double> factor{};  ///< one for each time
+  bool operator==(const Forcing&) const = default;
+};
+
+/// A displacement along a surface: `vector` times a factor that is 0 before its first time, linear between
+/// its times and constant after the last one. It must not jump.
+struct Slide {
+  Vector3 vector{};              ///< [m]
+  std::vector<double> time{};    ///< ascending [s]
+  std::vector<double> factor{};  ///< one for each time
+  bool operator==(const Slide&) const = default;
+};
+
+/// Rigid half-space {x : (x − point)·normal ≤ 0}.
+struct HalfSpace {
+  std::string name;
+  Vector3 point{};     ///< [m]
+  Vector3 normal{};    ///< outward, of any nonzero length
+  Vector3 velocity{};  ///< along its surface [m/s], as of a conveyor belt; felt by pairs with friction only
+  std::vector<Slide> slides{};  ///< further motions along its surface
+  bool operator==(const HalfSpace&) const = default;
+};
+
+/// Two surfaces that may touch, by name.
+struct Pair {
+  std::string a;                       ///< a body
+  std::string b;                       ///< a body or a half-space
+  std::optional<Vector3> direction{};  ///< of contact, out of a; default: from the surface normals
+  /// Moves body a along the direction until the closest points have this gap [m].
+  std::optional<double> gap{};
+  std::optional<double> reach{};  ///< drops points whose initial gap is not below this [m]
+  /// Drops points whose initial gap exceeds that of the closest ones by this or more [m].
+  std::optional<double> zone{};
+  /// Coulomb friction, except of the impulse scheme. Kernels must then hold all three components, also of the
+  /// static correction, as those of a scene with contact.friction do. No value, or coefficients of 0:
+  /// frictionless.
+  std::optional<Friction> friction{};
+  bool operator==(const Pair&) const = default;
+};
+
+/// An audio channel: the motion of a point of a body along a direction. Unlike a receiver, it has one
+/// component, and it may be a contact candidate.
+struct Pickup {
+  std::string body;
+  std::string receiver{};     ///< a receiver of the kernel, by name; if empty, `candidate` is used
+  std::size_t candidate = 0;  ///< row of the kernel's surface.node, if no receiver is named
+  Vector3 direction{};        ///< of any nonzero length
+};
+
+struct Scene : ContactScheme, Stepping {
+  std::vector<Body> bodies{};
+  std::vector<HalfSpace> obstacles{};
+  std::vector<Pair> pairs{};
+  std::vector<Pickup> pickups{};
+  std::vector<Forcing> forcing{};
+  Vector3 gravity{};  ///< [m/s²]
+};
+
+}  // namespace ricochet
