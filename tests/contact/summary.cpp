@@ -376,13 +376,13 @@ TEST(Json, holds_what_the_summary_holds_and_null_for_what_is_not_known) {
   s.error_estimate =
       ErrorEstimate{.requested = {Quantity::impulse},
                     .by_cause = {{Cause::mesh, std::nullopt},
-                                 {Cause::modes, Errors{{Quantity::impulse, 1}, {Quantity::spin, 2}}},
+                                 {Cause::modes, Errors{{Quantity::impulse, 3}, {Quantity::spin, 6}}},
                                  {Cause::step, Errors{{Quantity::impulse, 4}, {Quantity::spin, 8}}}}};
   write_json(s, folder / "x.summary.json");
   std::ifstream again(folder / "x.summary.json");
   const auto estimate = nlohmann::json::parse(again)["error_estimate"];
-  const nlohmann::json impulse{{"total", 5.0}, {"mesh", nullptr}, {"modes", 1.0}, {"step", 4.0}},
-      spin{{"total", 10.0}, {"mesh", nullptr}, {"modes", 2.0}, {"step", 8.0}};
+  const nlohmann::json impulse{{"total", 5.0}, {"mesh", nullptr}, {"modes", 3.0}, {"step", 4.0}},
+      spin{{"total", 10.0}, {"mesh", nullptr}, {"modes", 6.0}, {"step", 8.0}};
   nlohmann::json expected = impulse;
   expected["quantity"] = "impulse";
   expected["quantities"] = {{"impulse", impulse}, {"spin", spin}};
