@@ -155,6 +155,18 @@ TEST(StepShare, is_near_the_true_error_of_the_step) {
     }
 }
 
+// Steps that do not sample all modes truncate their series at a front, where no order is proven.
+TEST(StepShare, assumes_no_order_of_steps_that_sample_only_some_modes) {
+  for (double step = 0.9; step > 0.1; step *= 0.95) {
+    Estimated estimated(subject(120));
+    const StepOptions options{.step = step};
+    const double error = true_error(*estimated.estimator.quantities(options)),
+                 share = largest(estimated.estimator.step(options));
+    EXPECT_LT(error, 2 * share) << "step " << step;
+    EXPECT_GT(error, 0.1 * share) << "step " << step;
+  }
+}
+
 // The error of a shock varies irregularly with the number of modes, as does the
 // estimate, so only most cases must hold.
 TEST(ModesShare, holds_for_nine_of_ten_numbers_of_modes_and_is_close_for_seven) {
