@@ -190,10 +190,10 @@ void trace_motions(const parallel::Teams& teams, const mesh::Mesh& mesh, const e
                    const Sources& sources, kernels::Kernel& kernel) {
   if (sources.motions.empty()) return;
   const reduction::Lift& lift = sources.lift;
-  const Eigen::MatrixXd at_candidates = spread(mesh, patches.weights, patches.geometry.size(),
-                                               patches.geometry.direction, FixedRows::filled),
-                        at_receivers = spread(mesh, sources.at_receivers, sources.receivers.size(), {},
-                                              FixedRows::filled);
+  const reduction::Loads at_candidates = spread(mesh, patches.weights, patches.geometry.size(),
+                                                patches.geometry.direction, FixedRows::filled),
+                         at_receivers = spread(mesh, sources.at_receivers, sources.receivers.size(), {},
+                                               FixedRows::filled);
   const Eigen::MatrixXd candidates = modes::inner(mesh.comm, at_candidates, lift.shape),
                         receivers = modes::inner(mesh.comm, at_receivers, lift.shape),
                         momentum = modes::inner(mesh.comm, body.rigid_load.leftCols(3), lift.shape) +
