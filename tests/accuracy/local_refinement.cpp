@@ -280,8 +280,7 @@ TEST(Decision, does_not_ask_for_the_same_elements_again) {
   EXPECT_EQ(decide(scene, settings, round, small).reason, "mesh");
 }
 
-// The balls of three points have 2·6·3·8.5·(order³/6)·3·(radius/size)³ unknowns: with 10⁵ modes, that is too
-// much.
+// With 10⁵ modes, the unknowns of the balls of three points are too much.
 TEST(Decision, does_not_ask_for_more_elements_near_contact_than_are_affordable) {
   const scene::Scene scene = scene_of_two();
   const auto round = round_of(4, {{Cause::mesh, 1e-4}, {Cause::spacing, 0.1}});
