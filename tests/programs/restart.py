@@ -14,14 +14,14 @@ import numpy as np
 import scenes
 from programs import BIN, DEADLOCK_S, ProgramTest, displacement_kernel, kernel
 
-# Three slices.
+# So many slices that a kill after two of them comes before the last one, however late this process is scheduled.
 SCENE = scenes.block_on_floor(
-    "Restart", "count = 300", "direction = [0, 0, -1]\nspacing = 0.4", "duration = 1.0"
+    "Restart", "count = 600", "direction = [0, 0, -1]\nspacing = 0.4", "duration = 1.0"
 )
 
 
-def kill_all(out):
-    """Sends SIGKILL to mpirun and to every rank of the run that writes to `out`."""
+def kill_ranks(out):
+    """Sends SIGKILL to every rank of the run that writes to `out`, also to those that mpirun has only just forked."""
     for process in Path("/proc").glob("[0-9]*"):
         try:
             words = (process / "cmdline").read_bytes()
@@ -43,8 +43,10 @@ class Restart(ProgramTest):
         limit = time.monotonic() + DEADLOCK_S
         while self.slices(out) < slices and process.poll() is None and time.monotonic() < limit:
             time.sleep(0.002)
-        kill_all(out)
+        # mpirun first: it could start a rank after the others have been killed, which would finish the kernel.
+        process.kill()
         process.wait()
+        kill_ranks(out)
 
     def test_after_kills_and_a_slice_that_was_damaged(self):
         self.write("block.geo", scenes.skewed_block(0.25))
@@ -55,11 +57,13 @@ class Restart(ProgramTest):
 
         for slices, ranks in ((0, 1), (1, 2), (2, 1)):
             self.killed_at(slices, broken, ranks)
-        first, second, *more = sorted(broken.glob("*.slices/slice-*.h5"))
-        self.assertEqual((more, list(broken.glob("*.kernel.h5"))), ([], []))
-        first.write_bytes(first.read_bytes()[: first.stat().st_size // 2])
+        finished = sorted(broken.glob("*.slices/slice-*.h5"))
+        self.assertGreaterEqual(len(finished), 2)
+        self.assertEqual(list(broken.glob("*.kernel.h5")), [])
+        damaged = finished[0]
+        damaged.write_bytes(damaged.read_bytes()[: damaged.stat().st_size // 2])
         run = self.succeed(kernel(self.scene, broken, ranks=3, quiet=False))
-        self.assertRegex(run.err, "1 of [23] ")  # the damaged one is computed again
+        self.assertRegex(run.err, f"{len(finished) - 1} of [0-9]+ ")  # the damaged one is computed again
         self.assertEqual(self.slices(broken), 0)
         (one,), (other,) = whole.glob("*.kernel.h5"), broken.glob("*.kernel.h5")
         times = np.linspace(0, 5, 40)
