@@ -16,9 +16,8 @@ double largest(const Errors& errors, const std::vector<Quantity>& requested) {
   return out;
 }
 
-/// Shares of the accuracy allowed for the step, for fewer contact points and for single precision. With fewer
-/// points, the estimate of the spacing rises further than the results change, to at most `of_estimate`.
-constexpr double of_step = 0.2, of_spacing = 0.1, of_estimate = 0.3, of_precision = 0.05;
+/// Shares of the accuracy allowed for the step, for fewer contact points and for single precision.
+constexpr double of_step = 0.2, of_spacing = 0.1, of_precision = 0.05;
 
 /// The search for the step starts with at least `first_steps` steps of the run. Once the longest contact has
 /// `enough_to_see` of them, its duration is known, and the search goes on with `first_of_contact` in it. The
@@ -112,7 +111,8 @@ Precision chosen_precision(Estimator& estimator, const DialRequest& request,
 }  // namespace
 
 Dialled dial(const Subject& subject, Model model, DialRequest request) {
-  auto estimator = std::make_unique<Estimator>(subject, std::move(model));
+  Estimator of_all(subject, std::move(model));
+  Estimator* estimator = &of_all;
   Dialled out;
   const auto with_model = [&] {
     out.model = std::move(*estimator).take_model();
@@ -130,23 +130,17 @@ Dialled dial(const Subject& subject, Model model, DialRequest request) {
     return with_model();
   }
 
-  std::optional<Errors> by_coarsening;
   while (request.choose_points) {
-    std::unique_ptr<Estimator>& coarser = estimator->coarser();
-    const auto fewer = coarser ? coarser->quantities(options) : std::nullopt;
+    Estimator* const coarser = estimator->coarser();
+    const auto fewer = coarser != nullptr ? coarser->quantities(options) : std::nullopt;
     if (!fewer || !alike(*all, *fewer, subject, request.accuracy)) break;
-    const auto left = coarser->spacing(options);
-    if (!left || largest(*left, subject.requested) > of_estimate * request.accuracy) break;
-    by_coarsening = distances(*all, *fewer);
-    estimator = std::exchange(coarser, nullptr);
+    estimator = coarser;
   }
   if (request.choose_precision)
     options.precision = *(out.precision = chosen_precision(*estimator, request, subject.requested));
   out.estimate = estimator->estimate(options);
   out.mesh_change = estimator->mesh_change();
   out.quantities = estimator->quantities(options);
-  if (auto& spacing = out.estimate->by_cause.at(Cause::spacing); spacing && by_coarsening)
-    for (auto& [quantity, error] : *spacing) error = std::max(error, by_coarsening->at(quantity));
   refuse_growing_changes(*out.estimate, estimator->growing_change(), request.accuracy);
   return with_model();
 }

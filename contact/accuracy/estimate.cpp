@@ -40,19 +40,25 @@ Errors remaining_of_proven_order(Errors change, const std::optional<Errors>& bef
   return change;
 }
 
-/// Smallest and largest ρ of e_q.
-constexpr double first_order = 0.5, slowest = 0.6;
+/// Ratios of successive errors that are assumed where nothing proves an order.
+struct Assumed {
+  double pace;   ///< smallest ρ of e_q
+  double floor;  ///< 2^−q: d counts at least as this part of d'
+};
 
-/// 2^−q of e_q for modes and points, and for meshes.
-constexpr double of_series = 0.5, of_mesh = 0.25;
+/// Of modes, of points on edges and faces, and of elements of rods; of points on smooth surfaces, 2^(−3/2);
+/// of other elements.
+constexpr Assumed of_series{0.5, 0.5}, of_smooth_points{0.354, 0.354}, of_mesh{0.5, 0.25};
 
-/// e_q(d, d') of the header for each quantity. @param floor  2^−q
-Errors remaining(Errors change, const std::optional<Errors>& before, double floor) {
+/// Largest ρ of e_q.
+constexpr double slowest = 0.6;
+
+/// e_q(d, d') of the header for each quantity.
+Errors remaining(Errors change, const std::optional<Errors>& before, const Assumed& assumed) {
   for (auto& [quantity, d] : change) {
-    const auto earlier = previous(before, quantity);
-    if (!earlier) continue;  // ρ = ½
-    const double pace = d > 0 ? std::clamp(d / *earlier, first_order, slowest) : first_order;
-    d = std::max(d, floor * *earlier) * pace / (1 - pace);
+    const double earlier = previous(before, quantity).value_or(0);
+    const double pace = d > 0 && earlier > 0 ? std::clamp(d / earlier, assumed.pace, slowest) : assumed.pace;
+    d = std::max(d, assumed.floor * earlier) * pace / (1 - pace);
   }
   return change;
 }
@@ -138,6 +144,16 @@ bool is_determinate(const std::vector<Support>& supports) {
   return std::ranges::any_of(supports, [](const Support& s) { return s.points > 0 && s.points <= s.kind; });
 }
 
+/// Whether bodies meet at one place of smooth surfaces, where the pressure falls to 0 like a square root, as
+/// in Hertz's theory, and patches follow it with the order 3/2.
+bool is_smooth(const Model& model, const Quantities& run, const std::vector<Support>& supports) {
+  if (std::ranges::any_of(supports, [](const Support& s) { return s.kind > 1; })) return false;
+  for (Eigen::Index i = 0; i < model.points(); ++i)
+    if (run.pressed.empty() || run.pressed[static_cast<std::size_t>(i)])
+      if (model.bulge.size() == 0 || !(model.bulge(i) > 0)) return false;
+  return true;
+}
+
 bool is_rod(const kernels::Kernel& kernel) { return kernel.surface.corners() == 1; }
 
 bool are_rods(const Model& model) {
@@ -212,17 +228,20 @@ StepOptions with_step(StepOptions options, double step) {
   return options;
 }
 
-Estimator::Estimator(const Subject& subject, Model model, int coarsenings)
-    : subject_(subject), model_(std::move(model)), coarsenings_(coarsenings) {}
+Estimator::Estimator(const Subject& subject, Model model, Estimator* finer)
+    : subject_(subject),
+      model_(std::move(model)),
+      finer_(finer),
+      coarsenings_(finer != nullptr ? finer->coarsenings_ + 1 : 0) {}
 
-std::unique_ptr<Estimator>& Estimator::coarser() {
+Estimator* Estimator::coarser() {
   if (!coarser_) {
     coarser_.emplace();
     Model wide = coarsened(model_);
     if (wide.gap.size() < model_.gap.size())
-      *coarser_ = std::make_unique<Estimator>(subject_, std::move(wide), coarsenings_ + 1);
+      *coarser_ = std::make_unique<Estimator>(subject_, std::move(wide), this);
   }
-  return *coarser_;
+  return coarser_->get();
 }
 
 std::optional<Quantities> Estimator::run(const Model& model, const StepOptions& options) const {
@@ -359,9 +378,17 @@ std::optional<Errors> Estimator::basis(const StepOptions& options, const Quantit
   return scaled(*last, left < made ? left / made : 1);
 }
 
-std::optional<Errors> Estimator::spacing(const StepOptions& options) {
+std::optional<Errors> Estimator::spacing(StepOptions options) {
+  options.precision = Precision::float64;  // runs that the choice of points has made
   const auto base = quantities(options);
   if (!base) return std::nullopt;
+  if (finer_ != nullptr) {
+    auto out = finer_->spacing(options);
+    const auto last = change(finer_->quantities(options), base);
+    if (!out || !last) return std::nullopt;
+    for (auto& [quantity, error] : *out) error += last->at(quantity);
+    return out;
+  }
   const bool rods =
       std::ranges::all_of(model_.bodies, [](const Bodies::Block& body) { return is_rod(*body.kernel); });
   if (rods) return none(*base);  // their ends are points
@@ -369,17 +396,18 @@ std::optional<Errors> Estimator::spacing(const StepOptions& options) {
     return pair.points == 1 &&
            (base->pressed.empty() || base->pressed[static_cast<std::size_t>(pair.first_point)]);
   });
-  Estimator* const wide = coarser().get();
+  Estimator* const wide = coarser();
   if (single || !wide) return std::nullopt;
   const auto once = wide->quantities(options);
   const auto last = change(base, once);
   const std::vector<Support> support = supports(model_, *base);
   if (!last || !holds_alike(support, supports(wide->model_, *once))) return std::nullopt;
-  Estimator* const wider = wide->coarser().get();
+  Estimator* const wider = wide->coarser();
   const auto twice = wider ? wider->quantities(options) : std::nullopt;
   const std::vector<Support> left = twice ? supports(wider->model_, *twice) : std::vector<Support>{};
   const bool comparable = twice && holds_alike(support, left) && !is_determinate(left);
-  return remaining(*last, comparable ? change(once, twice) : std::nullopt, of_series);
+  return remaining(*last, comparable ? change(once, twice) : std::nullopt,
+                   is_smooth(model_, *base, support) ? of_smooth_points : of_series);
 }
 
 std::optional<Errors> Estimator::mesh(const StepOptions& options, const Quantities& base) {

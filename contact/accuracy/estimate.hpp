@@ -17,9 +17,12 @@
 //   basis        d₂ ε/ε₂ for Ritz vectors that were made with a flexibility error ε; ε₂ is the error of those
 //                up to half of the band (kernels/band.hpp). Unknown on rods: their vectors ring at
 //                frequencies of their own, which no run with fewer vectors reveals
-//   spacing      e₁(d₂, d₄) with points twice and four times as far apart. Unknown if a pair of surfaces has
-//                one point, which cannot be coarsened, or if the coarser points do not hold the bodies as
-//                before: not one point of two on an edge. d₄ is unknown if only the wider ones do not
+//   spacing      e_q(d₂, d₄) with points twice and four times as far apart; q = 3/2 where smooth surfaces
+//   meet
+//                at one place, 1 elsewhere. Unknown if a pair of surfaces has one point, which cannot be
+//                coarsened, or if the coarser points do not hold the bodies as before: not one point of two
+//                on an edge. d₄ is unknown if only the wider ones do not. Coarsened points have the share of
+//                the points before, and the change from them
 //   mesh         e₂(d₁, d₂) with the next coarser mesh, and the one before it. If both have the same elements
 //                near contact, or elsewhere, e₂(d) of these besides. If the coarser one has a narrower band,
 //                the whole change by the modes between the two besides
@@ -32,10 +35,12 @@
 //
 //   e(d, d')     of an order that is proven, 1 or 2: ρ is at most ½, the ratio of errors of first order (and
 //                the value used if d' is unknown), and d counts at least as d'/4, the ratio of second order
-//   e_q(d, d')   of an order that nothing proves: ρ is at least ½, and at most 0.6; d counts at least as
-//                d'/2^q. The series of modes and of points converge with the first order where a front meets
-//                them, and so do the elements of rods; their changes fluctuate (q = 1). Elements of other
-//                bodies converge at least with the second order, but not always faster (q = 2)
+//   e_q(d, d')   of an order that nothing proves: ρ is at least ½, or 2^−q if q < 2, and at most 0.6; d
+//                counts at least as d'/2^q. The series of modes and of points converge with the first order
+//                where a front meets them, and so do the elements of rods; their changes fluctuate (q = 1).
+//                Patches on smooth surfaces follow the square root with which pressure falls to 0 (q = 3/2).
+//                Elements of other bodies converge at least with the second order, but a higher order of
+//                elements does not always help more (q = 2)
 #pragma once
 
 #include <functional>
@@ -77,23 +82,24 @@ struct Subject {
 /// Runs a subject again and keeps the quantities of each run.
 class Estimator {
  public:
-  /// @param model  built from the subject's kernels, with points coarsened `coarsenings` times
-  /// `subject` must outlive the estimator.
-  Estimator(const Subject& subject, Model model, int coarsenings = 0);
+  /// @param model  built from the subject's kernels
+  /// @param finer  of a model with points coarsened once less; null if they are not coarsened
+  /// `subject` and `finer` must outlive the estimator.
+  Estimator(const Subject& subject, Model model, Estimator* finer = nullptr);
 
   const Model& model() const { return model_; }
   Model take_model() && { return std::move(model_); }
 
   /// An estimator of the subject with points coarsened once more, created by the first call; null if
   /// coarsening removes no point.
-  std::unique_ptr<Estimator>& coarser();
+  Estimator* coarser();
 
   /// Quantities of the subject itself. @return no value if a step fails
   const std::optional<Quantities>& quantities(const StepOptions& options);
 
   std::optional<Errors> step(const StepOptions& options);
   std::optional<Errors> precision(const StepOptions& options);
-  std::optional<Errors> spacing(const StepOptions& options);
+  std::optional<Errors> spacing(StepOptions options);
   /// Change from the next coarser mesh to that of the subject; no value if unknown.
   const std::optional<Errors>& mesh_change() const { return mesh_change_; }
   /// The largest change of a requested quantity by the upper half of the band, of those that exceed twice the
@@ -121,7 +127,8 @@ class Estimator {
 
   const Subject& subject_;
   Model model_;
-  int coarsenings_;
+  Estimator* finer_;
+  int coarsenings_;                                    ///< of the points
   std::optional<std::unique_ptr<Estimator>> coarser_;  ///< no value before coarser() is called
   std::map<std::pair<double, Precision>, std::optional<Quantities>> quantities_;  ///< by step and precision
   std::map<std::pair<double, double>, std::optional<Quantities>> up_to_;  ///< by share of the band and step

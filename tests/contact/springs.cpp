@@ -15,6 +15,7 @@
 #include "tests/contact/falling_body.hpp"
 #include "tests/contact/heap_counter.hpp"
 #include "tests/contact/sliding.hpp"
+#include "tests/contact/sphere_on_patches.hpp"
 
 namespace springs_test {
 
@@ -23,40 +24,6 @@ using namespace ricochet::contact;
 using namespace ricochet::contact::test;
 
 constexpr double pi = std::numbers::pi;
-
-/// A sphere on an elastic half-space, in units of the spacing of its candidates, and its only patch: the hat
-/// (1 − |x|)(1 − |y|) around the point of contact. Forces are in units of E* h².
-struct SphereOnPatch {
-  double radius = 20;
-
-  /// Mean of (x² + y²)/2R over the hat: ∫ x² (1 − |x|) dx = 1/6 along each axis.
-  double bulge() const { return 1 / (6 * radius); }
-  /// Boussinesq: a unit force at the distance r displaces the surface by 1/(π E* r). Mean of that over the
-  /// hat at (x, y) for a force distributed like the hat at the origin. The correlation of two hats is the
-  /// cubic B-spline.
-  static double flexibility(double x = 0, double y = 0) {
-    const auto spline = [](double t) {
-      t = std::abs(t);
-      return t < 1 ? 2.0 / 3 - t * t + t * t * t / 2 : t < 2 ? std::pow(2 - t, 3) / 6 : 0;
-    };
-    const double distance = std::hypot(x, y), reach = distance + std::sqrt(8);
-    if (distance > 4) return 1 / (pi * distance);  // to 1 %
-    const int rings = 300, rays = 256;
-    double sum = 0;
-    for (int i = 0; i < rings; ++i)
-      for (int k = 0; k < rays; ++k) {
-        const double r = reach * (i + 0.5) / rings, angle = 2 * pi / rays * (k + 0.5);
-        sum += spline(r * std::cos(angle) - x) * spline(r * std::sin(angle) - y);
-      }
-    return sum * (reach / rings) * (2 * pi / rays) / pi;
-  }
-  /// Hertz: F = 4/3 √R δ^(3/2).
-  double force(double approach) const { return 4.0 / 3 * std::sqrt(radius) * std::pow(approach, 1.5); }
-  /// F/δ^(3/2) of the spring and R, from R λ + s = 3 b^(1/3) (R λ/2)^(2/3).
-  double law() const { return 2 / flexibility() / std::sqrt(27 * bulge()); }
-  /// Approach at which λ R_ii = 2b.
-  double filled() const { return 3 * bulge(); }
-};
 
 // 4 %: what the law is off for this patch at any force below 2b/R_ii, because R_ii and the bulge are means
 // with the weight of the hat, whereas Hertz's pressure is an ellipse. The force then errs by 1.5 times that.
@@ -265,40 +232,10 @@ Model falling_sphere(double speed) {
   return model;
 }
 
-/// A rigid sphere of unit mass that falls on many patches.
-/// @param aside  whether it meets the half-space between four candidates, otherwise at one
-/// @param farthest  distance of the candidates from there
-Model sphere_on_patches(double radius, double farthest, bool aside, double speed) {
-  const int reach = static_cast<int>(farthest) + 1;
-  const double middle = aside ? 0.5 : 0;
-  std::vector<Eigen::Vector2i> at;
-  for (int x = -reach; x <= reach; ++x)
-    for (int y = -reach; y <= reach; ++y)
-      if (std::hypot(x - middle, y - middle) <= farthest) at.emplace_back(x, y);
-  Eigen::MatrixXd by_distance(2 * reach + 2, 2 * reach + 2);
-  for (int x = 0; x < by_distance.rows(); ++x)
-    for (int y = 0; y <= x; ++y) by_distance(x, y) = by_distance(y, x) = SphereOnPatch::flexibility(x, y);
-  const auto m = static_cast<Eigen::Index>(at.size());
-  Model model = blank(1, m);
-  model.B.setOnes();
-  model.v0(0) = speed;
-  model.bulge = Vector::Constant(m, SphereOnPatch{radius}.bulge());
-  for (Eigen::Index i = 0; i < m; ++i) {
-    const Eigen::Vector2i x = at[static_cast<std::size_t>(i)];
-    model.gap(i) = (x.cast<double>().array() - middle).matrix().squaredNorm() / (2 * radius);
-    for (Eigen::Index j = 0; j < m; ++j) {
-      const Eigen::Vector2i d = (x - at[static_cast<std::size_t>(j)]).cwiseAbs();
-      model.R(i, j) = by_distance(d.x(), d.y());
-    }
-  }
-  return model;
-}
-
-// Hertz: ½ m v² = 2/5 F δ at the largest approach, and the contact lasts 2.9432 δ/v. The peak force of a
-// single patch errs like the force of its law to the power 2/5, by 2.1 %. With fewer than two candidates
-// across the contact radius, the error of the peak depends on where the contact is; it is at most 6 % about a
-// candidate. Between candidates, a contact below a patch starts late, because it is closer than any point at
-// which gaps are known.
+// The peak force of a single patch errs like the force of its law to the power 2/5, by 2.1 %. With fewer than
+// two candidates across the contact radius, the error of the peak depends on where the contact is; it is at
+// most 6 % about a candidate. Between candidates, a contact below a patch starts late, because it is closer
+// than any point at which gaps are known.
 TEST(Springs, carry_a_blow_of_Hertz_on_any_number_of_patches) {
   struct Case {
     double across;
@@ -316,11 +253,8 @@ TEST(Springs, carry_a_blow_of_Hertz_on_any_number_of_patches) {
                         {1.5, true, 0.95, 1, 4},
                         {2, true, 0.99, 1.03, 12}}) {
     SCOPED_TRACE(c.across);
-    const double radius = 1e4, K = 4.0 / 3 * std::sqrt(radius), approach = c.across * c.across / radius;
-    const double speed = std::sqrt(0.8 * K * std::pow(approach, 2.5)), peak = K * std::pow(approach, 1.5);
-    const double duration = 2.9432 * approach / speed;
-    const Model model = sphere_on_patches(radius, 1.15 * c.across + 1.6, c.aside, speed);
-    const auto stepper = make_stepper(model, {.step = duration / 50});
+    const SphereOnPatches blow(c.across, c.aside);
+    const auto stepper = make_stepper(blow.model, {.step = blow.duration / 50});
     double largest = 0;
     int touched = 0;
     for (int k = 0; k < 70; ++k) {
@@ -328,11 +262,11 @@ TEST(Springs, carry_a_blow_of_Hertz_on_any_number_of_patches) {
       largest = std::max(largest, stepper->end_force().sum());
       touched = std::max(touched, stepper->active());
     }
-    EXPECT_GT(largest / peak, c.least);
-    EXPECT_LT(largest / peak, c.most);
+    EXPECT_GT(largest / blow.peak, c.least);
+    EXPECT_LT(largest / blow.peak, c.most);
     EXPECT_EQ(stepper->active(), 0);
     EXPECT_GE(touched, c.touched);
-    EXPECT_NEAR(stepper->modal()->v(0), -speed, 3e-4 * speed);
+    EXPECT_NEAR(stepper->modal()->v(0), -blow.speed, 3e-4 * blow.speed);
   }
 }
 
