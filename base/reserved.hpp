@@ -8,6 +8,8 @@
 #include <memory>
 #include <utility>
 
+#include "base/aligned.hpp"
+
 namespace ricochet::base {
 
 /// An array of fixed capacity. The system provides memory only for entries that have been written, so a large
@@ -16,7 +18,8 @@ namespace ricochet::base {
 template <class T>
 class Reserved {
  public:
-  explicit Reserved(std::size_t capacity = 0) : capacity_(capacity), entries_(new T[capacity]) {
+  explicit Reserved(std::size_t capacity = 0)
+      : capacity_(capacity), entries_(Aligned<T>().allocate(capacity)) {
     // Small arrays are written now, so that a step in real time does not wait for pages.
     if (capacity * sizeof(T) <= small) std::fill_n(entries_.get(), capacity, T());
   }
@@ -54,7 +57,10 @@ class Reserved {
   static constexpr std::size_t small = std::size_t{1} << 20;  // bytes
 
   std::size_t capacity_, size_ = 0;
-  std::unique_ptr<T[]> entries_;
+  struct Release {
+    void operator()(T* at) const noexcept { Aligned<T>().deallocate(at, 0); }
+  };
+  std::unique_ptr<T[], Release> entries_;
 };
 
 }  // namespace ricochet::base

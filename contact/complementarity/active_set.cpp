@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "contact/simd/dense.hpp"
+
 namespace ricochet::contact {
 namespace {
 
@@ -25,6 +27,7 @@ ActiveSet::ActiveSet(int capacity)
   is_active_.resize(n);
   row_.resize(n);
   d_.resize(n);
+  reciprocal_.resize(n);
 }
 
 void ActiveSet::clear() noexcept {
@@ -53,6 +56,7 @@ bool ActiveSet::enter(const Symmetric& S, int j, bool trusted) noexcept {
   factor_.resize(static_cast<std::size_t>((count_ + 1) * stride_));
   for (int k = 0; k < count_; ++k) *at(count_, k) = row_[k];
   *at(count_, count_) = std::sqrt(schur);
+  reciprocal_[count_] = 1 / *at(count_, count_);
   active_[count_++] = j;
   is_active_[j] = 1;
   return true;
@@ -78,6 +82,7 @@ void ActiveSet::leave(int position) noexcept {
       fresh[i] = cosine * a + sine * b;
       l[i] = cosine * b - sine * a;
     }
+    reciprocal_[c] = 1 / fresh[0];
   }
 }
 
@@ -91,22 +96,14 @@ bool ActiveSet::renew(const Symmetric& S) noexcept {
 
 void ActiveSet::minimise(const Eigen::Ref<const Eigen::VectorXd>& r, std::vector<double>& z) const noexcept {
   for (int k = 0; k < count_; ++k) z[k] = r(active_[k]);
-  auto x = head(z, count_);
-  if (count_ > few) {
-    factor().triangularView<Eigen::Lower>().solveInPlace(x);
-    factor().transpose().triangularView<Eigen::Upper>().solveInPlace(x);
+  if (count_ <= few) {
+    simd::dense().solve_factor(static_cast<std::size_t>(count_), factor_.data(),
+                               static_cast<std::size_t>(stride_), reciprocal_.data(), z.data());
     return;
   }
-  for (int c = 0; c < count_; ++c) {
-    const double* const l = factor_.data() + c * stride_;
-    z[c] /= l[c];
-    for (int k = c + 1; k < count_; ++k) z[k] -= l[k] * z[c];
-  }
-  for (int c = count_ - 1; c >= 0; --c) {
-    const double* const l = factor_.data() + c * stride_;
-    for (int k = c + 1; k < count_; ++k) z[c] -= l[k] * z[k];
-    z[c] /= l[c];
-  }
+  auto x = head(z, count_);
+  factor().triangularView<Eigen::Lower>().solveInPlace(x);
+  factor().transpose().triangularView<Eigen::Upper>().solveInPlace(x);
 }
 
 }  // namespace ricochet::contact

@@ -60,8 +60,9 @@ class ActiveSet {
   int count_ = 0;
   std::vector<int> active_;
   std::vector<char> is_active_;
-  base::Reserved<double> factor_;  ///< (p, stride) columns of L, S_PP = L Lᵀ
-  std::vector<double> row_;        ///< (p) scratch
+  base::Reserved<double> factor_;   ///< (p, stride) columns of L, S_PP = L Lᵀ
+  std::vector<double> reciprocal_;  ///< (p) of the diagonal of L
+  std::vector<double> row_;         ///< (p) scratch
   std::vector<double> d_;
 };
 

@@ -19,7 +19,7 @@ class BorderedFactor {
   explicit BorderedFactor(int capacity);
 
   /// The matrix J to be factored, (n,n) with uninitialised entries. Removes the border.
-  Eigen::Map<Eigen::MatrixXd> begin(int n) noexcept {
+  ReservedMatrix::View begin(int n) noexcept {
     size_ = n;
     border_ = 0;
     return factor_.begin(n);

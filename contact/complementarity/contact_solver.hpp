@@ -73,6 +73,10 @@ class ContactSolver {
   bool product(const Eigen::Ref<const Eigen::VectorXd>& p, Eigen::Ref<Eigen::VectorXd> out) noexcept {
     return with_friction_ && friction_.product(p, out);
   }
+  /// Whether any problem so far was cut short.
+  bool was_limited() const {
+    return frictionless_.statistics().limited + friction_.statistics().limited + newton_.stopped() > 0;
+  }
   /// Of the linear problems; `limited` includes those in which springs did not converge.
   SolveStatistics statistics() const {
     return frictionless_.statistics() + friction_.statistics() +

@@ -77,17 +77,17 @@ void FrictionSystem::renew_factor() noexcept {
   const double ridge = proximal * sizes_.diagonal;
   int c = 0;
   const auto set_column = [&](const double* of) {
-    compress(of, Columns::E, J.data() + static_cast<std::ptrdiff_t>(c) * unknowns);
+    compress(of, Columns::E, &J(0, c));
     J(c, c) += ridge;
     ++c;
   };
   for (int k = 0; k < count_; ++k) {
     const Touch& touch = touch_[k];
     if (touch.state == ContactState::open) continue;
-    const double* const first = A_.view().data() + static_cast<std::ptrdiff_t>(touch.row) * rows_;
-    const double *const second = first + rows_, *const third = second + rows_;
+    const double *const first = A_.column(touch.row), *const second = first + A_.stride(),
+                        *const third = second + A_.stride();
     if (touch.rows() == 1 || touch.state == ContactState::stick) {
-      for (int d = 0; d < touch.rows(); ++d) set_column(first + static_cast<std::ptrdiff_t>(d) * rows_);
+      for (int d = 0; d < touch.rows(); ++d) set_column(A_.column(touch.row + d));
       continue;
     }
     const double x = touch.direction.x(), y = touch.direction.y(), mu = touch.coefficient;
@@ -117,10 +117,9 @@ bool FrictionSystem::holds_states() const noexcept {
 void FrictionSystem::append_unknown(int k, const Vector3d& move, const Vector3d& equation,
                                     double turning) noexcept {
   const auto multiply = [&](const Vector3d& x) {
-    const double* const A = A_.view().data() + static_cast<std::ptrdiff_t>(touch_[k].row) * rows_;
     std::fill_n(column_.begin(), rows_, 0.0);
     for (int d = 0; d < touch_[k].rows(); ++d) {
-      const double* const a = A + static_cast<std::ptrdiff_t>(d) * rows_;
+      const double* const a = A_.column(touch_[k].row + d);
       if (const double factor = x(d); factor != 0)
         for (int i = 0; i < rows_; ++i) column_[i] += factor * a[i];
     }

@@ -82,7 +82,7 @@ void FrictionSystem::evaluate() noexcept {
   const auto n = static_cast<std::size_t>(rows_);
   // Rounding is least if the sum begins with −r, which it nearly cancels.
   for (int i = 0; i < rows_; ++i) w_[i] = -r_[i];
-  simd::add_product(n, A_.view().data(), n, p_.data(), w_.data());
+  simd::add_product(n, A_.column(0), static_cast<std::size_t>(A_.stride()), p_.data(), w_.data());
   for (int i = 0; i < rows_; ++i) product_[i] = w_[i] + r_[i];
   set_tolerances();
 }
@@ -245,7 +245,7 @@ FrictionPoint FrictionSystem::local(int k) const noexcept {
   point.coefficient = touch_[k].coefficient;
   Vector3d w;
   for (int d = 0; d < 3; ++d) {
-    const double* const column = A_.view().data() + static_cast<std::ptrdiff_t>(row + d) * rows_;
+    const double* const column = A_.column(row + d);
     w(d) = Map<const Eigen::VectorXd>(column, rows_).dot(Map<const Eigen::VectorXd>(p_.data(), rows_)) -
            r_[row + d];
     point.S.col(d) = Map<const Vector3d>(column + row);
@@ -268,7 +268,7 @@ void FrictionSystem::sweep() noexcept {
     Touch& touch = touch_[k];
     const int row = touch.row;
     if (touch.rows() == 1) {
-      const double* const column = A_.view().data() + static_cast<std::ptrdiff_t>(row) * rows_;
+      const double* const column = A_.column(row);
       const double w =
           Map<const Eigen::VectorXd>(column, rows_).dot(Map<const Eigen::VectorXd>(p_.data(), rows_)) -
           r_[row];
@@ -410,7 +410,7 @@ bool FrictionSystem::find_another(SolveStatistics& statistics) noexcept {
   };
   for (int k = 0; k < count_; ++k) {
     const Touch& touch = touch_[k];
-    const double* const column = A_.view().data() + static_cast<std::ptrdiff_t>(touch.row) * (rows_ + 1);
+    const double* const column = A_.column(touch.row) + touch.row;
     if (touch.rows() == 1 || column[0] > touch.coefficient * std::hypot(column[1], column[2])) continue;
     const FrictionPoint::Solutions found = local(k).solve(true);
     for (int i = 0; i < found.count; ++i) {

@@ -50,9 +50,9 @@ class FrictionSystem {
   Touch& operator[](int k) { return touch_[k]; }
   const Touch& operator[](int k) const { return touch_[k]; }
 
-  Eigen::Map<Eigen::MatrixXd> A() { return A_.view(); }  ///< (m,m)
-  double* p() { return p_.data(); }                      ///< (m)
-  double* r() { return r_.data(); }                      ///< (m)
+  ReservedMatrix::View A() { return A_.view(); }  ///< (m,m)
+  double* p() { return p_.data(); }               ///< (m)
+  double* r() { return r_.data(); }               ///< (m)
   const double* p() const { return p_.data(); }
   const double* w() const { return w_.data(); }  ///< (m) A p − r
   /// (m) A p of the forces that were multiplied last.
@@ -115,7 +115,7 @@ class FrictionSystem {
   void sweep() noexcept;
   FrictionPoint local(int k) const noexcept;
   void set(int k, const FrictionPoint::Solution& solution) noexcept;
-  double entry(int row) const { return A_.view()(row, row); }
+  double entry(int row) const { return A_.column(row)[row]; }
   double tangential_entry(int row) const { return std::max(entry(row + 1), entry(row + 2)); }
 
   /// What factor and border hold of a point.

@@ -23,9 +23,8 @@ PivotedFactor::PivotedFactor(int capacity)
 /// Factors columns first … last − 1, which hold the Schur complement, one by one.
 void PivotedFactor::factor_one_by_one(int first, int last) noexcept {
   const int n = size_;
-  double* const a = matrix_.view().data();
   for (int c = first; c < last; ++c) {
-    double* const column = a + static_cast<std::ptrdiff_t>(c) * n;
+    double* const column = matrix_.column(c);
     int pivot = c;
     for (int i = c + 1; i < n; ++i)
       if (std::abs(column[i]) > std::abs(column[pivot])) pivot = i;
@@ -38,7 +37,7 @@ void PivotedFactor::factor_one_by_one(int first, int last) noexcept {
     const double inverse = 1 / column[c];
     for (int i = c + 1; i < n; ++i) column[i] *= inverse;
     for (int k = c + 1; k < last; ++k) {
-      double* const other = a + static_cast<std::ptrdiff_t>(k) * n;
+      double* const other = matrix_.column(k);
       const double factor = other[c];
       if (factor == 0) continue;
 #pragma GCC ivdep
@@ -75,8 +74,9 @@ void PivotedFactor::solve_lower(int first, int last, int from, int to) noexcept 
 void PivotedFactor::subtract_product(int first, int middle, int last, int from, int to) noexcept {
   if (middle == last || from == to) return;
   auto A = matrix_.view();
-  loops_->subtract_product(last - middle, to - from, middle - first, &A(middle, first), size_,
-                           &A(first, from), size_, &A(middle, from), size_);
+  const auto stride = static_cast<std::size_t>(matrix_.stride());
+  loops_->subtract_product(last - middle, to - from, middle - first, &A(middle, first), stride,
+                           &A(first, from), stride, &A(middle, from), stride);
 }
 
 /// Factors columns first … last − 1, which hold the Schur complement, by products of blocks (Toledo 1997).
@@ -101,8 +101,7 @@ bool PivotedFactor::solve(double* x) const noexcept {
   if (!(least_pivot_ > 0)) return false;
   const int n = size_;
   for (int c = 0; c < n; ++c) std::swap(x[c], x[exchange_[c]]);
-  const double* const a = matrix_.view().data();
-  const auto column = [&](int c) { return a + static_cast<std::ptrdiff_t>(c) * n; };
+  const auto column = [&](int c) { return matrix_.column(c); };
   // Four columns at once load and store x once. Each loop begins with the triangle of its four.
   const auto subtract = [&](int first, int from, int count) {
     const double* const four[] = {column(first) + from, column(first + 1) + from, column(first + 2) + from,

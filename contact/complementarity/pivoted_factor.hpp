@@ -15,7 +15,7 @@ class PivotedFactor {
   explicit PivotedFactor(int capacity);
 
   /// The matrix to be factored, (n,n) with uninitialised entries.
-  Eigen::Map<Eigen::MatrixXd> begin(int n) noexcept {
+  ReservedMatrix::View begin(int n) noexcept {
     size_ = n;
     return matrix_.begin(n);
   }

@@ -136,7 +136,6 @@ StepTrial ContactLaw::solve(const StepMatrices& matrices, const MeanForce& befor
   }
   knows_products_ = true;
   if (slip != nullptr) slip->begin_trial();
-  for (Vector* x : {&force_, &end_, &yielded_, &after_.R, &after_.M}) x->head(k).setZero();
   islands_.separate();
   for (std::optional<StepTrial>& trial : trials_) trial.reset();
   for (int pair = 0; pair < islands_.pairs(); ++pair) {
@@ -170,10 +169,13 @@ StepTrial ContactLaw::solve(const StepMatrices& matrices, const MeanForce& befor
 bool ContactLaw::merge_at_closed_points(const StepMatrices& matrices, const MeanForce& before) noexcept {
   if (std::count(islands_.of_pairs().begin(), islands_.of_pairs().end(), -1) == 0) return false;
   const Index k = std::ssize(rows_);
+  const auto is_between = [&](Index i) { return islands_.of(before.pair_of_row()[rows_[i]]) < 0; };
+  for (Index i = 0; i < k; ++i)
+    if (is_between(i)) force_(i) = end_(i) = 0;
   bool merged = false;
   for (Index i = 0; i < k; ++i) {
+    if (!is_between(i)) continue;
     const int pair = before.pair_of_row()[rows_[i]];
-    if (islands_.of(pair) >= 0) continue;
     after_.R(i) = matrices.R.size() > 0 ? matrices.R.row(i).head(k).dot(end_.head(k)) : 0;
     after_.M(i) = matrices.M.row(i).head(k).dot(end_.head(k));
     yielded_(i) = after_.R(i);
@@ -206,7 +208,10 @@ StepTrial ContactLaw::solve_island(int island, const StepMatrices& matrices, con
                                    Slip* slip) noexcept {
   Island& p = problem_;
   if (!take_rows(island, before)) {
-    for (const int at : p.held) u_(at) = free(at);
+    for (const int at : p.held) {
+      u_(at) = free(at);
+      force_(at) = end_(at) = yielded_(at) = after_.R(at) = after_.M(at) = 0;
+    }
     return {};
   }
   const bool all = p.held.size() == rows_.size();
@@ -280,7 +285,7 @@ void ContactLaw::gather(const StepMatrices& matrices, bool conserving) noexcept 
 void ContactLaw::gather(const MeanForce& before, const Slip* slip) noexcept {
   Island& p = problem_;
   p.size = std::ssize(p.held);
-  p.pair.clear();
+  p.pair.resize(static_cast<std::size_t>(p.size));
   p.springs.clear();
   p.contacts.clear();
   p.law.clear();
@@ -295,7 +300,7 @@ void ContactLaw::gather(const MeanForce& before, const Slip* slip) noexcept {
     p.belt(k) = slip != nullptr && row >= contacts_ ? slip->belt()(row) : 0;
     p.now(k) = before.end()(row);
     p.before(k) = before.before()(row);
-    p.pair.push_back(before.pair_of_row()[row]);
+    p.pair[static_cast<std::size_t>(k)] = before.pair_of_row()[row];
     if (!springs_.empty()) p.springs.push_back(row < contacts_ ? springs_[row] : PatchSpring{});
     if (row >= contacts_ || friction_of_[row] < 0) continue;
     p.law.push_back(friction_of_[row]);
@@ -308,15 +313,20 @@ void ContactLaw::gather(const MeanForce& before, const Slip* slip) noexcept {
         static_cast<int>(std::lower_bound(p.held.begin(), p.held.end(), contact.tangential) - p.held.begin());
 }
 
-/// Sets the right-hand side of the problem, in which λ⁺ is 0. Returns whether a point closes.
-bool ContactLaw::set_right() noexcept {
+/// Sets p̄ and u⁺ without λ⁺, M times the former, and the right-hand side of the problem. Returns whether a
+/// point closes.
+bool ContactLaw::begin_with(const MeanWeights& weights) noexcept {
   Island& p = problem_;
   // The energy theorem requires u ≤ g at the start. A step that max_pivots cuts short may end with u > g.
   // From then on, max(g, u) at the start of a step replaces g: a point beyond g cannot go deeper, and it is
   // not pushed out, because that would do work.
-  const bool deep = statistics().limited > 0;
+  const bool deep = euler_.was_limited() || mean_.was_limited();
   bool closed = false;
   for (Index k = 0; k < p.size; ++k) {
+    p.force(k) = weights.start * p.now(k) + weights.before * p.before(k);
+    p.in_modes(k) = weights.start * p.in_modes_now(k) + weights.before * p.in_modes_before(k);  // M h
+    p.u(k) = p.free(k) - p.in_modes(k);
+    p.end(k) = 0;
     if (std::isinf(p.gap(k))) {
       p.right(k) = p.u(k) - p.start(k) - p.belt(k);
       continue;
@@ -371,15 +381,10 @@ StepTrial ContactLaw::attempt(const StepMatrices& matrices, const MeanWeights& w
   const Index n = p.size;
   const bool euler = weights == backward_euler;
   const Symmetric& S = euler ? matrices.S : matrices.S_mean;
-  p.force.head(n) = weights.start * p.now.head(n) + weights.before * p.before.head(n);
-  p.in_modes.head(n) =
-      weights.start * p.in_modes_now.head(n) + weights.before * p.in_modes_before.head(n);  // M h
-  p.u.head(n) = p.free.head(n) - p.in_modes.head(n);
-  p.end.head(n).setZero();
   StepTrial out;
   const FrictionSolver* friction = nullptr;
   bool has_product = false;
-  if (set_right()) {
+  if (begin_with(weights)) {
     for (std::size_t f = 0; f < p.contacts.size(); ++f) {
       FrictionContact& contact = p.contacts[f];
       contact.coefficient = slip->coefficient(friction_[p.law[f]].law, p.law[f], p.now(contact.normal) > 0,
@@ -396,17 +401,19 @@ StepTrial ContactLaw::attempt(const StepMatrices& matrices, const MeanWeights& w
       has_product = p.springs.empty() && solver.product(p.end.head(n), p.right.head(n));  // S p⁺
     }
   }
-  p.force.head(n) += weights.end * p.end.head(n);
   if (!has_product) multiply(S, p.end, n, p.right);
-  p.u.head(n) -= p.right.head(n);
-  yield(p.springs, p.end, p.u);
   if (matrices.R.size() > 0)
     multiply(matrices.R, p.end, n, p.end_rest);
   else
     p.end_rest.head(n).setZero();
-  p.end_in_modes.head(n) = p.right.head(n) - p.end_rest.head(n);
-  p.in_modes.head(n) += p.end_in_modes.head(n);  // M p̄
-  if (!euler) p.end_in_modes.head(n) /= conserving_mean.end;
+  for (Index k = 0; k < n; ++k) {
+    const double in_modes = p.right(k) - p.end_rest(k);  // of p̄, by p⁺
+    p.force(k) += weights.end * p.end(k);
+    p.u(k) -= p.right(k);
+    p.in_modes(k) += in_modes;  // M p̄
+    p.end_in_modes(k) = euler ? in_modes : in_modes / conserving_mean.end;
+  }
+  yield(p.springs, p.end, p.u);
   account(friction, slip, out);
   return out;
 }

@@ -102,7 +102,7 @@ class ContactLaw {
                          Slip* slip) noexcept;
   void gather(const StepMatrices& matrices, bool conserving) noexcept;
   void gather(const MeanForce& before, const Slip* slip) noexcept;
-  bool set_right() noexcept;
+  bool begin_with(const MeanWeights& weights) noexcept;
   void account(const FrictionSolver* friction, Slip* slip, StepTrial& out) noexcept;
   StepTrial attempt(const StepMatrices& matrices, const MeanWeights& weights, Slip* slip) noexcept;
   void share_bank(int island, double bank) noexcept;

@@ -6,7 +6,10 @@
 namespace ricochet::contact {
 
 MeanForce::MeanForce(Eigen::Index rows, bool conserving)
-    : pair_of_row_(static_cast<std::size_t>(rows), 0), pairs_(1), conserving_(conserving) {
+    : pair_of_row_(static_cast<std::size_t>(rows), 0),
+      segments_{{0, 0, rows}},
+      pairs_(1),
+      conserving_(conserving) {
   for (Vector* x : {&end_, &before_}) x->setZero(rows);
 }
 
@@ -18,6 +21,12 @@ MeanForce::MeanForce(const Model& model, bool conserving) : MeanForce(model.rows
   for (const Model::FrictionPoint& point : model.friction)
     std::fill_n(pair_of_row_.begin() + point.tangential, 2,
                 pair_of_row_[static_cast<std::size_t>(point.point)]);
+  segments_.clear();
+  for (std::size_t i = 0; i < pair_of_row_.size(); ++i)
+    if (segments_.empty() || segments_.back().pair != pair_of_row_[i])
+      segments_.push_back({pair_of_row_[i], static_cast<Eigen::Index>(i), 1});
+    else
+      ++segments_.back().size;
 }
 
 void MeanForce::advance(const Vector& force, const std::vector<Pair>& pairs) noexcept {
@@ -25,10 +34,12 @@ void MeanForce::advance(const Vector& force, const std::vector<Pair>& pairs) noe
   before_.swap(end_);
   end_ = force;
   for (Pair& pair : pairs_) pair.carries = false;
-  for (Eigen::Index i = 0; i < end_.size(); ++i) {
-    Pair& pair = pairs_[pair_of_row_[i]];
-    if (pair.restarts) before_(i) = end_(i);
-    pair.carries = pair.carries || end_(i) > 0 || before_(i) > 0;
+  for (const auto& [number, first, size] : segments_) {
+    Pair& pair = pairs_[number];
+    const auto end = end_.segment(first, size);
+    auto before = before_.segment(first, size);
+    if (pair.restarts) before = end;
+    pair.carries = pair.carries || (end.cwiseMax(before).array() > 0).any();
   }
   carries_ = std::any_of(pairs_.begin(), pairs_.end(), [](const Pair& pair) { return pair.carries; });
 }

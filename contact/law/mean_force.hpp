@@ -84,7 +84,14 @@ class MeanForce {
   void clear() noexcept;
 
  private:
+  /// Consecutive rows of one pair.
+  struct Segment {
+    int pair;
+    Eigen::Index first, size;
+  };
+
   std::vector<int> pair_of_row_;
+  std::vector<Segment> segments_;
   std::vector<Pair> pairs_;
   bool conserving_;
   bool carries_ = false;

@@ -16,6 +16,9 @@ struct Dense {
   void (*symmetric_product)(std::size_t n, const double* A, std::size_t of_A, const double* x, double* y);
   /// x (n) −= Σ_k factor_k column_k of four columns.
   void (*subtract_columns)(std::size_t n, const double* const* column, const double* factor, double* x);
+  /// x (n) = (L Lᵀ)⁻¹ x of a lower triangle L. Faster than blocked solvers for some tens of rows.
+  /// @param reciprocal  (n) of the diagonal of L
+  void (*solve_factor)(std::size_t n, const double* L, std::size_t of_L, const double* reciprocal, double* x);
 };
 
 /// Of this processor.

@@ -113,9 +113,23 @@ void subtract_columns(std::size_t n, const double* const* column, const double* 
   for (; i < n; ++i) x[i] -= (p * a[i] + q * b[i]) + (r * c[i] + s * d[i]);
 }
 
+/// Each value is final before it is subtracted from the others, which do not wait for one another.
+void solve_factor(std::size_t n, const double* L, std::size_t of_L, const double* reciprocal, double* x) {
+  for (std::size_t c = 0; c < n; ++c) {
+    const double* const column = L + c * of_L;
+    const double value = x[c] *= reciprocal[c];
+    for (std::size_t k = c + 1; k < n; ++k) x[k] -= column[k] * value;
+  }
+  for (std::size_t c = n; c-- > 0;) {
+    const double* const row = L + c;
+    const double value = x[c] *= reciprocal[c];
+    for (std::size_t k = 0; k < c; ++k) x[k] -= row[k * of_L] * value;
+  }
+}
+
 }  // namespace
 
 extern const Dense RICOCHET_DENSE;
-const Dense RICOCHET_DENSE{subtract_product, symmetric_product, subtract_columns};
+const Dense RICOCHET_DENSE{subtract_product, symmetric_product, subtract_columns, solve_factor};
 
 }  // namespace ricochet::contact::simd

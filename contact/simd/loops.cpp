@@ -37,17 +37,29 @@ struct Group {
   }
 };
 
+/// q⁺ = q + b q̇ + c (load − ω²q), q̇⁺ = e q̇ + h (load − ω²q), with the factors of q and the constant terms
+/// computed first: each step then waits for two operations only.
 template <class T>
 void free_motion(const Modes& m, std::size_t steps, const double* q0, const double* v0, const double* forced,
                  T* x) {
   for (std::size_t first = 0; first < m.modes; first += group) {
     Group at(q0 + first, v0 + first);
+    Double::type q_q[wide], v_q[wide], q_load[wide], v_load[wide];
+    for (std::size_t w = 0; w < wide; ++w) {
+      const std::size_t n = first + w * Double::size;
+      const Double::type c = Double::load(m.c + n), h = Double::load(m.h + n),
+                         stiffness = Double::load(m.stiffness + n), load = Double::load(m.load + n);
+      q_q[w] = 1 - c * stiffness;
+      v_q[w] = -h * stiffness;
+      q_load[w] = c * load;
+      v_load[w] = h * load;
+    }
     for (std::size_t l = 0; l < steps; ++l)
       for (std::size_t w = 0; w < wide; ++w) {
         const std::size_t n = first + w * Double::size;
-        const Double::type g = Double::load(m.load + n) - Double::load(m.stiffness + n) * at.q[w];
-        at.q[w] += Double::load(m.b + n) * at.v[w] + Double::load(m.c + n) * g;
-        at.v[w] = Double::load(m.e + n) * at.v[w] + Double::load(m.h + n) * g;
+        const Double::type q = at.q[w], v = at.v[w];
+        at.q[w] = q_q[w] * q + (Double::load(m.b + n) * v + q_load[w]);
+        at.v[w] = Double::load(m.e + n) * v + (v_q[w] * q + v_load[w]);
         if (forced) {
           at.q[w] += Double::load(forced + 2 * l * m.modes + n);
           at.v[w] += Double::load(forced + (2 * l + 1) * m.modes + n);
@@ -75,24 +87,30 @@ void pushed_tile(const Modes& m, const Pushes<T>& pushes, const T* force, std::s
       for (std::size_t l = 0; l < steps; ++l) push[l][w] += strength[l] * b;
     }
   }
-  // Each register has its own sums; otherwise each addition would wait for the previous one.
-  Double::type damping[wide] = {}, contact[wide] = {};
-  for (std::size_t l = 0; l < steps; ++l)
-    for (std::size_t w = 0; w < wide; ++w) {
-      const std::size_t n = first + w * Double::size;
-      const Double::type p = widened<T>(push[l][w]), v = at.v[w];
-      const Double::type g = Double::load(m.load + n) - p - Double::load(m.stiffness + n) * at.q[w];
-      const Double::type dq = Double::load(m.b + n) * v + Double::load(m.c + n) * g;
-      damping[w] += g * (Double::load(m.damp_ss + n) * g + Double::load(m.damp_sr + n) * v) +
-                    Double::load(m.damp_rr + n) * v * v;
-      contact[w] += (Double::load(m.held + n) + p) * dq;
-      at.q[w] += dq;
-      at.v[w] = Double::load(m.e + n) * v + Double::load(m.h + n) * g;
-      if (rates) Double::store(rates + l * m.modes + n, at.v[w]);
-    }
+  // The constants of a register are loaded once for all steps, and its sums are weighted once.
+#pragma GCC unroll 4
   for (std::size_t w = 0; w < wide; ++w) {
-    spent.damping += damping[w];
-    spent.contact += contact[w];
+    const std::size_t n = first + w * Double::size;
+    const Double::type load = Double::load(m.load + n), stiffness = Double::load(m.stiffness + n),
+                       b = Double::load(m.b + n), c = Double::load(m.c + n), e = Double::load(m.e + n),
+                       h = Double::load(m.h + n), q_before = at.q[w];
+    Double::type q = q_before, v = at.v[w], gg = {}, gv = {}, vv = {}, pushed = {};
+    for (std::size_t l = 0; l < steps; ++l) {
+      const Double::type p = widened<T>(push[l][w]);
+      const Double::type g = load - p - stiffness * q, dq = b * v + c * g;
+      gg += g * g;
+      gv += g * v;
+      vv += v * v;
+      pushed += p * dq;
+      q += dq;
+      v = e * v + h * g;
+      if (rates) Double::store(rates + l * m.modes + n, v);
+    }
+    spent.damping += Double::load(m.damp_ss + n) * gg + Double::load(m.damp_sr + n) * gv +
+                     Double::load(m.damp_rr + n) * vv;
+    spent.contact += Double::load(m.held + n) * (q - q_before) + pushed;
+    at.q[w] = q;
+    at.v[w] = v;
   }
 }
 

@@ -48,12 +48,12 @@ class BlockMatrices {
   const Model& model_;
   const simd::Loops<double>& loops_;
   std::size_t length_, width_, modes_;
-  std::vector<double> B_;        ///< (n, modes)
-  std::vector<double> factors_;  ///< (L + 1, modes) of B Bᵀ in M_d, and in the flexibility
-  std::vector<int> all_;         ///< rows, ascending
-  std::vector<int> rows_;        ///< by place
-  std::vector<int> place_;       ///< of each row, or −1
-  std::vector<double> x_, sum_;  ///< (L + 1, modes), (L + 1, width) scratch
+  base::AlignedVector<double> B_;        ///< (n, modes)
+  base::AlignedVector<double> factors_;  ///< (L + 1, modes) of B Bᵀ in M_d, and in the flexibility
+  std::vector<int> all_;                 ///< rows, ascending
+  std::vector<int> rows_;                ///< by place
+  std::vector<int> place_;               ///< of each row, or −1
+  base::AlignedVector<double> x_, sum_;  ///< (L + 1, modes), (L + 1, width) scratch
   base::Reserved<T> lag_, influence_, flexibility_, residual_;
   base::Reserved<double> M_;
 };

@@ -121,6 +121,7 @@ void BlockMotion<T>::start(const BlockSystem<T>& system, const Vector& q, const 
   std::fill(load_.begin(), load_.end(), 0.0);
   std::copy(forcing.load.begin(), forcing.load.end(), load_.begin());
   for (std::size_t n = 0; n < load_.size(); ++n) load_[n] -= held.on_modes[n];
+  for (const int n : system.rigid) load_[n] = 0;
   system.loops->free_motion(modes(system, held), system.length, q_.data(), v_.data(), forcing.response(),
                             predicted_.data());
   predict_rigid(system, forcing, held);

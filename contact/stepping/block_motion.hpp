@@ -40,7 +40,7 @@ struct BlockForcing {
 
  private:
   std::size_t modes_;
-  std::vector<double> response_;
+  base::AlignedVector<double> response_;
   Matrix s_;  ///< (1, n); with forcing (L + 1, n)
 };
 
@@ -52,14 +52,15 @@ struct BlockForce {
   /// Computes the matrices of the rows that carry it. @param mean  (n)
   void set(const BlockSystem<T>& system, const Vector& mean) noexcept;
 
-  Vector force;                   ///< (n) λ̂
-  Vector yielded;                 ///< (n) R λ̂
-  std::vector<double> on_modes;   ///< (modes) Bᵀ λ̂ on elastic modes
-  std::vector<double> on_rigid;   ///< (rigid) the same on rigid modes
-  std::vector<int> rows, places;  ///< with λ̂ ≠ 0; of them in the matrices
+  Vector force;                          ///< (n) λ̂
+  Vector yielded;                        ///< (n) R λ̂
+  base::AlignedVector<double> on_modes;  ///< (modes) Bᵀ λ̂ on elastic modes
+  std::vector<double> on_rigid;          ///< (rigid) the same on rigid modes
+  std::vector<int> rows, places;         ///< with λ̂ ≠ 0; of them in the matrices
 
  private:
-  std::vector<T> factor_, sum_;  ///< scratch
+  std::vector<T> factor_;  ///< scratch
+  base::AlignedVector<T> sum_;
 };
 
 /// The changes λ̄ − λ̂ so far in a block.
@@ -101,8 +102,8 @@ class BlockMotion {
   simd::Sums advance(const BlockSystem<T>& system, const BlockForcing& forcing, const BlockForce<T>& held,
                      const ForceChanges<T>& changes, int from, int to, bool keep_rates) noexcept;
 
-  const std::vector<double>& q() const { return q_; }  ///< (modes)
-  const std::vector<double>& v() const { return v_; }  ///< (modes) q̇
+  const base::AlignedVector<double>& q() const { return q_; }  ///< (modes)
+  const base::AlignedVector<double>& v() const { return v_; }  ///< (modes) q̇
   /// (modes) q̇ after step l = 1…L.
   const double* rate(int l) const { return &rates_[(l - 1) * q_.size()]; }
   /// Of elastic modes, without changes of force: (modes) the constant load, and (L, modes) q after each step.
@@ -115,11 +116,11 @@ class BlockMotion {
   void predict_rigid(const BlockSystem<T>& system, const BlockForcing& forcing,
                      const BlockForce<T>& held) noexcept;
 
-  std::vector<double> q_, v_, load_;
+  base::AlignedVector<double> q_, v_, load_;
   std::vector<double> rigid_v_;
-  std::vector<T> predicted_;
+  base::AlignedVector<T> predicted_;
   Matrix rigid_;
-  std::vector<double> rates_;  ///< (L, modes)
+  base::AlignedVector<double> rates_;  ///< (L, modes)
 };
 
 }  // namespace ricochet::contact

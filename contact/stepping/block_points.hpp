@@ -28,9 +28,9 @@ class PointPrediction {
  private:
   int length_;
   std::size_t width_;
-  std::vector<double> u_;  ///< (L, width)
-  std::vector<char> has_;  ///< (n)
-  Vector rigid_;           ///< (L) scratch: part of rigid motion
+  base::AlignedVector<double> u_;  ///< (L, width)
+  std::vector<char> has_;          ///< (n)
+  Vector rigid_;                   ///< (L) scratch: part of rigid motion
 };
 
 /// The kept points with their u, and the matrices between them, in dense arrays. They change rarely.
@@ -71,8 +71,8 @@ class KeptPoints {
 
   std::size_t width_;  ///< padded number of all points
   std::vector<int> rows_;
-  std::vector<int> position_;  ///< (n) in rows_, or −1
-  std::vector<double> u_;      ///< (L, width)
+  std::vector<int> position_;      ///< (n) in rows_, or −1
+  base::AlignedVector<double> u_;  ///< (L, width)
   std::vector<char> was_kept_;
   Vector ended_;
   std::vector<int> gathered_;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "base/aligned.hpp"
 #include "contact/simd/simd.hpp"
 #include "contact/stepping/block_matrices.hpp"
 #include "contact/stepping/step_system.hpp"
@@ -32,10 +33,10 @@ struct BlockSystem {
   std::vector<int> tangential;  ///< (contacts) first tangential row, or −1
   std::vector<int> law;         ///< (contacts) entry in the friction of StepSystem, or −1
   ModeConstants elastic;        ///< (modes) each; 0 for rigid modes, which are stepped separately
-  std::vector<T> B;             ///< (points, modes); 0 for rigid modes
+  base::AlignedVector<T> B;     ///< (points, modes); 0 for rigid modes
   /// Of the rows that may touch. It computes what is missing, as a cache does.
   std::unique_ptr<BlockMatrices<T>> matrices;
-  std::vector<T> reach;                ///< (bands, width) (Σ B²/ω²)^½ over the modes of a band
+  base::AlignedVector<T> reach;        ///< (bands, width) (Σ B²/ω²)^½ over the modes of a band
   Vector softness;                     ///< (modes) 1/ω² of elastic modes; 0 for others
   Vector largest;                      ///< (points) upper bound on the entries of a row of the flexibility
   std::vector<std::vector<int>> band;  ///< elastic modes of a band

@@ -58,7 +58,8 @@ class CandidateScreening {
   Vector spent_, budget_;  ///< (points) Σ δ in this block; its bound, on which could_ is based
   Vector rigid_at_;        ///< (L) u of a point by rigid motion
   std::vector<int> places_, every_band_;  ///< of rows in the matrices; 0, 1, …
-  std::vector<T> factor_, sum_;           ///< scratch
+  std::vector<T> factor_;                 ///< scratch
+  base::AlignedVector<T> sum_;
 };
 
 }  // namespace ricochet::contact

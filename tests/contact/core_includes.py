@@ -14,7 +14,7 @@ from pathlib import Path
 
 ROOMS = ("simd", "pairing", "bodies", "rows", "model", "complementarity", "law", "stepping")
 OWN = re.compile(
-    r"(base/(format|reserved)\.[ch]pp|kernels/(kernel\.cpp|format\.hpp)|include/ricochet/\w+\.hpp|contact/(%s)/\w+\.[ch]pp|player/\w+\.[ch]pp)$"
+    r"(base/(aligned|format|reserved)\.[ch]pp|kernels/(kernel\.cpp|format\.hpp)|include/ricochet/\w+\.hpp|contact/(%s)/\w+\.[ch]pp|player/\w+\.[ch]pp)$"
     % "|".join(ROOMS)
 )
 STANDARD = "#include <bits/stdc++.h>\n#include <immintrin.h>\n"
