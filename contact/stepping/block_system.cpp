@@ -60,9 +60,9 @@ BlockSystem<T>::BlockSystem(std::shared_ptr<const StepSystem> shared, int steps,
   // The flexibility is positive semidefinite, so that |a_ij| ≤ (a_ii a_jj)^½.
   const Vector bends = far.rowwise().sum() + model.R.diagonal();
   if (points > 0) largest = (bends * bends.maxCoeff()).cwiseMax(0).cwiseSqrt();
-  reach.assign(bands * width, T(0));
+  reach.assign(bands * width, 0);
   for (std::size_t of = 0; of < bands; ++of)
-    for (std::size_t i = 0; i < m; ++i) reach[of * width + i] = rounded_up<T>(std::sqrt(far(i, of)));
+    for (std::size_t i = 0; i < m; ++i) reach[of * width + i] = rounded_up(std::sqrt(far(i, of)));
 }
 
 template struct BlockSystem<double>;

@@ -36,7 +36,7 @@ struct BlockSystem {
   base::AlignedVector<T> B;     ///< (points, modes); 0 for rigid modes
   /// Of the rows that may touch. It computes what is missing, as a cache does.
   std::unique_ptr<BlockMatrices<T>> matrices;
-  base::AlignedVector<T> reach;        ///< (bands, width) (Σ B²/ω²)^½ over the modes of a band
+  base::AlignedVector<float> reach;    ///< (bands, width) (Σ B²/ω²)^½ over the modes of a band
   Vector softness;                     ///< (modes) 1/ω² of elastic modes; 0 for others
   Vector largest;                      ///< (points) upper bound on the entries of a row of the flexibility
   std::vector<std::vector<int>> band;  ///< elastic modes of a band

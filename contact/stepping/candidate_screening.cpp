@@ -13,23 +13,23 @@ namespace {
 constexpr double growth = 2;
 
 /// An upper bound on the sum of this many positive terms, each of which was rounded.
-template <class T>
-double at_least(T sum, std::size_t terms) {
-  return static_cast<double>(sum) *
-         (1 + 2 * static_cast<double>(terms + 2) * static_cast<double>(std::numeric_limits<T>::epsilon()));
+double at_least(float sum, std::size_t terms) {
+  return static_cast<double>(sum) * (1 + 2 * static_cast<double>(terms + 2) *
+                                             static_cast<double>(std::numeric_limits<float>::epsilon()));
 }
 
 }  // namespace
 
 template <class T>
-CandidateScreening<T>::CandidateScreening(const BlockSystem<T>& system) : every_band_(bands) {
+CandidateScreening<T>::CandidateScreening(const BlockSystem<T>& system)
+    : loops_(&simd::loops_of<float>(*simd::available().back())), every_band_(bands) {
   for (Vector* x : {&margin_, &could_}) x->setZero(system.contacts);
   for (Vector* x : {&spent_, &budget_}) x->setZero(system.points);
   rigid_at_.setZero(system.length);
   std::iota(every_band_.begin(), every_band_.end(), 0);
   places_.reserve(system.points);
   factor_.reserve(std::max<std::size_t>(system.points, bands));
-  sum_.assign(system.width, T(0));
+  sum_.assign(system.width, 0);
 }
 
 template <class T>
@@ -40,7 +40,7 @@ void CandidateScreening<T>::start(const BlockSystem<T>& system, std::span<const 
   for (int i : changed) {
     budget_(i) = growth * spent_(i);
     places_.push_back(system.matrices->place(i));
-    factor_.push_back(static_cast<T>(budget_(i)));
+    factor_.push_back(rounded_up(budget_(i)));
   }
   combine(system, system.matrices->influence(), places_);
   for (int i = 0; i < system.contacts; ++i) could_(i) = at_least(sum_[i], changed.size());
@@ -49,10 +49,10 @@ void CandidateScreening<T>::start(const BlockSystem<T>& system, std::span<const 
 
 /// sum_ = Σ_k factor_k row_k of a matrix (·, width), for the contacts
 template <class T>
-void CandidateScreening<T>::combine(const BlockSystem<T>& system, const T* rows,
+void CandidateScreening<T>::combine(const BlockSystem<T>& system, const float* rows,
                                     std::span<const int> of) noexcept {
-  system.loops->combine(simd::padded(system.contacts, simd::point_pad), rows, system.width, of.data(),
-                        of.size(), factor_.data(), sum_.data());
+  loops_->combine(simd::padded(system.contacts, simd::point_pad), rows, system.width, of.data(), of.size(),
+                  factor_.data(), sum_.data());
 }
 
 /// Under a constant force, the energy of an elastic mode about its rest position never grows, and
@@ -61,10 +61,10 @@ template <class T>
 void CandidateScreening<T>::bound_by_energy(const BlockSystem<T>& of, const BlockMotion<T>& motion,
                                             const BlockForcing& forcing, const BlockForce<T>& held) noexcept {
   factor_.clear();
-  for (int j : held.rows) factor_.push_back(static_cast<T>(held.force(j)));
+  for (int j : held.rows) factor_.push_back(static_cast<float>(held.force(j)));
   combine(of, of.matrices->flexibility(), held.places);
   const double slack = 2 * held.force.cwiseAbs().sum() * static_cast<double>(held.rows.size() + 2) *
-                       static_cast<double>(std::numeric_limits<T>::epsilon());
+                       static_cast<double>(std::numeric_limits<float>::epsilon());
   for (int i = 0; i < of.contacts; ++i)
     margin_(i) = of.gap(i) - forcing.highest_rest(i) + static_cast<double>(sum_[i]) - slack * of.largest(i);
 
@@ -79,7 +79,7 @@ void CandidateScreening<T>::bound_by_energy(const BlockSystem<T>& of, const Bloc
       }
       energy += of.elastic.stiffness[n] * y * y + rate * rate;
     }
-    factor_.push_back(static_cast<T>(std::sqrt(energy)));
+    factor_.push_back(rounded_up(std::sqrt(energy)));
   }
   combine(of, of.reach.data(), every_band_);
   for (int i = 0; i < of.contacts; ++i) {
@@ -100,7 +100,7 @@ bool CandidateScreening<T>::raise_budgets(const BlockSystem<T>& system, std::spa
     const double spent = spent_(i) + change(k);
     if (spent <= budget_(i)) continue;
     places_.push_back(system.matrices->place(i));
-    factor_.push_back(static_cast<T>(growth * spent - budget_(i)));
+    factor_.push_back(rounded_up(growth * spent - budget_(i)));
     budget_(i) = growth * spent;
   }
   if (places_.empty()) return false;

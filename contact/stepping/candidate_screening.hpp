@@ -52,14 +52,15 @@ class CandidateScreening {
                      const Vector& change) noexcept;
 
  private:
-  void combine(const BlockSystem<T>& system, const T* rows, std::span<const int> of) noexcept;
+  void combine(const BlockSystem<T>& system, const float* rows, std::span<const int> of) noexcept;
 
+  const simd::Loops<float>* loops_;  ///< bounds are in single precision, rounded up
   Vector margin_, could_;  ///< (contacts) bound on g − u under λ̂; bound on u due to budgeted changes
   Vector spent_, budget_;  ///< (points) Σ δ in this block; its bound, on which could_ is based
   Vector rigid_at_;        ///< (L) u of a point by rigid motion
   std::vector<int> places_, every_band_;  ///< of rows in the matrices; 0, 1, …
-  std::vector<T> factor_;                 ///< scratch
-  base::AlignedVector<T> sum_;
+  std::vector<float> factor_;             ///< scratch
+  base::AlignedVector<float> sum_;
 };
 
 }  // namespace ricochet::contact
