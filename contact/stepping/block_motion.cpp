@@ -106,10 +106,10 @@ BlockMotion<T>::BlockMotion(const BlockSystem<T>& system)
 
 template <class T>
 simd::Modes BlockMotion<T>::modes(const BlockSystem<T>& system, const BlockForce<T>& held) const noexcept {
-  const ModeConstants& of = system.elastic;
-  return {system.modes,      of.stiffness.data(), load_.data(),     of.b.data(),          of.c.data(),
-          of.e.data(),       of.h.data(),         of.load.data(),   held.on_modes.data(), of.q0.data(),
-          of.damp_ss.data(), of.damp_sr.data(),   of.damp_rr.data()};
+  simd::Modes out = system.elastic;
+  out.load = load_.data();
+  out.held = held.on_modes.data();
+  return out;
 }
 
 template <class T>

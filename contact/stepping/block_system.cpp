@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace ricochet::contact {
 
@@ -19,7 +20,6 @@ BlockSystem<T>::BlockSystem(std::shared_ptr<const StepSystem> shared, int steps,
       gap(Vector::Constant(points, std::numeric_limits<double>::infinity())),
       tangential(static_cast<std::size_t>(contacts), -1),
       law(tangential),
-      elastic(*plain),
       matrices(std::make_unique<BlockMatrices<T>>(*plain, steps, step, at_once)),
       softness(Vector::Zero(modes)),
       band(bands),
@@ -33,6 +33,7 @@ BlockSystem<T>::BlockSystem(std::shared_ptr<const StepSystem> shared, int steps,
   }
   const auto m = static_cast<std::size_t>(points);
   const Eigen::Index N = model.omega.size();
+  ModeConstants of_elastic(*plain);
   std::vector<int> ascending;  // elastic modes, by frequency
   for (int n = 0; n < N; ++n)
     if (system.stiffness(n) != 0) {
@@ -40,9 +41,25 @@ BlockSystem<T>::BlockSystem(std::shared_ptr<const StepSystem> shared, int steps,
       softness(n) = 1 / system.stiffness(n);
     } else {
       if (system.h(n) != 0) rigid.push_back(n);
-      for (Vector* x : elastic.all()) (*x)(n) = 0;
+      for (Vector* x : of_elastic.all()) (*x)(n) = 0;
     }
-  for (Vector* x : elastic.all()) x->conservativeResizeLike(Vector::Zero(softness.size()));
+  elastic.modes = modes;
+  constants.assign(of_elastic.all().size() * modes, 0.0);
+  double* at = constants.data();
+  for (const auto& [from, to] : {std::pair{&of_elastic.stiffness, &elastic.stiffness},
+                                 {&of_elastic.b, &elastic.b},
+                                 {&of_elastic.c, &elastic.c},
+                                 {&of_elastic.e, &elastic.e},
+                                 {&of_elastic.h, &elastic.h},
+                                 {&of_elastic.load, &elastic.force},
+                                 {&of_elastic.q0, &elastic.origin},
+                                 {&of_elastic.damp_ss, &elastic.damp_ss},
+                                 {&of_elastic.damp_sr, &elastic.damp_sr},
+                                 {&of_elastic.damp_rr, &elastic.damp_rr}}) {
+    std::copy(from->begin(), from->end(), at);
+    *to = at;
+    at += modes;
+  }
 
   B.assign(m * modes, T(0));
   for (std::size_t i = 0; i < m; ++i)

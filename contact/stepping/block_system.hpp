@@ -32,8 +32,11 @@ struct BlockSystem {
   Vector gap;                   ///< (points) g; infinite in tangential rows
   std::vector<int> tangential;  ///< (contacts) first tangential row, or −1
   std::vector<int> law;         ///< (contacts) entry in the friction of StepSystem, or −1
-  ModeConstants elastic;        ///< (modes) each; 0 for rigid modes, which are stepped separately
-  base::AlignedVector<T> B;     ///< (points, modes); 0 for rigid modes
+  /// Constants of elastic modes, (modes) each; 0 for rigid modes, which are stepped separately. `load` and
+  /// `held` are those of a block.
+  simd::Modes elastic{};
+  base::AlignedVector<double> constants;  ///< to which `elastic` points
+  base::AlignedVector<T> B;               ///< (points, modes); 0 for rigid modes
   /// Of the rows that may touch. It computes what is missing, as a cache does.
   std::unique_ptr<BlockMatrices<T>> matrices;
   base::AlignedVector<float> reach;    ///< (bands, width) (Σ B²/ω²)^½ over the modes of a band
