@@ -18,7 +18,10 @@ struct Aligned {
   template <class Other>
   Aligned(const Aligned<Other>&) noexcept {}
 
-  T* allocate(std::size_t count) { return static_cast<T*>(::operator new(count * sizeof(T), cache_line)); }
+  T* allocate(std::size_t count) {
+    if (count > static_cast<std::size_t>(-1) / sizeof(T)) throw std::bad_array_new_length();
+    return static_cast<T*>(::operator new(count * sizeof(T), cache_line));
+  }
   void deallocate(T* at, std::size_t) noexcept { ::operator delete(at, cache_line); }
   bool operator==(const Aligned&) const = default;
 };

@@ -18,8 +18,7 @@
 //                up to half of the band (kernels/band.hpp). Unknown on rods: their vectors ring at
 //                frequencies of their own, which no run with fewer vectors reveals
 //   spacing      e_q(d₂, d₄) with points twice and four times as far apart; q = 3/2 where smooth surfaces
-//   meet
-//                at one place, 1 elsewhere. Unknown if a pair of surfaces has one point, which cannot be
+//                meet at one place, 1 elsewhere. Unknown if a pair of surfaces has one point, which cannot be
 //                coarsened, or if the coarser points do not hold the bodies as before: not one point of two
 //                on an edge. d₄ is unknown if only the wider ones do not. Coarsened points have the share of
 //                the points before, and the change from them
