@@ -10,12 +10,7 @@
 namespace angular_momentum_test {
 
 using namespace ricochet::contact;
-using ricochet::Scheme;
-using ricochet::StepOptions;
-using ricochet::StepStatus;
 using namespace ricochet::contact::test;
-using ricochet::kernels::Kernel;
-using ::testing::HasSubstr;
 
 const Vector3d up(0, 0, 1);
 const std::vector<HalfSpace> ground{{"floor", Vector3d::Zero(), up}};

@@ -13,8 +13,6 @@ namespace band_share_test {
 
 using namespace ricochet::contact;
 using namespace ricochet::contact::test;
-using ricochet::StepStatus;
-using ricochet::kernels::Kernel;
 
 constexpr double length = 10;
 

@@ -12,6 +12,7 @@
 
 #include "contact/model/model.hpp"
 #include "ricochet/error.hpp"
+#include "tests/contact/names.hpp"
 #include "tests/support.hpp"
 
 namespace ricochet::contact::test {

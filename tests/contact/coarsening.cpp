@@ -13,7 +13,6 @@ namespace coarsening_test {
 
 using namespace ricochet::contact;
 using namespace ricochet::contact::test;
-using ricochet::kernels::Kernel;
 
 /// A flat sheet above a floor. Its only mode is rigid along z, and R is a Gaussian of the distance.
 Model sheet_on_floor(const ricochet::kernels::Kernel& bare, ricochet::kernels::Kernel& kernel) {

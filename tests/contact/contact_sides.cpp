@@ -10,12 +10,7 @@
 namespace contact_sides_test {
 
 using namespace ricochet::contact;
-using ricochet::ContactStep;
-using ricochet::Scheme;
-using ricochet::StepOptions;
-using ricochet::StepStatus;
 using namespace ricochet::contact::test;
-using ricochet::kernels::Kernel;
 
 struct Row {
   double time, force, end_force, power;

@@ -13,7 +13,6 @@ namespace creases_test {
 
 using namespace ricochet::contact;
 using namespace ricochet::contact::test;
-using ricochet::kernels::Kernel;
 
 const Vector3d up(0, 0, 1);
 constexpr double degree = std::numbers::pi / 180;

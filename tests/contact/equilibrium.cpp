@@ -17,12 +17,6 @@ namespace equilibrium_test {
 
 using namespace ricochet::contact;
 using namespace ricochet::contact::test;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-using ricochet::kernels::Kernel;
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::StartsWith;
 
 constexpr auto uzawa = EquilibriumOptions::Solver::uzawa;
 constexpr double length = 2, weight = 3;  // the rods have ρA = EA = 1; weight per length

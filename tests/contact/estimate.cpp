@@ -17,17 +17,8 @@
 namespace estimate_test {
 
 using namespace ricochet::contact;
-using ricochet::ContactStep;
-using ricochet::Precision;
-using ricochet::Quantity;
 using ricochet::RadPerSecond;
-using ricochet::Scheme;
-using ricochet::StepOptions;
 using namespace ricochet::contact::test;
-using ricochet::kernels::Kernel;
-using ::testing::ElementsAre;
-using ::testing::IsEmpty;
-using ::testing::StartsWith;
 
 constexpr double length = 10, speed = 1, duration = 30;
 

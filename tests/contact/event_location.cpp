@@ -12,13 +12,7 @@
 namespace event_location_test {
 
 using namespace ricochet::contact;
-using ricochet::Admittance;
-using ricochet::Instant;
-using ricochet::Scheme;
-using ricochet::StepOptions;
-using ricochet::StepStatus;
 using namespace ricochet::contact::test;
-using ricochet::kernels::Kernel;
 
 /// A rigid unit mass that moves along z. Its lowest point has the height 0 in its own frame.
 Kernel mass() {

@@ -15,11 +15,7 @@
 namespace extremes_test {
 
 using namespace ricochet::contact;
-using ricochet::Precision;
-using ricochet::StepOptions;
-using ricochet::StepStatus;
 using namespace ricochet::contact::test;
-using ricochet::kernels::Kernel;
 
 /// A line of the table: setting, oracle, bound on the error, and largest error.
 class Row {

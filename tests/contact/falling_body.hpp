@@ -6,6 +6,7 @@
 #include <random>
 
 #include "contact/model/model.hpp"
+#include "tests/contact/names.hpp"
 
 namespace ricochet::contact::test {
 

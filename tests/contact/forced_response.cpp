@@ -16,15 +16,7 @@
 namespace forced_response_test {
 
 using namespace ricochet::contact;
-using ricochet::Admittance;
-using ricochet::Energy;
-using ricochet::Instant;
-using ricochet::Scheme;
-using ricochet::StepOptions;
-using ricochet::StepStatus;
 using namespace ricochet::contact::test;
-using ricochet::kernels::Kernel;
-using ::testing::HasSubstr;
 
 /// A history with knots that no step is aligned with. Some steps contain several knots, others none.
 History ragged(double duration, unsigned seed, double start = 0) {

@@ -15,9 +15,6 @@ namespace free_flight_test {
 
 using namespace ricochet::contact;
 using namespace ricochet::contact::test;
-using ricochet::Energy;
-using ricochet::StepOptions;
-using ricochet::StepStatus;
 
 constexpr double sample = 1 / 44100.0;
 

@@ -16,12 +16,6 @@ namespace friction_equilibrium_test {
 
 using namespace ricochet::contact;
 using namespace ricochet::contact::test;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-using ricochet::kernels::Kernel;
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::StartsWith;
 
 // ---- A rigid block ----
 

@@ -12,8 +12,6 @@ namespace impulse_stepper_test {
 
 using namespace ricochet::contact;
 using namespace ricochet::contact::test;
-using ricochet::Scheme;
-using ricochet::StepStatus;
 
 TEST(Impulse, returns_a_rigid_body_with_the_restitution_asked_for) {
   for (const double restitution : {0.0, 0.3, 1.0}) {

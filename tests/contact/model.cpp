@@ -15,8 +15,6 @@ namespace model_test {
 
 using namespace ricochet::contact;
 using namespace ricochet::contact::test;
-using ricochet::kernels::Kernel;
-using ::testing::HasSubstr;
 
 constexpr double round_off = 1e-14;  // a few operations on numbers of order 1
 const Vector3d up(0, 0, 1);

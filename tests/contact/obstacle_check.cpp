@@ -11,13 +11,8 @@
 namespace obstacle_check_test {
 
 using namespace ricochet::contact;
-using ricochet::StepStatus;
 using namespace ricochet::contact::test;
-using ricochet::kernels::Kernel;
-using ::testing::AllOf;
 using ::testing::Contains;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 
 const std::vector<HalfSpace> floor_at_0{{"floor", Vector3d::Zero(), Vector3d(0, 0, 1)}};
 

@@ -14,13 +14,7 @@ namespace pressure_check_test {
 
 using namespace ricochet::contact;
 using namespace ricochet::contact::test;
-using ricochet::StepStatus;
-using ricochet::kernels::Kernel;
-using ::testing::AllOf;
 using ::testing::Contains;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 using ::testing::Not;
 
 /// A rigid plate of 2 kg on springs of 1e7 N/m at three patches of 1 m², above a floor.

@@ -12,12 +12,7 @@
 namespace reach_test {
 
 using namespace ricochet::contact;
-using ricochet::StepStatus;
 using namespace ricochet::contact::test;
-using ricochet::kernels::Kernel;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 
 using Points = std::vector<std::int64_t>;
 const Vector3d up(0, 0, 1);

@@ -15,12 +15,8 @@
 namespace receivers_test {
 
 using namespace ricochet::contact;
-using ricochet::Scheme;
-using ricochet::StepOptions;
-using ricochet::StepStatus;
 using namespace ricochet::contact::test;
 using ricochet::base::hdf5::Reader;
-using ricochet::kernels::Kernel;
 using ricochet::test::Folder;
 
 constexpr double length = 10;

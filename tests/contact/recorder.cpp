@@ -12,14 +12,10 @@
 namespace recorder_test {
 
 using namespace ricochet::contact;
-using ricochet::Energy;
-using ricochet::StepOptions;
-using ricochet::StepStatus;
 using namespace ricochet::contact::test;
 using ricochet::base::hdf5::any;
 using ricochet::base::hdf5::Reader;
 using ricochet::base::hdf5::Shape;
-using ricochet::kernels::Kernel;
 using ricochet::test::Folder;
 
 constexpr int modes = 12;

@@ -14,13 +14,7 @@
 namespace resolution_check_test {
 
 using namespace ricochet::contact;
-using ricochet::StepStatus;
 using namespace ricochet::contact::test;
-using ricochet::kernels::Kernel;
-using ::testing::AllOf;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 
 std::vector<std::string> warnings_of(const Model& model, double duration, double step) {
   const auto stepper = make_stepper(model, {.step = step});

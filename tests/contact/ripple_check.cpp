@@ -17,13 +17,7 @@ namespace ripple_check_test {
 
 using namespace ricochet::contact;
 using namespace ricochet::contact::test;
-using ricochet::StepStatus;
-using ricochet::kernels::Kernel;
 using std::numbers::pi;
-using ::testing::AllOf;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 
 constexpr double band = 1000, rate = 16e3;
 

@@ -12,14 +12,8 @@
 namespace static_start_test {
 
 using namespace ricochet::contact;
-using ricochet::Precision;
-using ricochet::Scheme;
-using ricochet::StepOptions;
-using ricochet::StepStatus;
 using namespace ricochet::contact::test;
-using ricochet::kernels::Kernel;
 using ricochet::kernels::test::Bar;
-using ::testing::HasSubstr;
 
 constexpr double g = 0.2, force = 0.05, gap = 0.5;
 

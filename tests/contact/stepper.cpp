@@ -20,13 +20,6 @@ namespace stepper_test {
 
 using namespace ricochet::contact;
 using namespace ricochet::contact::test;
-using ricochet::Admittance;
-using ricochet::ContactStep;
-using ricochet::Energy;
-using ricochet::Instant;
-using ricochet::Scheme;
-using ricochet::StepOptions;
-using ricochet::StepStatus;
 
 /// Largest number of steps that are predicted together.
 constexpr std::size_t longest_block = 24;

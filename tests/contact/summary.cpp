@@ -22,15 +22,7 @@
 namespace summary_test {
 
 using namespace ricochet::contact;
-using ricochet::Quantity;
-using ricochet::Scheme;
-using ricochet::StepOptions;
-using ricochet::StepStatus;
 using namespace ricochet::contact::test;
-using ricochet::kernels::Kernel;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
 constexpr double length = 10, step = 0.01;

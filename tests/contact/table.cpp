@@ -20,12 +20,7 @@
 namespace table_test {
 
 using namespace ricochet::contact;
-using ricochet::Admittance;
-using ricochet::Scheme;
-using ricochet::StepOptions;
-using ricochet::StepStatus;
 using namespace ricochet::contact::test;
-using ::testing::HasSubstr;
 
 /// u(t) of d'Alembert's wave solution: contact starts at t = g/v and lasts 2L/c.
 double exact_displacement(double gap, double t) {
