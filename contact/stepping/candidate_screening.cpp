@@ -63,10 +63,15 @@ void CandidateScreening<T>::bound_by_energy(const BlockSystem<T>& of, const Bloc
   factor_.clear();
   for (int j : held.rows) factor_.push_back(static_cast<float>(held.force(j)));
   combine(of, of.matrices->flexibility(), held.places);
-  const double slack = 2 * held.force.cwiseAbs().sum() * static_cast<double>(held.rows.size() + 2) *
-                       static_cast<double>(std::numeric_limits<float>::epsilon());
-  for (int i = 0; i < of.contacts; ++i)
-    margin_(i) = of.gap(i) - forcing.highest_rest(i) + static_cast<double>(sum_[i]) - slack * of.largest(i);
+  // Round-off, and what single precision flushes to 0. Forces beyond its range bound nothing.
+  constexpr double least = std::numeric_limits<float>::min(),
+                   round_off = std::numeric_limits<float>::epsilon();
+  const double terms = static_cast<double>(held.rows.size() + 2), forces = held.force.cwiseAbs().sum();
+  for (int i = 0; i < of.contacts; ++i) {
+    const double slack = (2 * forces * round_off + least) * terms * of.largest(i) + least * (forces + terms);
+    margin_(i) = of.gap(i) - forcing.highest_rest(i) + static_cast<double>(sum_[i]) - slack;
+    if (!std::isfinite(sum_[i])) margin_(i) = -std::numeric_limits<double>::infinity();
+  }
 
   factor_.clear();
   for (const std::vector<int>& band : of.band) {
