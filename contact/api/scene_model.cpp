@@ -180,6 +180,7 @@ contact::Placement placement_of(const Scene& scene) {
     contact::PairRequest request{pair.a, pair.b, {}, pair.gap, pair.reach, pair.zone};
     if (pair.direction) request.direction = unit(*pair.direction, where + ": direction");
     request.friction = friction_of(scene, pair, where);
+    request.everywhere = scene.rotation == Rotation::finite;
     pairs.push_back(request);
   }
   return contact::place(bodies_of(scene), obstacles, pairs);
@@ -227,6 +228,7 @@ StepOptions step_options(const Scene& scene) {
           .instant = scene.instant,
           .restitution = scene.restitution,
           .contact_step = scene.integration,
+          .rotation = scene.rotation,
           .step = scene.step(),
           .steps_per_sample = static_cast<int>(ratio),
           .max_pivots = scene.max_pivots,

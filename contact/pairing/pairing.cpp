@@ -112,18 +112,19 @@ Pairing find_pairs(const SurfaceProjection& over_a, const Vector3d& shift, const
   return out;
 }
 
-Pairing find_pairs(const PlacedBody& a, const HalfSpace& b) {
+Pairing find_pairs(const PlacedBody& a, const HalfSpace& b, bool everywhere) {
   const WorldSurface from = surface_of(a);
   const Vector3d n = -b.normal;
   Pairing out;
   for (std::size_t i = 0; i < from.node.size(); ++i) {
-    if (from.normal[i].dot(n) <= -facing_slack) {
+    if (!everywhere && from.normal[i].dot(n) <= -facing_slack) {
       ++out.unpaired;
       continue;
     }
     const Vector3d& x = from.crest[i];
     const double height = n.dot(b.point - x),
-                 bulge = from.bulge[i] * (from.on_crease[i] ? 1 : std::max(0.0, from.normal[i].dot(n)));
+                 bulge = from.bulge[i] *
+                         (everywhere || from.on_crease[i] ? 1 : std::max(0.0, from.normal[i].dot(n)));
     out.points.push_back(
         {x, x + height * n, n, height, from.area[i], std::max(0.0, bulge), {{static_cast<int>(i), 1.0}}, {}});
   }
@@ -215,7 +216,8 @@ Pairing pair(const PlacedBody& a, const HalfSpace& b, const PairRequest& request
   check_component(a, Vector3d(-b.normal), request);
   const WorldSurface from = surface_of(a);
   const double round_off = round_off_of(from, from) + place_slack * b.point.cwiseAbs().maxCoeff();
-  return arrange(a, request, round_off, [&](const PlacedBody& moved) { return find_pairs(moved, b); });
+  return arrange(a, request, round_off,
+                 [&](const PlacedBody& moved) { return find_pairs(moved, b, request.everywhere); });
 }
 
 namespace {

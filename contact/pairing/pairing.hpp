@@ -43,6 +43,9 @@ struct PairRequest {
   /// [m] drops pairs whose initial gap exceeds that of the closest pair by this distance or more
   std::optional<double> zone{};
   std::optional<Friction> friction{};  ///< no value: frictionless
+  /// Keeps candidates that face away from a half-space, because the body turns, with the whole of their
+  /// bulges.
+  bool everywhere = false;
   bool operator==(const PairRequest&) const = default;
 };
 

@@ -89,7 +89,7 @@ struct Pickup {
   Vector3 direction{};        ///< of any nonzero length
 };
 
-struct Scene : ContactScheme, Stepping {
+struct Scene : ContactScheme, Stepping, RigidBodies {
   std::vector<Body> bodies{};
   std::vector<HalfSpace> obstacles{};
   std::vector<Pair> pairs{};

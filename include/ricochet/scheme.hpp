@@ -35,6 +35,17 @@ enum class ContactStep {
   backward_euler,  ///< the force at the end of the step: first order, and every change of force costs energy
 };
 
+/// How the motion of free bodies as a whole is described.
+enum class Rotation {
+  linear,  ///< by their rigid modes, about the initial attitude: exact for small rotations
+  finite,  ///< by floating frames: any rotation. Contact points are found anew at each step.
+};
+
+struct RigidBodies {
+  Rotation rotation = Rotation::linear;
+  bool operator==(const RigidBodies&) const = default;
+};
+
 /// How a step finds the contact.
 struct ContactScheme {
   Scheme scheme = Scheme::compliant;

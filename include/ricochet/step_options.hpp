@@ -14,6 +14,7 @@ struct StepOptions {
   Instant instant = Instant::step;                     ///< of the impulse scheme
   double restitution = 0;                              ///< e of the impulse scheme, in [0, 1]
   ContactStep contact_step = ContactStep::conserving;  ///< of the compliant scheme
+  Rotation rotation = Rotation::linear;                ///< of free bodies; finite: of the compliant scheme
   double step = 0;                                     ///< Δ [s]
   /// Number of contact steps Δ per output sample. In free flight, the compliant scheme jumps from sample to
   /// sample; it makes contact steps only where a point could close.
