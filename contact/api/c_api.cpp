@@ -122,7 +122,9 @@ const double* ricochet_kernel_nodes(const ricochet_kernel* kernel) {
 }
 
 ricochet_scene* ricochet_scene_new(double rate_hz) {
-  return guarded<ricochet_scene*>(nullptr, [&] { return new ricochet_scene{{{}, {.rate_hz = rate_hz}, {}}}; });
+  return guarded<ricochet_scene*>(nullptr, [&] {
+    return new ricochet_scene{{{}, {.rate_hz = rate_hz}, {}}};
+  });
 }
 void ricochet_scene_free(ricochet_scene* scene) { delete scene; }
 

@@ -42,7 +42,7 @@ EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium,
   pressure.observe(equilibrium.force, equilibrium.time);
   for (std::string& warning : pressure.warnings()) out.warnings.push_back(std::move(warning));
   ObstacleCheck obstacles(model);
-  obstacles.observe(equilibrium.q, equilibrium.time);
+  obstacles.observe(rigid, equilibrium.time);
   for (std::string& warning : obstacles.warnings()) out.warnings.push_back(std::move(warning));
   const auto moved = [&](int k) -> Vector3d {
     const Bodies::Block& body = model.bodies[k];

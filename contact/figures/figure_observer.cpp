@@ -26,7 +26,10 @@ void FigureObserver::observe(const Stepper& stepper) {
   std::swap(before_, now_);
   now_.time = stepper.time();
   now_.state = source_.state(stepper);
-  if (source_.modes()) now_.energy = stepper.modal()->energy();
+  if (source_.modes()) {
+    now_.energy = stepper.modal()->energy();
+    now_.rigid_energy = source_.rigid_energy(stepper);
+  }
   if (const Vector& gap = source_.gap(); gap.size() > 0) {
     Eigen::Index point = 0;
     const double deepest = (stepper.displacement().head(gap.size()) - gap).maxCoeff(&point);
@@ -126,7 +129,7 @@ Figures FigureObserver::quantities() const {
   add_motion(out, start.state, end.state);
   if (!source_.modes()) return out;
   Figure energy{Vector(2), elastic(start.energy)};
-  energy.value << elastic(end.energy) + end.energy.residual - source_.rigid_energy(end.state),
+  energy.value << elastic(end.energy) + end.energy.residual - end.rigid_energy,
       end.energy.damping + end.energy.contact;
   // Bodies that are pressed together from rest have no energy at the start.
   if (!(energy.scale > 0)) energy.scale = energy.value.cwiseAbs().maxCoeff();

@@ -40,6 +40,7 @@ class FigureObserver {
     double time = 0;
     Vector state;
     Energy energy{};
+    double rigid_energy = 0;  ///< kinetic energy of the bodies as a whole, with modes [J]
   };
   void count(const Stepper& stepper);
   void judge(Episode& episode) const;

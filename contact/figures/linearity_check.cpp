@@ -89,7 +89,7 @@ std::string LinearityCheck::turned_in_flight() const {
 }
 
 void LinearityCheck::observe(const Stepper& stepper, const Vector& before, bool first) {
-  const std::vector<RigidMotion> moved = rigid_.of(stepper.modal()->q), speed = rigid_.of(before);
+  const std::vector<RigidMotion> moved = rigid_.displacement(stepper), speed = rigid_.rates(before, stepper);
   const auto turned = [&](int k) {
     const double angle = moved[k].rotation.norm();
     if (angle <= tilt_) return;

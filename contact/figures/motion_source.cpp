@@ -9,6 +9,16 @@ namespace ricochet::contact {
 using Eigen::Index;
 using Eigen::Vector3d;
 
+namespace {
+
+/// About the centre of mass, world axes [kg m²].
+Eigen::Matrix3d inertia_of(const Bodies::Block& block, const Pose& pose) {
+  const Eigen::Matrix3d turn = pose.attitude * block.rotation.transpose();
+  return turn * block.inertia * turn.transpose();
+}
+
+}  // namespace
+
 MotionSource::MotionSource(const Model& model)
     : places_(&model), gap_(&model.gap), area_(&model.area), rigid_(model) {
   for (std::size_t k = 0; k < model.bodies.size(); ++k)
@@ -63,11 +73,28 @@ std::optional<Vector3d> MotionSource::spin(int body, const Vector& state) const 
   return std::sqrt(block.inertia.trace() / (2 * block.mass)) * rigid_->of(body, state).rotation;
 }
 
-double MotionSource::rigid_energy(const Vector& state) const {
+double MotionSource::rigid_energy(const Stepper& stepper) const {
   double sum = 0;
-  for (std::size_t k = 0; k < bodies_.size(); ++k)
-    sum += state.segment(places_->bodies[k].first_mode, rigid_->modes(static_cast<int>(k))).squaredNorm() / 2;
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const Bodies::Block& block = places_->bodies[k];
+    if (stepper.poses().empty()) {
+      const auto rates = stepper.modal()->v.segment(block.first_mode, rigid_->modes(static_cast<int>(k)));
+      sum += rates.squaredNorm() / 2;
+    } else {
+      const Pose& pose = stepper.poses()[k];
+      sum +=
+          (block.mass * pose.velocity.squaredNorm() + pose.spin.dot(inertia_of(block, pose) * pose.spin)) / 2;
+    }
+  }
   return sum;
+}
+
+Vector3d MotionSource::angular_momentum(int body, const Vector& state, double time,
+                                        std::span<const Pose> poses) const {
+  if (poses.empty()) return places_->angular_momentum(body, state, time);
+  const Bodies::Block& block = places_->bodies[static_cast<std::size_t>(body)];
+  const Pose& pose = poses[static_cast<std::size_t>(body)];
+  return inertia_of(block, pose) * pose.spin + block.mass * pose.position.cross(pose.velocity);
 }
 
 }  // namespace ricochet::contact

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,8 @@
 
 namespace ricochet::contact {
 
-/// The state of a run is q̇ (N) with modes, and the velocities (3·bodies) of the free bodies with sampled
+/// The state of a run is q̇ (N) with modes, in which the rates of rigid modes are those of the bodies at their
+/// initial attitudes, and the velocities (3·bodies) of the free bodies with sampled
 /// responses.
 class MotionSource {
  public:
@@ -54,7 +56,10 @@ class MotionSource {
   /// rigid modes of a solid [m/s].
   std::optional<Eigen::Vector3d> spin(int body, const Vector& state) const;
   /// Kinetic energy of the bodies as a whole [J]. Only with modes.
-  double rigid_energy(const Vector& state) const;
+  double rigid_energy(const Stepper& stepper) const;
+  /// Angular momentum of a body about the origin of the world [kg m²/s]. Only with modes.
+  Eigen::Vector3d angular_momentum(int body, const Vector& state, double time,
+                                   std::span<const Pose> poses) const;
 
  private:
   const Model* places_;

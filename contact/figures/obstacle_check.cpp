@@ -22,7 +22,7 @@ Points points(const std::vector<double>& values) {
 
 }  // namespace
 
-ObstacleCheck::ObstacleCheck(const Model& model) : model_(model), rigid_(model), passages_(model) {
+ObstacleCheck::ObstacleCheck(const Model& model) : model_(model), passages_(model) {
   for (std::size_t p = 0; p < model.pairs.size(); ++p) {
     const Model::PairBlock& pair = model.pairs[p];
     const Bodies::Block& body = model.bodies[pair.a];
@@ -48,14 +48,13 @@ ObstacleCheck::ObstacleCheck(const Model& model) : model_(model), rigid_(model),
   }
 }
 
-void ObstacleCheck::observe(const Vector& q, double time) {
-  const std::vector<RigidMotion> motions = rigid_.of(q);
+void ObstacleCheck::observe(const std::vector<RigidMotion>& motions, double time) {
   passages_.observe(motions, time);
   for (Side& side : sides_) {
     const Model::PairBlock& pair = model_.pairs[side.pair];
     const RigidMotion& motion = motions[pair.a];
-    // The height of x + linear + rotation × (x − centre): n·(rotation × x) = (n × rotation)·x
-    const Vector3d turn = side.normal.cross(motion.rotation), slope = side.normal + turn;
+    // The height of x + linear + turn (x − centre)
+    const Vector3d turn = motion.turn.transpose() * side.normal, slope = side.normal + turn;
     const double rise = side.normal.dot(motion.linear - side.on) - turn.dot(motion.centre);
     Eigen::Index lowest = 0;
     const double height = (slope.transpose() * side.outline).minCoeff(&lowest) + rise;

@@ -13,8 +13,8 @@
 
 namespace ricochet::contact {
 
-/// Compares the outline of each body and the nodes of its contact surface, moved rigidly, with the obstacles
-/// of its pairs. Contact keeps only the contact points out of an obstacle.
+/// Compares the outline of each body and the nodes of its contact surface, moved as a whole, with the
+/// obstacles of its pairs. Contact keeps only the contact points out of an obstacle.
 ///
 /// A body in contact is flattened, so its rigid motion brings contact points into the obstacle by a depth d,
 /// and their neighbours by about as much. Nodes of a rounded surface lie beyond the points x̂ of their patches
@@ -27,8 +27,8 @@ class ObstacleCheck {
   /// `model` must outlive the check.
   explicit ObstacleCheck(const Model& model);
 
-  /// @param q  (N) modal displacement, @param time  [s]
-  void observe(const Vector& q, double time);
+  /// @param motions  displacement of each body, @param time  [s]
+  void observe(const std::vector<RigidMotion>& motions, double time);
 
   std::vector<std::string> warnings() const;
 
@@ -44,7 +44,6 @@ class ObstacleCheck {
     Eigen::Vector3d at{0, 0, 0};      ///< where, in the initial position
   };
   const Model& model_;
-  RigidMotions rigid_;
   std::vector<Side> sides_;
   PassageCheck passages_;
 };

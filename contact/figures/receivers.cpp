@@ -1,18 +1,41 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/figures/receivers.hpp"
 
+#include <algorithm>
+
+#include "contact/figures/candidate_forces.hpp"
+#include "contact/motion/floating_body.hpp"
+
 namespace ricochet::contact {
+
+using Eigen::Vector3d;
 
 Receivers::Receivers(const Model& model, const StepOptions& options)
     : model_(model),
       compliant_(options.scheme == Scheme::compliant),
       motion_(model.receivers.size()),
       acceleration_(Vector::Zero(model.omega.size())) {
-  update(0, model.q0, model.initial_rates(), Vector::Zero(model.rows()));
+  const std::vector<Pose> poses = initial_poses(model, options);
+  if (poses.empty()) {
+    update(0, model.q0, model.initial_rates(), Vector::Zero(model.rows()));
+    return;
+  }
+  for (const Model::Receiver& receiver : model.receivers)
+    own_.push_back(
+        &*std::ranges::find(model.bodies[static_cast<std::size_t>(receiver.body)].kernel->receivers,
+                            receiver.name, &kernels::Receiver::name));
+  Eigen::Index most = 0;
+  for (const Selection& selection : model.static_selection) most = std::max(most, selection.cols());
+  candidate_force_.setZero(most);
+  update(poses, model.q0, model.initial_rates(), Vector::Zero(model.rows()));
 }
 
 void Receivers::observe(const Stepper& stepper) noexcept {
-  update(stepper.time(), stepper.modal()->q, stepper.modal()->v, stepper.end_force());
+  const ModalState& state = *stepper.modal();
+  if (stepper.poses().empty())
+    update(stepper.time(), state.q, state.v, stepper.end_force());
+  else
+    update(stepper.poses(), state.q, state.v, stepper.end_force());
 }
 
 /// q̈ = f + F h − Bᵀ λ − 2δ q̇ − ω² q; impulses have already acted.
@@ -39,6 +62,58 @@ void Receivers::update(double t, const Vector& q, const Vector& v, const Vector&
       out.displacement += model_.forcing[d].history.at(t) * receiver.forcing.col(d);
       out.velocity += model_.forcing[d].history.slope(t) * receiver.forcing.col(d);
     }
+  }
+}
+
+/// The same for bodies that turn. A point is at x = c + A (X + w) with its elastic displacement w in body
+/// axes, so that ẍ = c̈ + α × r + Ω × (Ω × r) + 2 Ω × Aẇ + Aẅ, with r = A (X + w).
+void Receivers::update(std::span<const Pose> poses, const Vector& q, const Vector& v,
+                       const Vector& force) noexcept {
+  for (std::size_t k = 0; k < model_.receivers.size(); ++k) {
+    const Model::Receiver& receiver = model_.receivers[k];
+    const kernels::Receiver& own = *own_[k];
+    const Bodies::Block& body = model_.bodies[static_cast<std::size_t>(receiver.body)];
+    const kernels::Surface& surface = body.kernel->surface;
+    const Pose& pose = poses[static_cast<std::size_t>(receiver.body)];
+    candidate_forces(model_, receiver.body, force, poses, candidate_force_);
+    const Eigen::Index first = body.first_mode + FloatingBody::rigid,
+                       elastic = body.modes - FloatingBody::rigid;
+    q_ = q;
+    set_folded(model_, receiver.body, candidate_force_, q_);
+    const Eigen::Map<const Matrix> all(own.shape.data(), 3, body.modes);
+    const auto shape = all.rightCols(elastic);
+    Vector3d w = shape * q_.segment(first, elastic), rate = shape * v.segment(first, elastic);
+    if (!own.residual_flexibility.empty())
+      w += Eigen::Map<const Matrix>(own.residual_flexibility.data(), 3, candidate_force_.size()) *
+           candidate_force_;
+    // Forces and torque on the body, and its modes, in its axes
+    Vector3d total = Vector3d::Zero(), torque = total;
+    auto modal = acceleration_.segment(first, elastic);
+    modal = -2 * model_.decay.segment(first, elastic).array() * v.segment(first, elastic).array() -
+            model_.omega.segment(first, elastic).array().square() * q.segment(first, elastic).array();
+    const Vector3d centre = body.rotation.transpose() * (body.centre - body.translation);
+    for (std::size_t i = 0; i < surface.size(); ++i) {
+      const auto here = static_cast<Eigen::Index>(3 * i);
+      const Vector3d f = candidate_force_.segment<3>(here);
+      if (f.isZero(0)) continue;
+      const std::vector<double>& places = surface.centroid.empty() ? surface.node : surface.centroid;
+      total += f;
+      torque += (Eigen::Map<const Vector3d>(&places[3 * i]) - centre).cross(f);
+      const Eigen::Map<const Matrix> at(&surface.shape[3 * i * static_cast<std::size_t>(body.modes)], 3,
+                                        body.modes);
+      modal.noalias() += at.rightCols(elastic).transpose() * f;
+    }
+    for (const int n : model_.folded.modes)
+      if (n >= first && n < first + elastic) acceleration_(n) = 0;
+    const Inertia inertia = Inertia::of(body.rotation.transpose() * body.inertia * body.rotation);
+    const Vector3d spin = pose.attitude.conjugate() * pose.spin;
+    const Vector3d arm = Eigen::Map<const Vector3d>(own.point.data()) - centre + w;
+    const Vector3d turning = inertia.inverse * (torque - spin.cross(inertia.tensor * spin));
+    const Vector3d relative = turning.cross(arm) + spin.cross(spin.cross(arm)) + 2 * spin.cross(rate) +
+                              shape * acceleration_.segment(first, elastic);
+    motion_[k] = {.displacement = pose.position + pose.attitude * arm - receiver.point,
+                  .velocity = pose.velocity + pose.attitude * Vector3d(spin.cross(arm) + rate),
+                  .acceleration = model_.gravity + pose.attitude * Vector3d(total / body.mass + relative)};
   }
 }
 

@@ -3,6 +3,7 @@
 // it.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "contact/model/model.hpp"
@@ -32,11 +33,15 @@ class Receivers {
 
  private:
   void update(double t, const Vector& q, const Vector& v, const Vector& force) noexcept;
+  void update(std::span<const Pose> poses, const Vector& q, const Vector& v, const Vector& force) noexcept;
 
   const Model& model_;
   bool compliant_;
   std::vector<ReceiverMotion> motion_;
   Vector acceleration_;  ///< (N) q̈
+  // With finite rotations
+  std::vector<const kernels::Receiver*> own_;  ///< of each receiver, in body axes
+  Vector candidate_force_, q_;                 ///< (rM) of a body; (N) with folded modes
 };
 
 }  // namespace ricochet::contact

@@ -60,7 +60,7 @@ void ResolutionCheck::observe(const Stepper& stepper, const Vector& before) {
   }
   if (touched) return;
   ++episodes_;
-  const double speed = approach(force, before);
+  const double speed = approach(stepper, before);
   if (episodes_ == 1) first_approach_ = speed;
   if (speed > fastest_approach_) {
     fastest_approach_ = speed;
@@ -70,8 +70,9 @@ void ResolutionCheck::observe(const Stepper& stepper, const Vector& before) {
 
 /// Largest approach speed of the pressed points in the rigid motion of the bodies [m/s].
 /// @param rates  (N) q̇
-double ResolutionCheck::approach(const Vector& force, const Vector& rates) const {
-  const std::vector<RigidMotion> speed = rigid_.of(rates);
+double ResolutionCheck::approach(const Stepper& stepper, const Vector& rates) const {
+  const std::vector<RigidMotion> speed = rigid_.rates(rates, stepper);
+  const Vector& force = stepper.force();
   double fastest = 0;
   for (const Model::PairBlock& pair : model_.pairs)
     for (int i = pair.first_point; i < pair.first_point + pair.points; ++i) {

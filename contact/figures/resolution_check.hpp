@@ -27,7 +27,7 @@ class ResolutionCheck {
   std::vector<std::string> warnings(const ImpactFigures& figures) const;
 
  private:
-  double approach(const Vector& force, const Vector& rates) const;
+  double approach(const Stepper& stepper, const Vector& rates) const;
   double resolved() const;
   std::string front(const ImpactFigures& figures) const;
   std::string overshoot(const ImpactFigures& figures) const;

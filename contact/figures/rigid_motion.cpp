@@ -18,6 +18,12 @@ Matrix3d pseudo_inverse(const Matrix3d& inertia) {
   return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
+Matrix3d cross_matrix(const Vector3d& x) {
+  Matrix3d out;
+  out << 0, -x.z(), x.y(), x.z(), 0, -x.x(), -x.y(), x.x(), 0;
+  return out;
+}
+
 }  // namespace
 
 RigidMotions::RigidMotions(const Model& model) : model_(model) {
@@ -44,6 +50,32 @@ RigidMotion RigidMotions::of(int number, const Vector& state) const {
                  angular = body.angular_momentum.leftCols(rigid) * modal;
   out.linear = linear / body.mass;
   out.rotation = inverse_inertia * (angular - body.centre.cross(linear));
+  out.turn = cross_matrix(out.rotation);
+  return out;
+}
+
+/// The matrix that turns the initial place of a body, from its centre, to the present one.
+Matrix3d RigidMotions::turn(int number, const Pose& pose) const {
+  return pose.attitude * model_.bodies[static_cast<std::size_t>(number)].rotation.transpose();
+}
+
+std::vector<RigidMotion> RigidMotions::displacement(const Stepper& stepper) const {
+  const std::span<const Pose> poses = stepper.poses();
+  if (poses.empty()) return of(stepper.modal()->q);
+  std::vector<RigidMotion> out;
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    const Vector3d& centre = model_.bodies[k].centre;
+    out.push_back({.linear = poses[k].position - centre,
+                   .centre = centre,
+                   .turn = turn(static_cast<int>(k), poses[k]) - Matrix3d::Identity()});
+  }
+  return out;
+}
+
+std::vector<RigidMotion> RigidMotions::rates(const Vector& state, const Stepper& stepper) const {
+  std::vector<RigidMotion> out = of(state);
+  const std::span<const Pose> poses = stepper.poses();
+  for (std::size_t k = 0; k < poses.size(); ++k) out[k].turn *= turn(static_cast<int>(k), poses[k]);
   return out;
 }
 

@@ -14,7 +14,8 @@ constexpr std::int64_t steps_between_obstacle_checks = 8;
 }  // namespace
 
 RunChecks::RunChecks(const Model& model, double step, double wave_speed, std::vector<MaterialLimits> limits)
-    : linearity_(model, wave_speed),
+    : rigid_(model),
+      linearity_(model, wave_speed),
       resolution_(model),
       obstacles_(model),
       pressure_(model, std::move(limits)),
@@ -31,7 +32,8 @@ void RunChecks::observe(const Stepper& stepper, const FigureObserver& figures) {
   linearity_.observe_rotation(q, stepper.time());
   resolution_.observe(stepper, figures.before());
   if (compliant) ripple_.observe(stepper.time(), stepper.force().head(stepper.points()).sum());
-  if (observed_++ % steps_between_obstacle_checks == 0) obstacles_.observe(q, stepper.time());
+  if (observed_++ % steps_between_obstacle_checks == 0) 
+    obstacles_.observe(rigid_.displacement(stepper), stepper.time());
 }
 
 std::vector<std::string> RunChecks::warnings(const ImpactFigures& figures) const {

@@ -26,6 +26,7 @@ class RunChecks {
   std::vector<std::string> warnings(const ImpactFigures& figures) const;
 
  private:
+  RigidMotions rigid_;
   LinearityCheck linearity_;
   ResolutionCheck resolution_;
   ObstacleCheck obstacles_;

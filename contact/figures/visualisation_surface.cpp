@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/figures/visualisation_surface.hpp"
 
+#include "contact/figures/candidate_forces.hpp"
 #include "contact/model/folding.hpp"
 #include "contact/pairing/surface_projection.hpp"
 
@@ -21,6 +22,7 @@ auto columns_of(const std::vector<float>& values, Index rows) {
 
 VisualisationSurface::VisualisationSurface(const Model& model, int body, const StepOptions& options)
     : model_(model),
+      number_(body),
       body_(model.bodies[body]),
       view_(*body_.kernel->view),
       shape_(view_.shape.data(), view_.node.size(), body_.modes),
@@ -28,7 +30,7 @@ VisualisationSurface::VisualisationSurface(const Model& model, int body, const S
   const Index rows = shape_.rows();
   const auto omega = model.omega.segment(body_.first_mode, body_.modes);
   while (rigid_ < omega.size() && omega(rigid_) == 0) ++rigid_;
-  if (options.scheme == Scheme::compliant) {
+  if (options.scheme == Scheme::compliant && options.rotation == Rotation::linear) {
     const auto correction = columns_of(view_.residual_flexibility, rows);
     if (correction.cols() > 0)
       flexibility_ = -(correction * model.static_selection[body].transpose().cast<float>());
@@ -50,8 +52,40 @@ VisualisationSurface::VisualisationSurface(const Model& model, int body, const S
   }
 }
 
-const SurfaceMotion& VisualisationSurface::at(double t, const Vector& q, const Vector& v,
-                                              const Vector& force) {
+/// The motion in the floating frame of the body.
+const SurfaceMotion& VisualisationSurface::in_frame(std::span<const Pose> poses, const Vector& q,
+                                                    const Vector& v, const Vector& force) {
+  using Places = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+  const Index rows = shape_.rows(), elastic = body_.modes - rigid_, first = body_.first_mode + rigid_;
+  Vector on_candidates;
+  candidate_forces(model_, number_, force, poses, on_candidates);
+  all_q_ = q;
+  set_folded(model_, number_, on_candidates, all_q_);
+  VectorXf deformation = shape_.rightCols(elastic) * all_q_.segment(first, elastic).cast<float>();
+  if (const auto correction = columns_of(view_.residual_flexibility, rows); correction.cols() > 0)
+    deformation.noalias() += correction * on_candidates.cast<float>();
+  const VectorXf rate = shape_.rightCols(elastic) * v.segment(first, elastic).cast<float>();
+  const auto places = [&](const VectorXd& x) {
+    return Places(Eigen::Map<const Places>(x.data(), rows / 3, 3));
+  };
+  const Pose& pose = poses[static_cast<std::size_t>(number_)];
+  const Eigen::Matrix3d A = pose.attitude.toRotationMatrix();
+  const Eigen::Vector3d centre = body_.rotation.transpose() * (body_.centre - body_.translation);
+  const Places arm = (Eigen::Map<const Places>(view_.node.data(), rows / 3, 3).rowwise() -
+                      centre.transpose() + places(deformation.cast<double>())) *
+                     A.transpose();
+  out_.position = (arm.rowwise() + pose.position.transpose()).cast<float>();
+  out_.deformation = (places(deformation.cast<double>()) * A.transpose()).cast<float>();
+  out_.velocity =
+      ((places(rate.cast<double>()) * A.transpose() + arm.rowwise().cross(-pose.spin.transpose())).rowwise() +
+       pose.velocity.transpose())
+          .cast<float>();
+  return out_;
+}
+
+const SurfaceMotion& VisualisationSurface::at(double t, const Vector& q, const Vector& v, const Vector& force,
+                                              std::span<const Pose> poses) {
+  if (!poses.empty()) return in_frame(poses, q, v, force);
   const Index rows = shape_.rows(), elastic = body_.modes - rigid_;
   all_q_ = q;
   all_v_ = v;

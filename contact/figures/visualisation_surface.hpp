@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The motion of a body's visualisation surface: x = Q (x_0 + φ q + r) + t, in single precision.
+// The motion of a body's visualisation surface: x = Q (x_0 + φ q + r) + t, in single precision. With
+// finite rotations, Q and t are those of its frame.
 //
 // r is the static correction under contact, gravity, loads and supports, as for receivers.
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "contact/model/model.hpp"
@@ -36,7 +38,9 @@ class VisualisationSurface {
   const kernels::View& view() const { return view_; }
 
   /// @param q, v, force  (N), (N), (m) the state of a stepper at time t
-  const SurfaceMotion& at(double t, const Vector& q, const Vector& v, const Vector& force);
+  /// @param poses  of the bodies, with finite rotations; otherwise empty
+  const SurfaceMotion& at(double t, const Vector& q, const Vector& v, const Vector& force,
+                          std::span<const Pose> poses);
 
   /// Returns the points of the surface closest to x (·,3) [m], with the body in its initial placement.
   std::vector<SurfacePoint> closest(const Eigen::Ref<const Matrix>& x) const;
@@ -44,7 +48,11 @@ class VisualisationSurface {
  private:
   using Values = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+  const SurfaceMotion& in_frame(std::span<const Pose> poses, const Vector& q, const Vector& v,
+                                const Vector& force);
+
   const Model& model_;
+  int number_;
   const Bodies::Block& body_;
   const kernels::View& view_;
   Eigen::Map<const Values> shape_;  ///< (3V,N)

@@ -62,7 +62,7 @@ MotionFile::MotionFile(const Model& model, const StepOptions& step, const Motion
 MotionFile::MotionFile(const Stepper& start, const Model& model, const MotionOptions& options)
     : MotionFile(model, start.options(), options) {
   frame(0, start.modal()->q, start.modal()->v, start.displacement(), start.force(), start.end_force(),
-        start.slip().states());
+        start.slip().states(), start.poses());
 }
 
 MotionFile::MotionFile(const Model& model, const MotionOptions& options)
@@ -71,7 +71,7 @@ MotionFile::MotionFile(const Model& model, const MotionOptions& options)
 void MotionFile::record(const Equilibrium& equilibrium) {
   const Vector rest = Vector::Zero(model_.omega.size());
   frame(equilibrium.time, equilibrium.q, rest, equilibrium.displacement, equilibrium.force, equilibrium.force,
-        equilibrium.states);
+        equilibrium.states, {});
 }
 
 MotionFile::Patch MotionFile::patch_of(const Model::PairBlock& pair, const std::string& name) const {
@@ -126,15 +126,16 @@ void MotionFile::write_setting(const MotionOptions& options) {
 void MotionFile::record(const Stepper& stepper) {
   if (!stepper.at_sample() || stepper.steps() / stepper.options().steps_per_sample % every_ != 0) return;
   frame(stepper.time(), stepper.modal()->q, stepper.modal()->v, stepper.displacement(), stepper.force(),
-        stepper.end_force(), stepper.slip().states());
+        stepper.end_force(), stepper.slip().states(), stepper.poses());
 }
 
 void MotionFile::frame(double t, const Vector& q, const Vector& v, const Vector& u, const Vector& force,
-                       const Vector& end_force, std::span<const ContactState> states) {
+                       const Vector& end_force, std::span<const ContactState> states,
+                       std::span<const Pose> poses) {
   const std::string number = number_of(time_.size());
   for (std::size_t k = 0; k < surfaces_.size(); ++k) {
     const std::string group = group_of(model_.bodies[k].name);
-    const SurfaceMotion& surface = surfaces_[k].at(t, q, v, end_force);
+    const SurfaceMotion& surface = surfaces_[k].at(t, q, v, end_force, poses);
     write(file_, group + "/position" + number, surface.position, "m");
     write(file_, group + "/deformation" + number, surface.deformation, "m");
     write(file_, group + "/velocity" + number, surface.velocity, "m/s");

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "contact/files/rows.hpp"
+#include "contact/motion/floating_body.hpp"
 
 namespace ricochet::contact {
 namespace {
@@ -63,7 +64,8 @@ Recorder::Recorder(const MotionSource& source, const StepOptions& step, const Re
   if (const Model* const model = source_.modes()) add_model_rows(*model, step, options);
   if (step.scheme == Scheme::at_rest) return;
   time_->append(0);
-  bodies_row(source_.initial_state(), 0, 0);
+  bodies_row(source_.initial_state(),
+             source_.modes() ? initial_poses(*source_.modes(), step) : std::vector<Pose>(), 0, 0);
   if (persistency_) persistency_->append(0);
 }
 
@@ -91,7 +93,7 @@ void Recorder::record(const Equilibrium& equilibrium) {
     sides_row(sides_->at_rest(equilibrium));
     friction_row(model, equilibrium.displacement, equilibrium.force, equilibrium.states);
   }
-  if (snapshots_) snapshots_->append(equilibrium.time, equilibrium.q, equilibrium.force);
+  if (snapshots_) snapshots_->append(equilibrium.time, equilibrium.q, equilibrium.force, {});
 }
 
 void Recorder::write_points(const Model& model) {
@@ -127,16 +129,20 @@ void Recorder::add_model_rows(const Model& model, const StepOptions& step, const
     contact_.state = &file_.rows("/contact/state", {m}, "1");
   }
   energy_.emplace(file_);
-  if (snapshot_every_ > 0) snapshots_.emplace(file_, model);
+  const bool turns = step.rotation == Rotation::finite;
+  if (snapshot_every_ > 0) snapshots_.emplace(file_, model, turns);
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const std::string group = "/bodies/" + model.bodies[k].name;
     bodies_[k].angular_momentum = &file_.rows(group + "/angular_momentum", {3}, "kg m^2/s");
     bodies_[k].reaction = &file_.rows(group + "/reaction", {3}, "N");
+    if (!turns) continue;
+    bodies_[k].pose.emplace(file_, group);
+    bodies_[k].spin = &file_.rows(group + "/spin", {3}, "rad/s");
   }
   if (!model.receivers.empty()) receiver_rows_.emplace(file_, model, step, options.receivers_every);
   if (step.scheme == Scheme::at_rest) return;
   energy_->append(initial_energy(model));
-  if (snapshots_) snapshots_->append(0, model.q0, Vector::Zero(model.rows()));
+  if (snapshots_) snapshots_->append(0, model.q0, Vector::Zero(model.rows()), initial_poses(model, step));
   if (receiver_rows_) receiver_rows_->record(*receivers_);
 }
 
@@ -159,13 +165,13 @@ void Recorder::record(const Stepper& stepper) {
   if (sample % every_ == 0) {
     time_->append(t);
     if (persistency_) persistency_->append(stepper.persistency());
-    bodies_row(source_.state(stepper), static_cast<double>(last_row_) * step_, t);
+    bodies_row(source_.state(stepper), stepper.poses(), static_cast<double>(last_row_) * step_, t);
     if (energy_) energy_->append(stepper.modal()->energy());
     last_row_ = k;
   }
   if (!model) return;
   if (snapshots_ && sample % snapshot_every_ == 0)
-    snapshots_->append(t, stepper.modal()->q, stepper.end_force());
+    snapshots_->append(t, stepper.modal()->q, stepper.end_force(), stepper.poses());
   receivers_->observe(stepper);
   if (receiver_rows_) receiver_rows_->record(*receivers_);
 }
@@ -180,7 +186,7 @@ void Recorder::push(const Model& model, const Vector& force, double duration) {
 }
 
 /// @param from  time of the previous row, or `to` in the first row
-void Recorder::bodies_row(const Vector& state, double from, double to) {
+void Recorder::bodies_row(const Vector& state, std::span<const Pose> poses, double from, double to) {
   const Model* const model = source_.modes();
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     BodyRows& rows = bodies_[k];
@@ -196,7 +202,11 @@ void Recorder::bodies_row(const Vector& state, double from, double to) {
         if (one.body == static_cast<int>(k)) impulse += one.history.integral(from, to) * one.total;
       reaction = (momentum - rows.last_momentum - impulse) / (to - from);
     }
-    append(rows.angular_momentum, model->angular_momentum(static_cast<int>(k), state, to));
+    append(rows.angular_momentum, source_.angular_momentum(static_cast<int>(k), state, to, poses));
+    if (rows.pose) {
+      rows.pose->append(poses[k]);
+      append(rows.spin, poses[k].spin);
+    }
     append(rows.reaction, reaction);
     rows.last_momentum = momentum;
     rows.contact_impulse.setZero();

@@ -19,6 +19,7 @@
 #include "contact/figures/motion_source.hpp"
 #include "contact/figures/receivers.hpp"
 #include "contact/files/energy_rows.hpp"
+#include "contact/files/pose_rows.hpp"
 #include "contact/files/receiver_rows.hpp"
 #include "contact/files/snapshot_rows.hpp"
 #include "contact/model/model.hpp"
@@ -66,6 +67,8 @@ class Recorder {
   using Rows = base::hdf5::Rows;
   struct BodyRows {
     Rows *velocity, *momentum, *angular_momentum = nullptr, *reaction = nullptr;
+    std::optional<PoseRows> pose{};  ///< with finite rotations, as `spin`
+    Rows* spin = nullptr;
     Eigen::Vector3d last_momentum = Eigen::Vector3d::Zero();    ///< at the last row
     Eigen::Vector3d contact_impulse = Eigen::Vector3d::Zero();  ///< on this body, since the last row [N s]
   };
@@ -80,7 +83,7 @@ class Recorder {
   void write_place(const Bodies::Block& body, std::size_t number, const RecorderOptions& options);
   void add_model_rows(const Model& model, const StepOptions& step, const RecorderOptions& options);
   void push(const Model& model, const Vector& force, double duration);
-  void bodies_row(const Vector& state, double from, double to);
+  void bodies_row(const Vector& state, std::span<const Pose> poses, double from, double to);
   void contact_row(double time, const Vector& u, const Vector& force);
   void sides_row(const SidesMotion& sides);
   void friction_row(const Model& model, const Vector& w, const Vector& force,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/files/snapshot_rows.hpp"
 
+#include "contact/figures/candidate_forces.hpp"
 #include "contact/model/folding.hpp"
 
 namespace ricochet::contact {
@@ -10,7 +11,7 @@ std::span<const double> span_of(const Vector& x) { return {x.data(), static_cast
 
 }  // namespace
 
-SnapshotRows::SnapshotRows(base::hdf5::Writer& file, const Model& model)
+SnapshotRows::SnapshotRows(base::hdf5::Writer& file, const Model& model, bool turns)
     : model_(model), time_(file.rows("/snapshots/time", {}, "s")) {
   for (const Bodies::Block& body : model.bodies) {
     const kernels::Kernel& kernel = *body.kernel;
@@ -29,20 +30,26 @@ SnapshotRows::SnapshotRows(base::hdf5::Writer& file, const Model& model)
     if (!kernel.applied.empty())
       rows.load = &file.rows(group + "/load", {kernel.applied.size(), 3}, "Pa or N");
     if (!kernel.motions.empty()) rows.motion = &file.rows(group + "/motion", {kernel.motions.size(), 3}, "m");
+    if (turns) rows.pose.emplace(file, "/pose/" + body.name);
   }
 }
 
-void SnapshotRows::append(double time, const Vector& q, const Vector& p) {
+void SnapshotRows::append(double time, const Vector& q, const Vector& p, std::span<const Pose> poses) {
   time_.append(time);
   Vector whole = q;
-  set_folded(model_, time, p, whole);
+  if (poses.empty()) set_folded(model_, time, p, whole);
   for (const Model::Forcing& one : model_.forcing)
     whole.segment(one.first_mode, one.lift.size()) += one.history.at(time) * one.lift;
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const Bodies::Block& body = model_.bodies[k];
     const Body& rows = bodies_[k];
+    candidate_forces(model_, static_cast<int>(k), p, poses, force_);
+    if (!poses.empty()) {
+      set_folded(model_, static_cast<int>(k), force_, whole);
+      rows.pose->append(poses[k]);
+    }
     rows.modal->append(span_of(whole.segment(body.first_mode, body.modes)));
-    if (rows.force != nullptr) append_forces(k, rows, p);
+    if (rows.force != nullptr) append_forces(rows, force_, body.kernel->surface.residual_components());
     Vector load = Vector::Zero(3 * body.kernel->applied.size()),
            motion = Vector::Zero(3 * body.kernel->motions.size());
     for (const Model::Forcing& one : model_.forcing)
@@ -55,10 +62,7 @@ void SnapshotRows::append(double time, const Vector& q, const Vector& p) {
   ++count_;
 }
 
-/// The forces p on the relative displacements u = P u_C + … push the candidates of this body by −Pᵀ p.
-void SnapshotRows::append_forces(std::size_t body, const Body& rows, const Vector& p) {
-  const Vector force = -(model_.static_selection[body].transpose() * p);
-  const Eigen::Index components = model_.bodies[body].kernel->surface.residual_components();
+void SnapshotRows::append_forces(const Body& rows, const Vector& force, Eigen::Index components) {
   for (Eigen::Index j = 0; j < force.size(); j += components) {
     const auto own = force.segment(j, components);
     if ((own.array() == 0).all()) continue;

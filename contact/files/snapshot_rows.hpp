@@ -4,14 +4,20 @@
 //
 //   u = Φ q + R_C f + (static response to gravity, loads and supports)
 //
+// With finite rotations, u is in the axes of the body, without its rigid motion, and the pose of the body is
+// written beside it.
+//
 // q are the coordinates Φᵀ M u of the kept modes, f the contact forces on the candidates of the body. R_C and
 // the other static responses are in the kernel, for example under /view.
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "base/hdf5_writer.hpp"
+#include "contact/files/pose_rows.hpp"
 #include "contact/model/model.hpp"
 
 namespace ricochet::contact {
@@ -19,10 +25,12 @@ namespace ricochet::contact {
 class SnapshotRows {
  public:
   /// Creates the datasets. `file` and `model` must outlive this object.
-  SnapshotRows(base::hdf5::Writer& file, const Model& model);
+  /// @param turns  whether bodies have poses
+  SnapshotRows(base::hdf5::Writer& file, const Model& model, bool turns);
 
   /// @param q, p  (N), (n) modal coordinates and forces at `time` [s]; p = 0 under impulses
-  void append(double time, const Vector& q, const Vector& p);
+  /// @param poses  of the bodies; empty unless they turn
+  void append(double time, const Vector& q, const Vector& p, std::span<const Pose> poses);
 
  private:
   using Rows = base::hdf5::Rows;
@@ -31,13 +39,15 @@ class SnapshotRows {
     Rows* modal = nullptr;
     Rows *snapshot = nullptr, *candidate = nullptr, *force = nullptr;
     Rows *load = nullptr, *motion = nullptr;
+    std::optional<PoseRows> pose{};
   };
-  void append_forces(std::size_t body, const Body& rows, const Vector& p);
+  void append_forces(const Body& rows, const Vector& force, Eigen::Index components);
 
   const Model& model_;
   Rows& time_;
   std::int64_t count_ = 0;  ///< snapshots so far
   std::vector<Body> bodies_;
+  Vector force_;  ///< (rM) of a body
 };
 
 }  // namespace ricochet::contact

@@ -84,6 +84,7 @@ ContactLaw::ContactLaw(const Model& model, const StepOptions& options)
   contacts_ = model.points();
   gap_.setConstant(std::numeric_limits<double>::infinity());
   gap_.head(contacts_) = model.gap;
+  moves_ = options.rotation == Rotation::finite;
   springs_ = model.springs();
   friction_ = model.friction;
   for (std::size_t f = 0; f < friction_.size(); ++f)
@@ -160,6 +161,7 @@ StepTrial ContactLaw::solve(const StepMatrices& matrices, const MeanForce& befor
     total.removed += trial.removed;
     total.heat += trial.heat;
     total.belts += trial.belts;
+    total.at_start += trial.at_start;
     total.in_residual += trial.in_residual;
   }
   return total;
@@ -245,6 +247,11 @@ StepTrial ContactLaw::solve_island(int island, const StepMatrices& matrices, con
     if (next.shock || trial.cools || overdraws(trial))
       trial = attempt(part, next.weights = backward_euler, slip);
   }
+  if (moves_ && has_forces(trial.status) && overdraws(trial)) {
+    keeps_depth_ = true;
+    trial = attempt(part, next.weights = backward_euler, slip);
+    keeps_depth_ = false;
+  }
   if (!has_forces(trial.status)) return trial;
   store_forces();
   for (int k = 0; k < islands_.pairs(); ++k) {
@@ -317,10 +324,10 @@ void ContactLaw::gather(const MeanForce& before, const Slip* slip) noexcept {
 /// point closes.
 bool ContactLaw::begin_with(const MeanWeights& weights) noexcept {
   Island& p = problem_;
-  // The energy theorem requires u ≤ g at the start. A step that max_pivots cuts short may end with u > g.
-  // From then on, max(g, u) at the start of a step replaces g: a point beyond g cannot go deeper, and it is
-  // not pushed out, because that would do work.
-  const bool deep = euler_.was_limited() || mean_.was_limited();
+  // The energy theorem requires u ≤ g at the start. A step that max_pivots cuts short may end with u > g, and
+  // so may one of bodies that turn. From then on, max(g, u) at the start of a step replaces g: a point beyond
+  // g cannot go deeper, and it is not pushed out, because that would do work.
+  const bool deep = keeps_depth_ || euler_.was_limited() || mean_.was_limited();
   bool closed = false;
   for (Index k = 0; k < p.size; ++k) {
     p.force(k) = weights.start * p.now(k) + weights.before * p.before(k);

@@ -113,6 +113,8 @@ class ContactLaw {
   std::vector<PatchSpring> springs_;  ///< (m); empty if no point has one
   std::vector<Model::FrictionPoint> friction_;
   std::vector<int> friction_of_;  ///< (m) index in friction_, or −1
+  bool moves_ = false;            ///< whether bodies turn, so that gaps may be below 0 at the start
+  bool keeps_depth_ = false;      ///< in the step that is solved: points beyond their gaps are not pushed out
   ContactSolver euler_, mean_;    ///< of S, of S_mean
 
   std::vector<int> rows_, position_;  ///< held rows; position of each row

@@ -44,6 +44,18 @@ void MeanForce::advance(const Vector& force, const std::vector<Pair>& pairs) noe
   carries_ = std::any_of(pairs_.begin(), pairs_.end(), [](const Pair& pair) { return pair.carries; });
 }
 
+double MeanForce::draw(int pair, double energy) noexcept {
+  double& bank = pairs_[static_cast<std::size_t>(pair)].bank;
+  const double drawn = std::min(energy, bank);
+  bank -= drawn;
+  return energy - drawn;
+}
+
+void MeanForce::reduce(int pair, double share) noexcept {
+  for (const auto& [number, first, size] : segments_)
+    if (number == pair) end_.segment(first, size) *= share;
+}
+
 void MeanForce::clear() noexcept {
   end_.setZero();
   before_.setZero();

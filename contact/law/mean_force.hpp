@@ -80,6 +80,11 @@ class MeanForce {
 
   /// Completes a step: λ⁺ (n) becomes the force at the last instant. @param pairs  `carries` is computed
   void advance(const Vector& force, const std::vector<Pair>& pairs) noexcept;
+  /// Draws energy from the part of the bank of a pair. Returns what is missing, 0 if the part suffices. A
+  /// negative energy is paid in.
+  double draw(int pair, double energy) noexcept;
+  /// Multiplies the forces of a pair at the last instant by a share of 0 to 1.
+  void reduce(int pair, double share) noexcept;
   /// Forgets all forces.
   void clear() noexcept;
 

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "contact/motion/floating_stepper.hpp"
 #include "contact/stepping/compliant_stepper.hpp"
 #include "contact/stepping/event_stepper.hpp"
 #include "contact/stepping/impulse_stepper.hpp"
@@ -53,6 +54,8 @@ void Stepper::end_contact(int active, double persistency, const SolveResidual& r
 
 std::unique_ptr<Stepper> make_stepper(std::shared_ptr<const Model> model, const StepOptions& options) {
   model = fold(std::move(model), options);
+  if (options.rotation == Rotation::finite)
+    return std::make_unique<FloatingStepper>(std::move(model), options);
   if (options.scheme == Scheme::impulse) {
     if (options.instant == Instant::exact) return std::make_unique<EventStepper>(std::move(model), options);
     return std::make_unique<ImpulseStepper>(std::move(model), options);

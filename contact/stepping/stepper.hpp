@@ -4,8 +4,10 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 
 #include "contact/law/contact_law.hpp"
+#include "contact/motion/pose.hpp"
 #include "contact/stepping/modal_state.hpp"
 #include "ricochet/step_options.hpp"
 #include "ricochet/step_status.hpp"
@@ -54,6 +56,9 @@ class Stepper {
 
   /// Motion and energy of the bodies; null if only the motion of the contact points is known (tables).
   virtual const ModalState* modal() const noexcept { return nullptr; }
+  /// Frames of the bodies after the step, with finite rotations; otherwise empty, and rigid modes move the
+  /// bodies.
+  virtual std::span<const Pose> poses() const noexcept { return {}; }
   /// (3,bodies) mass-mean velocities of a table's bodies after the step [m/s]; null with modes.
   virtual const Eigen::Matrix3Xd* body_velocities() const noexcept { return nullptr; }
 

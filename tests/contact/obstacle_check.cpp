@@ -67,16 +67,16 @@ TEST(Obstacle, that_a_turned_body_passes_is_found_from_its_rigid_motion) {
                                   {{"plate", "floor", {}, {}, {}}}, Vector3d::Zero());
   ObstacleCheck check(model);
   Vector q = Vector::Zero(2);
-  check.observe(q, 0);
+  check.observe(RigidMotions(model).of(q), 0);
   EXPECT_THAT(check.warnings(), IsEmpty());
   // 10 cm up, and turned by 0.2 about y: the candidate at x = 2 would sink to 0.1 − 0.2 + 0.001, as allowed,
   // but not the point of the outline that is three times as far out.
   q << 0.1 * std::sqrt(2), 0.2;
-  check.observe(q, 0.5);
+  check.observe(RigidMotions(model).of(q), 0.5);
   EXPECT_THAT(check.warnings(), IsEmpty());
   kernel.outline.insert(kernel.outline.end(), {4, 0, 0});
   ObstacleCheck longer(model);
-  longer.observe(q, 0.5);
+  longer.observe(RigidMotions(model).of(q), 0.5);
   // 0.1 + 0.001 − 0.2 · 3
   EXPECT_THAT(longer.warnings(), Contains(HasSubstr("plate passes 0.499 m through floor at t = 0.5 s")));
 }
@@ -90,7 +90,7 @@ TEST(Obstacle, that_nodes_enter_by_twice_the_bulge_of_their_patches_is_not_named
     const Model model = build_model({{"plate", &kernel, Matrix3d::Identity(), {0, 0, 0.001}}}, floor_at_0,
                                     {{"plate", "floor", {}, {}, {}}}, Vector3d::Zero());
     ObstacleCheck check(model);
-    check.observe(Vector::Zero(1), 0);
+    check.observe(RigidMotions(model).of(Vector::Zero(1)), 0);
     // The flange starts 9 mm below the floor; 1e-3 of the size of the plate is 2.3 mm.
     if (bulge > 0.004) {
       EXPECT_THAT(check.warnings(), IsEmpty());
@@ -167,11 +167,11 @@ TEST(Bodies, that_pass_through_each_other_without_contact_points_are_named_with_
   Vector q = Vector::Zero(6);
   for (const double way : {0.0, 0.1, 0.2, 0.29}) {
     q(0) = way;
-    check.observe(q, way);
+    check.observe(RigidMotions(model).of(q), way);
     EXPECT_THAT(check.warnings(), IsEmpty()) << way;
   }
   q(0) = 0.38;
-  check.observe(q, 0.38);
+  check.observe(RigidMotions(model).of(q), 0.38);
   EXPECT_THAT(check.warnings(), Contains(HasSubstr("stone passes 0.08 m through plate at t = 0.38 s")));
 }
 

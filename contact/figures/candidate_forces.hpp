@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The forces of contact on the candidates of a body in its own axes, in which the static response of a kernel
+// is given.
+#pragma once
+
+#include <span>
+
+#include "contact/model/model.hpp"
+#include "contact/motion/pose.hpp"
+
+namespace ricochet::contact {
+
+/// Sets `out` (rM) [N] to the forces on the r components of M candidates under p (n).
+/// @param poses  of all bodies; empty: they have their initial attitudes
+void candidate_forces(const Model& model, int body, const Vector& p, std::span<const Pose> poses,
+                      Vector& out) noexcept;
+
+/// Sets the coordinates q (N) of the folded modes of a body that turns.
+/// @param force  (3M) on its candidates
+void set_folded(const Model& model, int body, const Vector& force, Vector& q) noexcept;
+
+}  // namespace ricochet::contact

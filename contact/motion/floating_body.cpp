@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "contact/motion/floating_body.hpp"
+
+#include "base/format.hpp"
+#include "ricochet/error.hpp"
+
+namespace ricochet::contact {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// Largest angles of a step of the free rotation [rad]: within a contact step, where the step itself is
+// shorter, and in flight, where the error of a turn is a twelfth of its square.
+constexpr double of_contact = 0.25, of_flight = 2e-3;
+
+void check(const Model& model, const Bodies::Block& block) {
+  const auto own = model.omega.segment(block.first_mode, block.modes);
+  const Eigen::Index rigid = (own.array() == 0).count();
+  if (block.supported)
+    throw InputError(base::format(
+        "bodies.{}: is supported, but motion.rotation = \"finite\" moves free bodies. Leave its support out, "
+        "or set \"linear\".",
+        block.name));
+  if (rigid != FloatingBody::rigid)
+    throw InputError(
+        base::format("bodies.{}: its kernel has {} rigid modes, but motion.rotation = \"finite\" needs the "
+                     "six of a solid. Give a solid mesh, or set \"linear\".",
+                     block.name, rigid));
+  const auto decay = model.decay.segment(block.first_mode, rigid);
+  if (!decay.isZero(0))
+    throw InputError(
+        base::format("bodies.{}.damping: damps the motion of the body as a whole, which motion.rotation = "
+                     "\"finite\" does not "
+                     "have. Leave rayleigh's alpha out, or set \"linear\".",
+                     block.name));
+}
+
+}  // namespace
+
+FloatingBody::FloatingBody(const Model& model, const Bodies::Block& block)
+    : first_mode(block.first_mode),
+      modes(block.modes),
+      mass(block.mass),
+      centre(block.rotation.transpose() * (block.centre - block.translation)),
+      gravity(model.gravity),
+      inertia(Inertia::of(block.rotation.transpose() * block.inertia * block.rotation)),
+      at_start(block.rotation),
+      start(block.centre),
+      position(start),
+      attitude(at_start) {
+  check(model, block);
+  const auto momentum_of = block.momentum.leftCols<rigid>();
+  Eigen::Matrix<double, 3, rigid> about = block.angular_momentum.leftCols<rigid>();
+  for (int n = 0; n < rigid; ++n) about.col(n) -= block.centre.cross(Vector3d(momentum_of.col(n)));
+  linear = momentum_of.transpose();
+  spin = about.transpose();
+  const auto own = model.v0.segment<rigid>(first_mode);
+  velocity = momentum_of * own / mass;
+  momentum = about * own;
+}
+
+double FloatingBody::kinetic() const {
+  const Vector3d own = attitude.conjugate() * momentum;
+  return 0.5 * mass * velocity.squaredNorm() + 0.5 * own.dot(inertia.inverse * own);
+}
+
+void FloatingBody::drift(double time) noexcept {
+  position += time * velocity;
+  turn_freely(attitude, momentum, inertia, time, of_contact);
+}
+
+void FloatingBody::fly(double time) noexcept {
+  position += time * velocity + 0.5 * time * time * gravity;
+  velocity += time * gravity;
+  turn_freely(attitude, momentum, inertia, time, of_flight);
+}
+
+void FloatingBody::write_rates(Vector& rates) const noexcept {
+  rates.segment<rigid>(first_mode).noalias() = linear * velocity + spin * (attitude * own_spin());
+}
+
+std::vector<FloatingBody> floating_bodies(const Model& model) {
+  std::vector<FloatingBody> out;
+  for (const Bodies::Block& block : model.bodies) out.emplace_back(model, block);
+  return out;
+}
+
+std::vector<Pose> initial_poses(const Model& model, const StepOptions& options) {
+  std::vector<Pose> out;
+  if (options.rotation == Rotation::finite)
+    for (const FloatingBody& body : floating_bodies(model)) out.push_back(body.pose());
+  return out;
+}
+
+}  // namespace ricochet::contact

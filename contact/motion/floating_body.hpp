@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A free body in its floating frame: the motion of its frame, beside its elastic modes in body axes.
+//
+// Elastic modes of a free body carry neither momentum nor angular momentum about its centre of mass, so the
+// frame carries all of both.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "contact/model/model.hpp"
+#include "contact/motion/free_rotation.hpp"
+#include "contact/motion/pose.hpp"
+#include "ricochet/step_options.hpp"
+
+namespace ricochet::contact {
+
+struct FloatingBody {
+  // Constants. Body axes are those of the kernel.
+  int first_mode = 0, modes = 0;  ///< the first six are rigid
+  double mass = 0;
+  Eigen::Vector3d centre{0, 0, 0};   ///< of mass, body axes [m]
+  Eigen::Vector3d gravity{0, 0, 0};  ///< [m/s²]
+  Inertia inertia;
+  Eigen::Matrix3d at_start;                  ///< the attitude of the placement
+  Eigen::Vector3d start{0, 0, 0};            ///< the centre at t = 0 [m]
+  Eigen::Matrix<double, 6, 3> linear, spin;  ///< rigid rates for a unit velocity, for a unit spin
+
+  // State, world axes
+  Eigen::Vector3d position{0, 0, 0};  ///< of the centre [m]
+  Eigen::Vector3d velocity{0, 0, 0};
+  Eigen::Vector3d momentum{0, 0, 0};  ///< angular, about the centre [kg m²/s]
+  Eigen::Quaterniond attitude;        ///< from body axes
+
+  /// Throws InputError unless the body moves freely in all six ways, undamped as a whole.
+  FloatingBody(const Model& model, const Bodies::Block& block);
+
+  static constexpr int rigid = 6;
+  int elastic() const { return modes - rigid; }
+  Eigen::Index first_elastic() const { return first_mode + rigid; }
+
+  /// Angular velocity in body axes [rad/s].
+  Eigen::Vector3d own_spin() const { return inertia.inverse * (attitude.conjugate() * momentum); }
+  Pose pose() const { return {position, attitude, velocity, attitude * own_spin()}; }
+  double kinetic() const;  ///< [J]
+  /// Work of gravity since t = 0 [J].
+  double work_of_gravity() const { return mass * gravity.dot(position - start); }
+
+  void drift(double time) noexcept;  ///< without forces, for a part of a contact step [s]
+  void fly(double time) noexcept;    ///< under gravity alone [s]
+  /// Sets the rates of the rigid modes to those of the present velocity and spin in world axes, as if the
+  /// body had its initial attitude, which is how momenta and velocities are computed from them.
+  void write_rates(Vector& rates) const noexcept;
+};
+
+/// The bodies of a model at t = 0. Throws InputError as the constructor does.
+std::vector<FloatingBody> floating_bodies(const Model& model);
+/// Their poses, with finite rotations; otherwise empty.
+std::vector<Pose> initial_poses(const Model& model, const StepOptions& options);
+
+}  // namespace ricochet::contact

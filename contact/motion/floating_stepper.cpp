@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "contact/motion/floating_stepper.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/format.hpp"
+#include "ricochet/error.hpp"
+
+namespace ricochet::contact {
+namespace {
+
+using Eigen::Index;
+using Eigen::Vector3d;
+
+/// Steps between two searches: long enough that a search costs little, short enough that few points are
+/// watched.
+constexpr int search_every = 16;
+
+void check(const Model& model, const StepOptions& options) {
+  if (model.bodies.size() > 1)
+    throw InputError(
+        "motion.rotation = \"finite\": bodies meet obstacles only, and several would pass through each "
+        "other. "
+        "Leave one body in the scene, or set \"linear\".");
+  if (options.scheme != Scheme::compliant)
+    throw InputError(
+        "motion.rotation = \"finite\": needs contact.scheme = \"compliant\". Choose it, or set \"linear\".");
+  for (const Model::Forcing& one : model.forcing)
+    throw InputError(base::format(
+        "loads: \"{}\": motion.rotation = \"finite\" allows gravity alone. Leave the load out, or set "
+        "\"linear\".",
+        one.name));
+}
+
+}  // namespace
+
+FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepOptions& options)
+    : Stepper(options, *model),
+      state_((check(*model, options), model), options),
+      bodies_(floating_bodies(*model)),
+      kept_(bodies_),
+      points_(*model, *state_.system),
+      travels_(bodies_.size()),
+      // A moving obstacle may speed a body up; without it, the energy of a body bounds its motion.
+      epoch_(model->belts.empty() ? search_every : 1),
+      stored_(bodies_.size(), 0),
+      before_(contact_.mean),
+      over_(*state_.system) {
+  for (const FloatingBody& body : bodies_) poses_.push_back(body.pose());
+  for (Vector* x : {&dq_, &modal_force_}) x->setZero(model->omega.size());
+  rest_.setZero(model->rows());
+  points_.place(bodies_, state_.q);
+  u_ = points_.all();
+}
+
+/// ½q̇² + ½ω²q² of the elastic modes of a body [J].
+double FloatingStepper::elastic_energy(const FloatingBody& body) const noexcept {
+  const auto of = [&](const Vector& x) { return x.segment(body.first_elastic(), body.elastic()).array(); };
+  return 0.5 * (of(state_.v).square() + of(state_.system->stiffness) * of(state_.q).square()).sum();
+}
+
+StepStatus FloatingStepper::step() noexcept {
+  if (contact_.mean.begins())
+    if (const int crossed = cross(); crossed > 0) {
+      land(crossed);
+      u_ = points_.all();
+      return StepStatus::ok;
+    }
+  const StepSystem& system = *state_.system;
+  Slip* const slip = contact_.slip.any() ? &contact_.slip : nullptr;
+  if (steps_ >= search_at_) search();
+  kept_ = bodies_;
+  before_ = contact_.mean;
+  const auto undo = [&](StepStatus status) {
+    bodies_ = kept_;
+    contact_.mean = before_;
+    points_.place(bodies_, state_.q);
+    return status;
+  };
+  for (FloatingBody& body : bodies_) body.drift(0.5 * options_.step);
+  contact_.slip.begin(system.model->belts, steps_ + 1);
+  dq_.array() =
+      system.b.array() * state_.v.array() - system.c.array() * system.stiffness.array() * state_.q.array();
+  points_.advance(bodies_, dq_, options_.step, contact_.mean);
+  law_.hold(points_.rows());
+  law_.change_matrices();
+  const StepMatrices matrices =
+      points_.matrices(bodies_, options_.step, contact_.mean.is_conserving() ? conserving_mean.end : 0);
+  carry_forces(matrices);
+  const auto k = std::ssize(points_.rows());
+  law_.start.head(k) = points_.at_start().head(k) - rest_.head(k);
+  law_.free.head(k) = points_.free().head(k);
+  const StepTrial trial = law_.solve(matrices, contact_.mean, slip);
+  if (!has_forces(trial.status)) return undo(failure(trial.status));
+  const Work work = kick(trial);
+  for (FloatingBody& body : bodies_) body.drift(0.5 * options_.step);
+  if (!commit(work, trial.in_residual)) return undo(StepStatus::not_finite);
+  return end(trial);
+}
+
+/// Finds the points that may touch before the next search.
+void FloatingStepper::search() noexcept {
+  const double time = epoch_ * options_.step, slack = state_.system->model->belts.empty() ? 1 : 2;
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const FloatingBody& body = bodies_[k];
+    const double energy = slack * (body.kinetic() + elastic_energy(body) + state_.energy().residual),
+                 g = body.gravity.norm(),
+                 speed = std::sqrt(2 * energy / body.mass) +
+                         points_.radius(static_cast<int>(k)) *
+                             std::sqrt(2 * energy * body.inertia.largest_inverse),
+                 distance = time * speed + 0.5 * time * time * g;
+    travels_[k] = {energy + body.mass * g * distance, distance};
+  }
+  points_.watch(bodies_, travels_, contact_.mean);
+  points_.place(bodies_, state_.q);
+  search_at_ = steps_ + epoch_;
+}
+
+/// Sets rest_ to R p + s(λ) of the forces at the start, whose energy R has changed by its turn.
+void FloatingStepper::carry_forces(const StepMatrices& matrices) noexcept {
+  const auto rows = points_.rows();
+  const Model& model = *state_.system->model;
+  const auto product = [&] {
+    rest_.head(std::ssize(rows)).setZero();
+    for (std::size_t j = 0; j < rows.size(); ++j)
+      if (const double p = end_force()(rows[j]); p != 0)
+        rest_.head(std::ssize(rows)) += p * matrices.R.col(static_cast<Index>(j));
+  };
+  product();
+  bool reduced = false;
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const int body = static_cast<int>(k);
+    double now = 0;
+    for (std::size_t j = 0; j < rows.size(); ++j)
+      if (points_.body_of(j) == body) now += 0.5 * end_force()(rows[j]) * rest_(static_cast<Index>(j));
+    double missing = now - stored_[k];
+    for (int pair = 0; pair < static_cast<int>(model.pairs.size()); ++pair)
+      if (model.pairs[static_cast<std::size_t>(pair)].a == body) missing = contact_.mean.draw(pair, missing);
+    if (!(missing > 0)) continue;
+    const double share = std::sqrt(std::max(0.0, 1 - missing / now));
+    for (int pair = 0; pair < static_cast<int>(model.pairs.size()); ++pair)
+      if (model.pairs[static_cast<std::size_t>(pair)].a == body) contact_.mean.reduce(pair, share);
+    reduced = true;
+  }
+  if (reduced) product();
+  const std::vector<PatchSpring>& springs = state_.system->springs;
+  for (std::size_t j = 0; j < rows.size() && !springs.empty(); ++j)
+    if (rows[j] < points())
+      if (const PatchSpring& spring = springs[static_cast<std::size_t>(rows[j])]; spring.bulge > 0)
+        rest_(static_cast<Index>(j)) += spring.displacement(end_force()(rows[j]));
+}
+
+/// Changes velocities, angular momenta and modes by the mean forces of the step.
+Work FloatingStepper::kick(const StepTrial& trial) noexcept {
+  const StepSystem& system = *state_.system;
+  const double step = options_.step;
+  modal_force_.setZero();
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    FloatingBody& body = bodies_[k];
+    const MovingPoints::Load load = points_.load(static_cast<int>(k), law_.force(), modal_force_);
+    body.velocity += step * (body.gravity + body.attitude * load.force / body.mass);
+    body.momentum += step * (body.attitude * load.torque);
+  }
+  Work work = work_of(trial, trial.at_start);
+  work.damping = move_modes(system);
+  return work;
+}
+
+/// Moves the elastic modes under constant forces. Returns what their damping dissipates [J].
+double FloatingStepper::move_modes(const ModeConstants& over) noexcept {
+  double dissipated = 0;
+  for (const FloatingBody& body : bodies_)
+    for (Index n = body.first_elastic(); n < body.first_elastic() + body.elastic(); ++n) {
+      const double q = state_.q(n), v = state_.v(n), g = modal_force_(n) - state_.system->stiffness(n) * q;
+      dissipated += over.damp_ss(n) * g * g + over.damp_sr(n) * g * v + over.damp_rr(n) * v * v;
+      state_.next_q(n) = q + over.b(n) * v + over.c(n) * g;
+      state_.next_v(n) = over.e(n) * v + over.h(n) * g;
+    }
+  return dissipated;
+}
+
+/// Makes next_q and next_v the state, with the rigid rates of the frames.
+bool FloatingStepper::commit(const Work& work, double residual) noexcept {
+  Energy now{.residual = residual};
+  for (const FloatingBody& body : bodies_) {
+    state_.next_q.segment<FloatingBody::rigid>(body.first_mode).setZero();
+    body.write_rates(state_.next_v);
+    const auto of = [&](const Vector& x) { return x.segment(body.first_elastic(), body.elastic()).array(); };
+    now.kinetic += body.kinetic() + 0.5 * of(state_.next_v).square().sum();
+    now.strain += 0.5 * (of(state_.system->stiffness) * of(state_.next_q).square()).sum();
+    now.loads += body.work_of_gravity();
+  }
+  if (!state_.ledger.close(now, work)) return false;
+  state_.q.swap(state_.next_q);
+  state_.v.swap(state_.next_v);
+  for (std::size_t k = 0; k < bodies_.size(); ++k) poses_[k] = bodies_[k].pose();
+  points_.place(bodies_, state_.q);
+  return true;
+}
+
+/// Completes a step that is committed.
+StepStatus FloatingStepper::end(const StepTrial& trial) noexcept {
+  next_force_.setZero();
+  next_end_.setZero();
+  next_u_ = points_.all();
+  std::fill(stored_.begin(), stored_.end(), 0.0);
+  const std::vector<PatchSpring>& springs = state_.system->springs;
+  const auto rows = points_.rows();
+  for (std::size_t j = 0; j < rows.size(); ++j) {
+    const auto at = static_cast<Index>(j);
+    const int row = rows[j];
+    next_force_(row) = law_.force()(at);
+    const double p = next_end_(row) = law_.end()(at);
+    double yielded = law_.yielded()(at);
+    next_u_(row) -= yielded;
+    if (!springs.empty() && row < points() && p > 0 && springs[static_cast<std::size_t>(row)].bulge > 0)
+      yielded -= springs[static_cast<std::size_t>(row)].displacement(p);
+    stored_[static_cast<std::size_t>(points_.body_of(j))] += 0.5 * p * yielded;
+  }
+  if (trial.several) ++contact_.ambiguous;
+  const Index m = points();
+  return complete(static_cast<int>((next_end_.head(m).array() > 0).count()),
+                  -next_force_.head(m).dot((next_u_ - u_).head(m)) / options_.step, trial.violation);
+}
+
+/// Flies to the next output sample, if nothing can touch before it. Returns the number of steps crossed.
+int FloatingStepper::cross() noexcept {
+  const auto steps = static_cast<int>(options_.steps_per_sample - steps_ % options_.steps_per_sample);
+  if (steps_ + steps > clear_until_) {
+    double clear = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < bodies_.size(); ++k) {
+      const FloatingBody& body = bodies_[k];
+      const double way = points_.clearance(static_cast<int>(k), body, elastic_energy(body)),
+                   g = body.gravity.norm(),
+                   speed = body.velocity.norm() + body.momentum.norm() * body.inertia.largest_inverse *
+                                                      points_.radius(static_cast<int>(k));
+      // The time in which speed · t + g t²/2 reaches `way`.
+      const double time = way > 0 ? 2 * way / (speed + std::sqrt(speed * speed + 2 * g * way)) : 0;
+      clear = std::min(clear, time);
+    }
+    constexpr double longest = 1e9;  // steps, so that the sum fits
+    clear_until_ = steps_ + static_cast<std::int64_t>(std::min(clear / options_.step, longest));
+  }
+  if (steps_ + steps > clear_until_) return 0;
+  set_flight(steps);
+  kept_ = bodies_;
+  for (FloatingBody& body : bodies_) body.fly(steps * options_.step);
+  modal_force_.setZero();
+  const Work work{.damping = move_modes(over_)};
+  if (!commit(work, 0)) {
+    bodies_ = kept_;
+    return 0;
+  }
+  search_at_ = steps_ + steps;
+  return steps;
+}
+
+/// Sets the constants of modes over a flight of some steps.
+void FloatingStepper::set_flight(int steps) noexcept {
+  if (steps == constants_of_) return;
+  constants_of_ = steps;
+  const Model& model = *state_.system->model;
+  for (Index n = 0; n < model.omega.size(); ++n)
+    if (state_.system->h(n) != 0) over_.set_step(n, model.omega(n), model.decay(n), steps * options_.step);
+}
+
+}  // namespace ricochet::contact

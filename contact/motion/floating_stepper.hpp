@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The compliant scheme for free bodies that turn by any angle: floating frames, with contact points found
+// anew.
+//
+// A step drifts by half of it, kicks, and drifts by the other half. The drifts move the frames without forces
+// and conserve energy, momentum and angular momentum. Contact acts at the geometry of the middle, with the
+// true gaps of the start: the step of contact/law gives the forces, and the kick changes velocities, angular
+// momenta and modes. The work of the kick is that of the mean forces over the displacements d of
+// moving_points.hpp, so that the theorem of mean_force.hpp holds for any rotation. Two things are new:
+//
+//   - The forces of the last step keep their directions in the world while the flexibility R turns with the
+//     body, which changes the energy stored in R. The bank pays for a rise. If it cannot, the forces are
+//     reduced until the energy is that of before.
+//   - A gap may be below 0 at the start, since the drift is a rotation and the step took it for a straight
+//     line, by (ΩΔ)³ r/24. Where the bank cannot pay for pushing the point out, it may only not sink further.
+//
+// Gravity is the only load. Flight is crossed from sample to sample while no point can touch.
+#pragma once
+
+#include "contact/motion/moving_points.hpp"
+#include "contact/stepping/stepper.hpp"
+
+namespace ricochet::contact {
+
+class FloatingStepper final : public Stepper {
+ public:
+  /// Throws as make_stepper does, and if a body, a pair or a load does not allow bodies that turn.
+  FloatingStepper(std::shared_ptr<const Model> model, const StepOptions& options);
+
+  StepStatus step() noexcept override;
+  std::unique_ptr<Stepper> clone() const override { return std::make_unique<FloatingStepper>(*this); }
+  void assign(const Stepper& clone) noexcept override { *this = static_cast<const FloatingStepper&>(clone); }
+  /// Elastic modes in body axes; FloatingBody::write_rates gives the rates of the rigid ones, whose
+  /// displacements are 0.
+  const ModalState* modal() const noexcept override { return &state_; }
+  std::span<const Pose> poses() const noexcept override { return poses_; }
+
+ private:
+  int cross() noexcept;
+  void set_flight(int steps) noexcept;
+  void search() noexcept;
+  void carry_forces(const StepMatrices& matrices) noexcept;
+  Work kick(const StepTrial& trial) noexcept;
+  double move_modes(const ModeConstants& over) noexcept;
+  bool commit(const Work& work, double residual) noexcept;
+  StepStatus end(const StepTrial& trial) noexcept;
+  double elastic_energy(const FloatingBody& body) const noexcept;
+
+  ModalState state_;
+  std::vector<FloatingBody> bodies_, kept_;  ///< now; at the start of the step
+  std::vector<Pose> poses_;
+  MovingPoints points_;
+  std::vector<MovingPoints::Travel> travels_;
+  int epoch_;                     ///< steps between two searches
+  std::int64_t search_at_ = 0;    ///< step of the next one
+  std::int64_t clear_until_ = 0;  ///< step before which nothing can touch
+  std::vector<double> stored_;    ///< by body, in R after the last step [J]
+  MeanForce before_;              ///< the forces that the step starts with
+  ModeConstants over_;            ///< (N) of a flight over constants_of_ steps
+  int constants_of_ = 0;
+  Vector dq_, modal_force_;  ///< (N) of the free motion; under p̄
+  Vector rest_;              ///< (n) R p + s(λ) at the start, by position
+};
+
+}  // namespace ricochet::contact

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "contact/motion/free_rotation.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace ricochet::contact {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+Inertia Inertia::of(const Eigen::Matrix3d& tensor) {
+  const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(tensor).eigenvalues()(0);
+  return {tensor, tensor.inverse(), 1 / least};
+}
+
+void turn_freely(Quaterniond& attitude, const Vector3d& momentum, const Inertia& inertia, double time,
+                 double angle) noexcept {
+  const double most = momentum.norm() * inertia.largest_inverse * time;
+  if (!(most > 0)) return;
+  const double steps = std::max(1.0, std::ceil(most / angle)), h = time / steps;
+  for (double k = 0; k < steps; ++k) {
+    const Vector3d start = attitude.conjugate() * momentum;
+    Vector3d middle = start;
+    // The change falls at least by 8 in a round, because a step turns by at most 1/4.
+    constexpr int most_rounds = 30;
+    double change = std::numeric_limits<double>::infinity();
+    for (int round = 0; round < most_rounds; ++round) {
+      const Vector3d next = start + 0.5 * h * middle.cross(inertia.inverse * middle);
+      const double now = (next - middle).squaredNorm();
+      middle = next;
+      if (!(now < change)) break;  // only round-off is left
+      change = now;
+    }
+    const Vector3d half = 0.5 * h * (inertia.inverse * middle);
+    attitude = (attitude * Quaterniond(1, half.x(), half.y(), half.z())).normalized();
+  }
+}
+
+}  // namespace ricochet::contact

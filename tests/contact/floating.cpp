@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Free bodies that turn by any angle: the free rotation, and steps with contact.
+#include <gtest/gtest.h>
+
+#include <Eigen/QR>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "contact/figures/candidate_forces.hpp"
+#include "contact/motion/floating_stepper.hpp"
+#include "tests/contact/bodies.hpp"
+
+namespace ricochet::contact::test {
+namespace {
+
+using Eigen::Quaterniond;
+
+/// A cloud of 27 masses, on a lattice of irregular spacing. Its modes are an exact M-orthonormal basis of all
+/// its motions: six rigid ones, then 75 with frequencies from a list. The outer masses are candidates.
+struct Cloud {
+  std::vector<Vector3d> place;
+  std::vector<double> weight;
+  double mass = 0;
+  Vector3d centre{0, 0, 0};
+  Matrix3d inertia = Matrix3d::Zero();
+  kernels::Kernel kernel;
+
+  /// @param lowest  frequency of the first elastic mode [Hz]  @param flexibility  R_ii [m/N], 0: no R
+  Cloud(const Vector3d& size, double lowest, double flexibility, unsigned seed, bool elastic = true) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> spread(0.8, 1.2);
+    for (int k = 0; k < 27; ++k) {
+      const Vector3d at(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+      place.push_back(0.5 * spread(random) * at.cwiseProduct(size));
+      weight.push_back(0.01 * spread(random));
+      mass += weight.back();
+      centre += weight.back() * place.back();
+    }
+    centre /= mass;
+    for (std::size_t k = 0; k < 27; ++k) {
+      const Vector3d arm = place[k] - centre;
+      inertia += weight[k] * (arm.squaredNorm() * Matrix3d::Identity() - arm * arm.transpose());
+    }
+    make_kernel(lowest, flexibility, random, elastic);
+  }
+
+ private:
+  void make_kernel(double lowest, double flexibility, std::mt19937& random, bool elastic) {
+    std::normal_distribution<double> normal;
+    const int modes = elastic ? 81 : 6;
+    // M^½ φ: the rigid motions, completed by any others, made orthonormal.
+    Eigen::MatrixXd fields(81, 81);
+    for (int k = 0; k < 27; ++k)
+      for (int n = 0; n < 81; ++n) {
+        const double root = std::sqrt(weight[static_cast<std::size_t>(k)]);
+        const Vector3d arm = place[static_cast<std::size_t>(k)] - centre;
+        Vector3d field(normal(random), normal(random), normal(random));
+        if (n < 3) field = Vector3d::Unit(n);
+        if (n >= 3 && n < 6) field = Vector3d::Unit(n - 3).cross(arm);
+        fields.block<3, 1>(3 * k, n) = root * field;
+      }
+    const Eigen::MatrixXd basis = Eigen::HouseholderQR<Eigen::MatrixXd>(fields).householderQ();
+    kernel.body = "cloud";
+    kernel.mass = mass;
+    kernel.centre = {centre.x(), centre.y(), centre.z()};
+    Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(kernel.inertia.data()) = inertia;
+    for (int n = 0; n < modes; ++n)
+      kernel.modes.angular_frequency.push_back(n < 6 ? 0
+                                                     : 2 * std::numbers::pi * lowest * (1 + 0.1 * (n - 6)));
+    kernel.modes.decay_rate.assign(static_cast<std::size_t>(modes), 0);
+    for (int axis = 0; axis < 3; ++axis)
+      for (int n = 0; n < modes; ++n) {
+        Vector3d momentum = Vector3d::Zero(), angular = momentum;
+        for (int k = 0; k < 27; ++k) {
+          const double root = std::sqrt(weight[static_cast<std::size_t>(k)]);
+          const Vector3d of_mass = root * basis.block<3, 1>(3 * k, n);
+          momentum += of_mass;
+          angular += place[static_cast<std::size_t>(k)].cross(of_mass);
+        }
+        kernel.loads.body_force.push_back(momentum(axis));
+        kernel.loads.rotation.push_back(angular(axis));
+      }
+    // row-major (3,N): the loops above push one axis after the other
+    for (int k = 0; k < 27; ++k) {
+      if (k == 13) continue;
+      const auto at = static_cast<std::size_t>(k);
+      add_candidate(kernel, place[at], (place[at] - centre).normalized(), 1e-6);
+      for (int axis = 0; axis < 3; ++axis)
+        for (int n = 0; n < modes; ++n)
+          kernel.surface.shape.push_back(basis(3 * k + axis, n) / std::sqrt(weight[at]));
+    }
+    kernel.surface.element_corners = 1;
+    for (int i = 0; i < 26; ++i) kernel.surface.element.push_back(i);
+    if (!(flexibility > 0)) return;
+    Eigen::MatrixXd factor(78, 78);
+    for (double& x : factor.reshaped()) x = normal(random);
+    const Eigen::MatrixXd R =
+        flexibility * (0.5 * Eigen::MatrixXd::Identity(78, 78) + 0.5 * factor * factor.transpose() / 78);
+    kernel.surface.residual_flexibility.assign(R.data(), R.data() + R.size());
+  }
+};
+
+struct Drop {
+  Matrix3d rotation = Matrix3d::Identity();
+  Vector3d velocity{0, 0, 0}, spin{0, 0, 0};
+  double height = 0;  ///< of the lowest candidate [m]
+  std::optional<Friction> friction{};
+  Vector3d gravity{0, 0, -9.81};
+};
+
+/// The cloud over the half-space z ≤ 0.
+std::shared_ptr<const Model> over_floor(const Cloud& cloud, const Drop& drop) {
+  PlacedBody body{.name = "cloud", .kernel = &cloud.kernel, .rotation = drop.rotation};
+  body.velocity = drop.velocity;
+  body.angular_velocity = drop.spin;
+  PairRequest pair{"cloud", "floor", {}, drop.height, {}};
+  pair.friction = drop.friction;
+  pair.everywhere = true;
+  return std::make_shared<const Model>(
+      build_model({body}, {{.name = "floor", .normal = Vector3d::UnitZ()}}, {pair}, drop.gravity));
+}
+
+StepOptions stepping(double rate, Rotation rotation = Rotation::finite, int per_sample = 1) {
+  return {.rotation = rotation, .step = 1 / rate, .steps_per_sample = per_sample, .block = 1};
+}
+
+Vector3d momentum(const Cloud& cloud, const Pose& pose) { return cloud.mass * pose.velocity; }
+
+Vector3d angular_momentum(const Cloud& cloud, const Pose& pose) {
+  const Matrix3d A = pose.attitude.toRotationMatrix();
+  return A * cloud.inertia * A.transpose() * pose.spin + cloud.mass * pose.position.cross(pose.velocity);
+}
+
+/// Dzhanibekov's body, with the moments 1, 2 and 3, spins about its second axis and a little about the first.
+/// With ω₂ = a tn-like functions of Jacobi, ω₁ keeps a sign and ω₂ has the period 4K(k)/p.
+TEST(FreeRotation, of_an_unstable_axis_flips_when_elliptic_functions_say) {
+  const Inertia inertia = Inertia::of(Vector3d(1, 2, 3).asDiagonal());
+  const Vector3d spin(1e-2, 1, 0);
+  const Vector3d momentum = inertia.tensor * spin;
+  const double energy = 0.5 * spin.dot(momentum), square = momentum.squaredNorm();
+  // Landau & Lifshitz, Mechanics, §37, for M² < 2 E I₂ (I₁ < I₂ < I₃): 1 and 3 exchange their roles.
+  const double I1 = 1, I2 = 2, I3 = 3;
+  ASSERT_LT(square, 2 * energy * I2);
+  const double p = std::sqrt((I2 - I1) * (2 * energy * I3 - square) / (I1 * I2 * I3)),
+               modulus = std::sqrt((I3 - I2) * (square - 2 * energy * I1) /
+                                   ((I2 - I1) * (2 * energy * I3 - square)));
+  const double period = 4 * std::comp_ellint_1(modulus) / p;
+  constexpr int steps = 1'000'000;
+  const double step = 8 * period / steps;
+  Quaterniond attitude = Quaterniond::Identity();
+  std::vector<double> flips;
+  double before = 1, worst = 0;
+  for (int k = 1; k <= steps; ++k) {
+    turn_freely(attitude, momentum, inertia, step, 0.25);
+    const Vector3d own = inertia.inverse * (attitude.conjugate() * momentum);
+    worst = std::max(worst, std::abs(0.5 * own.dot(inertia.tensor * own) / energy - 1));
+    if (own.y() * before < 0) flips.push_back(step * (k - 1 + before / (before - own.y())));
+    before = own.y();
+  }
+  EXPECT_LT(worst, 1e-12);
+  EXPECT_NEAR(attitude.norm(), 1, 1e-15);
+  ASSERT_EQ(flips.size(), 16);
+  // ω₂ begins at its largest value, so that it is 0 after a quarter of the period. A step turns by 1e-4, and
+  // the error of the rule is a twelfth of its square.
+  for (std::size_t k = 0; k < flips.size(); ++k)
+    EXPECT_NEAR(flips[k], (static_cast<double>(k) + 0.5) * period / 2, 1e-6 * flips[k]) << k;
+}
+
+TEST(FreeRotation, of_a_flight_does_not_depend_on_its_parts) {
+  const Inertia inertia = Inertia::of(Vector3d(1, 2, 3).asDiagonal());
+  const Vector3d momentum(0.3, 2, -1);
+  Quaterniond whole = Quaterniond::Identity(), parts = whole;
+  turn_freely(whole, momentum, inertia, 1, 2e-3);
+  for (int k = 0; k < 2000; ++k) turn_freely(parts, momentum, inertia, 5e-4, 0.25);
+  EXPECT_LT(whole.angularDistance(parts), 1e-6);
+  EXPECT_GT(whole.angularDistance(Quaterniond::Identity()), 0.5);
+}
+
+/// With an inertia that is too large to turn it, the body moves as with linear rotations.
+TEST(Floating, without_a_turn_is_the_compliant_step) {
+  Cloud cloud({0.1, 0.08, 0.06}, 2000, 1e-8, 3);
+  Cloud heavy = cloud;
+  constexpr double times = 1e14;
+  for (double& x : heavy.kernel.inertia) x *= times;
+  const auto modes = static_cast<std::size_t>(heavy.kernel.modes.size());
+  for (std::size_t i = 0; i < heavy.kernel.surface.shape.size(); ++i)
+    if (i % modes >= 3 && i % modes < 6) heavy.kernel.surface.shape[i] /= std::sqrt(times);
+  for (std::size_t i = 0; i < heavy.kernel.loads.rotation.size(); ++i)
+    if (i % modes >= 3 && i % modes < 6) heavy.kernel.loads.rotation[i] *= std::sqrt(times);
+  for (const std::optional<Friction>& friction :
+       {std::optional<Friction>(), std::optional<Friction>({0.4, 0.4, 0})}) {
+    const auto model = over_floor(
+        heavy,
+        {.rotation = turn(0.3, {1, 2, 0}), .velocity = {0.3, 0, -1}, .height = 1e-5, .friction = friction});
+    auto finite = make_stepper(model, stepping(1e5)),
+         linear = make_stepper(model, stepping(1e5, Rotation::linear));
+    double peak = 0, most = 0;
+    for (int k = 0; k < 400; ++k) {
+      ASSERT_EQ(finite->step(), StepStatus::ok);
+      ASSERT_EQ(linear->step(), StepStatus::ok);
+      peak = std::max(peak, linear->force().cwiseAbs().maxCoeff());
+      most = std::max(most, (finite->force() - linear->force()).cwiseAbs().maxCoeff());
+    }
+    EXPECT_GT(peak, 10);
+    EXPECT_LT(most, 1e-9 * peak);
+    EXPECT_NEAR(finite->modal()->energy().total(), linear->modal()->energy().total(),
+                1e-11 * linear->modal()->energy().kinetic);
+  }
+}
+
+/// A rigid body that falls on one of its points leaves with v⁺ = v + P n/m, ω⁺ = ω + J⁻¹(r × P n), and
+/// without loss P = −2 v_n/(1/m + (r × n)·J⁻¹(r × n)). A spring at the point approaches this like its root.
+TEST(Floating, a_rigid_body_on_one_point_rebounds_by_the_closed_form) {
+  std::vector<double> errors;
+  for (const double flexibility : {1e-6, 1e-8, 1e-10}) {
+    const Cloud cloud({0.1, 0.08, 0.06}, 1, flexibility, 5, false);
+    const Drop drop{
+        .rotation = turn(0.5, {1, 0.6, 0}), .velocity = {0, 0, -1}, .height = 1e-4, .gravity = {0, 0, 0}};
+    const auto model = over_floor(cloud, drop);
+    auto stepper = make_stepper(model, stepping(2e6 / std::sqrt(flexibility / 1e-10) + 1e5));
+    const Pose start = stepper->poses()[0];
+    // Its lowest point, and the law of a rigid impact.
+    Vector3d low = Vector3d::Constant(1);
+    for (std::size_t k = 0; k < 27; ++k)
+      if (const Vector3d arm = drop.rotation * (cloud.place[k] - cloud.centre); k != 13 && arm.z() < low.z())
+        low = arm;
+    const Matrix3d J = drop.rotation * cloud.inertia * drop.rotation.transpose();
+    const Vector3d n = Vector3d::UnitZ(), lever = low.cross(n);
+    const double impulse = 2 / (1 / cloud.mass + lever.dot(J.inverse() * lever));
+    const Vector3d velocity = start.velocity + impulse / cloud.mass * n, spin = J.inverse() * lever * impulse;
+    while (stepper->time() < 2e-4 || stepper->active() > 0) ASSERT_EQ(stepper->step(), StepStatus::ok);
+    const Pose end = stepper->poses()[0];
+    errors.push_back(
+        std::max((end.velocity - velocity).norm() / velocity.norm(), (end.spin - spin).norm() / spin.norm()));
+    EXPECT_GT(spin.norm(), 1);
+  }
+  EXPECT_LT(errors[2], 2e-3);
+  // The body turns by ω T/2 in a contact of T ~ R^½. The third error contains the step.
+  EXPECT_NEAR(errors[0] / errors[1], 10, 3);
+}
+
+/// Tumbles on a floor with random settings: contact never adds energy, the impulses of the forces and of the
+/// weight account for momentum and angular momentum, and nothing sinks in.
+TEST(Floating, tumbling_keeps_the_balances) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> spread(-1, 1), unit(0, 1);
+  int touches = 0;
+  double turned = 0, deepest = 0;
+  for (int scene = 0; scene < 24; ++scene) {
+    const double size = std::pow(10, -2 + 1.5 * unit(random));
+    const Cloud cloud({size, 0.7 * size, 0.4 * size}, 100 / size, scene % 4 == 3 ? 0 : 1e-8,
+                      static_cast<unsigned>(100 + scene));
+    Drop drop;
+    drop.rotation = turn(3 * spread(random), {spread(random), spread(random), spread(random)});
+    drop.velocity = {spread(random), spread(random), -1 - unit(random)};
+    drop.spin = 2 / size * Vector3d(spread(random), spread(random), spread(random));
+    drop.height = 0.2 * size;
+    if (scene % 2 == 0) drop.friction = Friction{unit(random), 0, 0};
+    if (drop.friction) drop.friction->dynamic_coefficient = drop.friction->static_coefficient;
+    const auto model = over_floor(cloud, drop);
+    // From a few steps to thousands for each period of the lowest mode
+    const double rate = 100 / size * std::pow(10, 0.5 + 2.5 * unit(random));
+    auto stepper = make_stepper(model, stepping(rate));
+    const Pose start = stepper->poses()[0];
+    Vector3d p = momentum(cloud, start);
+    const double about_z = angular_momentum(cloud, start).z();
+    double momentum_of_parts =
+        cloud.mass * start.position.cross(start.velocity).norm() + (cloud.inertia.norm() * start.spin.norm());
+    const double energy = stepper->modal()->energy().total(), scale = energy + cloud.mass * 9.81 * size;
+    const double peak_momentum = p.norm();
+    for (int k = 0; k < 3000; ++k) {
+      ASSERT_EQ(stepper->step(), StepStatus::ok);
+      const Pose now = stepper->poses()[0];
+      const Energy& ledger = stepper->modal()->energy();
+      ASSERT_LE(ledger.total(), energy + 1e-12 * scale) << scene << " " << k;
+      ASSERT_NEAR(ledger.ledger(), energy, 1e-11 * scale) << scene << " " << k;
+      const Vector3d push = -model->resultant(model->pairs[0], stepper->force()),
+                     weight = cloud.mass * drop.gravity;
+      p += (push + weight) / rate;
+      ASSERT_LT((momentum(cloud, now) - p).norm(), 1e-12 * (peak_momentum + p.norm())) << scene << " " << k;
+      if (push.z() > 0) ++touches;
+      // Vertical forces have no moment about a vertical axis.
+      momentum_of_parts = std::max(momentum_of_parts, cloud.mass * now.position.cross(now.velocity).norm() +
+                                                          cloud.inertia.norm() * now.spin.norm());
+      if (!drop.friction) {
+        ASSERT_NEAR(angular_momentum(cloud, now).z(), about_z, 1e-12 * momentum_of_parts)
+            << scene << " " << k;
+      }
+      turned = std::max(turned, now.attitude.angularDistance(start.attitude));
+      deepest = std::max(deepest, (stepper->displacement().head(26) - model->gap).maxCoeff() / size);
+    }
+  }
+  EXPECT_GT(touches, 1000);
+  EXPECT_GT(turned, 2);
+  // The drifts are rotations, which the step takes for straight lines.
+  EXPECT_LT(deepest, 1e-5);
+}
+
+}  // namespace
+}  // namespace ricochet::contact::test
