@@ -279,6 +279,7 @@ extern const SectionOf<Modes> modes_keys;
 extern const SectionOf<Contact> contact_keys;
 extern const SectionOf<Pair> pair_keys;
 extern const SectionOf<Friction> friction_keys;
+extern const SectionOf<Motion> rigid_motion_keys;
 extern const SectionOf<Time> time_keys;
 extern const SectionOf<Loads> loads_keys;
 extern const SectionOf<Forcing> traction_keys, point_keys, motion_keys;

@@ -11,6 +11,7 @@
 #include "src/scene/keys.hpp"
 #include "src/scene/loads.hpp"
 #include "src/scene/modes.hpp"
+#include "src/scene/motion.hpp"
 #include "src/scene/output.hpp"
 #include "src/scene/overrides.hpp"
 #include "src/scene/scene_file.hpp"
@@ -74,6 +75,8 @@ const SectionOf<Scene> scene_keys{
      {"contact", Type::table, "", required(), any(),
       "contact pairs and contact law. Optional for kernels and modes",
       "[contact], with between; several pairs are [[contact.pair]]"},
+     {"motion", Type::table, "", none, any(), "how free bodies move as a whole",
+      "[motion], with rotation = \"finite\""},
      {"time", Type::table, "", required(), any(),
       "time step and duration. Optional for kernels and modes, and with `scheme = \"static\"`",
       "[time], with duration"},
@@ -270,6 +273,7 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   if (purpose == Purpose::impact || by_table || root.has("time")) read_time(root, scene);
   read_loads(root, scene);
   read_output(root, scene);
+  read_motion(root, scene);
   refuse_what_does_not_go(root, scene);
   refuse_long_names(scene);
   if (meets) read_strikes(root, scene);

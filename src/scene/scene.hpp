@@ -13,6 +13,7 @@
 #include "src/scene/data/contact.hpp"
 #include "src/scene/data/loads.hpp"
 #include "src/scene/data/modes.hpp"
+#include "src/scene/data/motion.hpp"
 #include "src/scene/data/output.hpp"
 #include "src/scene/data/time.hpp"
 
@@ -43,6 +44,7 @@ struct Scene {
   std::vector<HalfSpace> obstacles;  ///< with a unit normal
   Modes modes;
   Contact contact;
+  Motion motion;
   Time time;
   Loads loads;
   Output output;

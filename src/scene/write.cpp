@@ -37,6 +37,11 @@ std::string toml_path(const std::filesystem::path& path, const std::filesystem::
 
 namespace {
 
+std::string motion_of(const Scene& scene) {
+  const std::string keys = rigid_motion_keys.write(scene.motion);
+  return keys.empty() ? "" : "\n[motion]\n" + keys;
+}
+
 std::string time_of(const Scene& scene) {
   if (!(scene.time.duration > 0)) return "";
   std::set<std::string_view> open;
@@ -83,7 +88,7 @@ std::string to_toml(const Scene& scene) {
     text += "\n[contact]\n" + contact_keys.write(scene.contact, folder);
   for (const Pair& pair : scene.contact.pairs)
     if (!copied(pair.a) && !copied(pair.b)) text += "\n[[contact.pair]]\n" + pair_keys.write(pair);
-  text += time_of(scene);
+  text += motion_of(scene) + time_of(scene);
   if (!tabular) text += loads_of(scene.loads, folder);
   return text + output_of(scene.output,
                           tabular ? output_keys.without({"snapshot_every", "vtk_every"}) : output_keys);

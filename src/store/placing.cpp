@@ -15,7 +15,7 @@ namespace ricochet::store {
 namespace fs = std::filesystem;
 
 Scene library_scene(const scene::Scene& scene, const KernelPointers& kernels) {
-  Scene out{scene.contact, scene.time, {}};
+  Scene out{scene.contact, scene.time, scene.motion};
   for (std::size_t k = 0; k < scene.bodies.size() && k < kernels.size(); ++k)
     out.bodies.emplace_back(scene.bodies[k]).kernel = SharedKernel(SharedKernel(), kernels[k]);
   out.obstacles = scene.obstacles;

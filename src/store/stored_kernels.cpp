@@ -51,7 +51,7 @@ constexpr std::size_t most_placements = 4;
 
 contact::Placement PlacementStore::place(const scene::Scene& scene, const KernelPointers& kernels) {
   const Scene library = library_scene(scene, kernels);
-  Key key{{}, library.obstacles, library.pairs};
+  Key key{{}, library.obstacles, library.pairs, library.rotation};
   // Pairing depends neither on the velocity of obstacles nor on friction.
   for (HalfSpace& obstacle : key.obstacles) obstacle.velocity = {};
   for (Pair& pair : key.pairs) pair.friction.reset();

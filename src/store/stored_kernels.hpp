@@ -34,7 +34,7 @@ struct Kernels {
 };
 
 /// The last few placements of one thread. Each is identified by the data that determine it: surfaces in their
-/// initial positions, obstacles and pairs.
+/// initial positions, obstacles, pairs and the description of rotations.
 class PlacementStore {
  public:
   /// Returns the placement of the scene's bodies, stored or new. Throws InputError in the same cases as
@@ -53,6 +53,7 @@ class PlacementStore {
     std::vector<Body> bodies;
     std::vector<HalfSpace> obstacles;
     std::vector<Pair> pairs;
+    Rotation rotation = Rotation::linear;  ///< finite: pairs hold all candidates
     bool operator==(const Key&) const = default;
   };
   std::deque<std::pair<Key, contact::Placement>> known_;

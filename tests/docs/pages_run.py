@@ -151,7 +151,7 @@ class Keys(unittest.TestCase):
         for page in PAGES:
             for line, kind, info, text in pages.blocks(page):
                 table = tomllib.loads(text) if kind == "toml" else {}
-                if not set(table) & {"bodies", "contact", "loads", "output", "time"}:
+                if not set(table) & {"bodies", "contact", "loads", "motion", "output", "time"}:
                     continue
                 scenes += 1
                 for key in keys_of(table):
@@ -178,7 +178,9 @@ class Keys(unittest.TestCase):
         for page in PAGES:
             if page == pages.SOURCE / "docs/formats/kernel.md":
                 continue  # kernels keep their scene with keys of their own
-            for key in re.findall(r"`((?:contact|modes|time|loads|output)\.[a-z_.]+)`", page.read_text()):
+            for key in re.findall(
+                r"`((?:contact|modes|motion|time|loads|output)\.[a-z_.]+)`", page.read_text()
+            ):
                 named.add(key)
                 self.assertTrue(self.is_key(key), f"{page}: {key}")
         self.assertGreater(len(named), 5)

@@ -12,6 +12,7 @@ namespace ricochet::scene::write_test {
 
 using namespace test;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 void expect_same(const Scene& a, Scene b) {
   b.file = a.file;
@@ -62,6 +63,7 @@ TEST(Resolved, scene_with_each_form_of_a_value_reads_back) {
       {mic,
        R"(output.sound={receivers=["mic","mic"],direction=[1,0,0],high_pass_hz=0,fade=0.5,format="float"})"},
       {"contact.between=[\"floor\",\"ball\"]", "contact.direction=[1,2,3]"},
+      {"motion.rotation=finite"},
       {"contact.friction=0.3"},
       {"contact.friction=0"},
       {"contact.friction=0.3", "contact.scheme=static", "contact.increments=7"},
@@ -87,6 +89,14 @@ TEST(Resolved, scene_with_each_form_of_a_value_reads_back) {
       "scheme = \"impulse\"\nadmittance = \"difference\"\ninstant = \"exact\"\nrestitution = 0.25\n";
   expect_to_come_back(changed(changed(fullest, impulses, "friction = 0.7\n"), "reach = 0.02\n",
                               "reach = 0.02\nfriction = 0\n"));
+}
+
+// So that the texts of scenes with linear rotation are those of earlier versions.
+TEST(Resolved, scene_holds_the_rotation_if_it_is_finite) {
+  for (const char* set : {"title=scene", "motion={}", "motion.rotation=linear"})
+    EXPECT_THAT(to_toml(scene_of(smallest, {set})), Not(HasSubstr("motion"))) << set;
+  EXPECT_THAT(to_toml(scene_of(smallest, {"motion.rotation=finite"})),
+              HasSubstr("\n[motion]\nrotation = \"finite\"\n\n[time]\n"));
 }
 
 // A unit vector may be slightly longer than 1. Normalising it again would change it.

@@ -64,6 +64,8 @@ TEST(PlacementStore, serves_bodies_in_the_same_positions_and_no_others) {
   expect_as_new();
   scene.bodies[1].translate[2] = 4.2;
   expect_as_new();
+  scene.motion.rotation = Rotation::finite;
+  expect_as_new();
 }
 
 TEST(LibraryScene, has_all_settings_of_the_scene_that_was_read) {
@@ -75,11 +77,13 @@ TEST(LibraryScene, has_all_settings_of_the_scene_that_was_read) {
   scene.contact.pairs[0].zone = 0.1;
   scene.contact.scheme = Scheme::impulse;
   scene.contact.max_pivots = 3;
+  scene.motion.rotation = Rotation::finite;
   scene.time.contact_rate_hz = 1e5;
   scene.loads.gravity = {0, 0, -9.81};
   Scene library = store::library_scene(scene, {&a, &b});
   EXPECT_TRUE(static_cast<ContactScheme&>(library) == scene.contact);
   EXPECT_TRUE(static_cast<Stepping&>(library) == scene.time);
+  EXPECT_TRUE(static_cast<RigidBodies&>(library) == scene.motion);
   EXPECT_EQ(library.obstacles, scene.obstacles);
   EXPECT_TRUE(std::ranges::equal(library.pairs, scene.contact.pairs));
   EXPECT_EQ(library.gravity, scene.loads.gravity);

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/scene/motion.hpp"
+
+#include <fmt/format.h>
+
+#include <string>
+#include <vector>
+
+#include "src/scene/keys.hpp"
+#include "src/scene/loads.hpp"
+#include "src/scene/scene.hpp"
+
+namespace ricochet::scene {
+
+const SectionOf<Motion> rigid_motion_keys{
+    "[motion]",
+    "How free bodies move as a whole.",
+    {{"rotation", choice<Motion>(&Motion::rotation, {"linear", "finite"}).if_changed(), "", initial, any(),
+      "`\"linear\"`: rotations are small, and the points of a body move along their initial tangents. "
+      "`\"finite\"`: bodies turn by any angle and [hit obstacles with any part of their "
+      "surface](scene.md#bodies-that-turn); bodies do not hit each other"}}};
+
+namespace {
+
+[[noreturn]] void refuse(const Table& table, const std::string& key, const std::string& what) {
+  table.complain(key, what + ", or set motion.rotation = \"linear\"");
+}
+
+/// Refuses the keys of a table of pairs that fix which points may touch.
+void refuse_choice_of_points(const Table& table) {
+  for (const char* key : {"reach", "zone", "along"})
+    if (table.has(key)) refuse(table, key, "a body that turns may touch with any candidate: leave it out");
+}
+
+void check_contact(const Table& root, const Scene& scene) {
+  const Contact& contact = scene.contact;
+  if (contact.kernel != ContactKernel::modes)
+    refuse(root, "contact.kernel", "finite rotation needs \"modes\": set it");
+  if (contact.scheme != Scheme::compliant)
+    refuse(root, "contact.scheme", "finite rotation needs \"compliant\": set it");
+  const auto table = root.table("contact", contact_keys);
+  if (!table) return;  // kernels alone
+  refuse_choice_of_points(*table);
+  const std::vector<Table> entries = table->array("pair", pair_keys);
+  for (const Table& entry : entries) refuse_choice_of_points(entry);
+  for (std::size_t k = 0; k < contact.pairs.size(); ++k) {
+    if (scene.find_body(contact.pairs[k].b) == nullptr) continue;
+    const bool has_own = k < entries.size() && entries[k].has("between");
+    refuse(has_own ? entries[k] : *table, "between",
+           "finite rotation meets obstacles only: name a body and an obstacle");
+  }
+}
+
+void check_bodies_and_loads(const Table& root, const Scene& scene) {
+  for (const Body& body : scene.bodies)
+    if (!body.support.empty())
+      refuse(root, fmt::format("bodies.{}.support", body.name),
+             "with finite rotation, every body is free: leave it out");
+  for (const LoadKind& kind : load_kinds)
+    if (!(scene.loads.*kind.list).empty())
+      refuse(root, fmt::format("loads.{}", kind.name),
+             "with finite rotation, gravity is the only load: leave it out");
+  if (root.has("strikes")) refuse(root, "strikes", "with finite rotation, there are none: leave it out");
+}
+
+/// Refuses settings that the accuracy would choose: they would serve the first touch only.
+void check_settings(const Table& root, const Scene& scene) {
+  if (root.has("accuracy") && scene.accuracy)
+    refuse(root, "accuracy",
+           "chooses settings for the first touch only: give modes.up_to_hz or modes.count and "
+           "accuracy = \"off\"");
+  if (scene.modes.open())
+    refuse(root, "modes",
+           "accuracy would choose modes for the first touch only: give modes.up_to_hz or modes.count");
+  if (scene.time.precision == Precision::float32)
+    refuse(root, "time.precision", "finite rotation needs \"double\": leave it out");
+}
+
+}  // namespace
+
+void read_motion(const Table& root, Scene& scene) {
+  const auto table = root.table("motion", rigid_motion_keys);
+  if (!table) return;
+  rigid_motion_keys.read(*table, scene.motion);
+  if (!scene.motion.is_finite()) return;
+  check_contact(root, scene);
+  check_bodies_and_loads(root, scene);
+  check_settings(root, scene);
+}
+
+}  // namespace ricochet::scene
