@@ -196,6 +196,7 @@ KernelRequest kernel_request(const Scene& scene, const Body& body, MeshHashes* k
   if (!body.copy_of.empty()) request.body.name = body.copy_of;  // one file serves all strikes
   request.modes = scene.modes;
   request.view = scene.output.view;
+  request.turns = scene.motion.is_finite();
 
   const Pair* first = nullptr;
   for (const Pair& pair : scene.contact.pairs) {
@@ -219,7 +220,8 @@ KernelRequest kernel_request(const Scene& scene, const Body& body, MeshHashes* k
                       file, body.name));
     if (direction != request.direction) request.direction.reset();
   }
-  if (request.friction) request.direction.reset();  // friction acts along the other two components
+  // Friction acts along the other two components; an obstacle meets a body that turns along any of its axes.
+  if (request.friction || request.turns) request.direction.reset();
   if (known != nullptr && known->contains(body.mesh)) {
     request.mesh_sha256 = known->at(body.mesh);
   } else {
@@ -234,7 +236,7 @@ KernelRequest kernel_request(const Scene& scene, const Body& body, MeshHashes* k
 
 bool may_be_normal(const KernelRequest& request) {
   return request.modes.residual_flexibility && !request.modes.all_components && !request.direction &&
-         !request.friction && !request.body.contact.empty();
+         !request.friction && !request.turns && !request.body.contact.empty();
 }
 
 void seal(KernelRequest& request) {

@@ -35,6 +35,9 @@ struct KernelRequest {
   /// Whether a pair of the body has friction. The kernel then holds all components. Not part of the hash: it
   /// is the same kernel as that of a frictionless scene that needs all components.
   bool friction = false;
+  /// Whether the body turns by any angle. The kernel then holds all components, because its points meet an
+  /// obstacle in any direction. Not part of the hash, like `friction`.
+  bool turns = false;
   bool view = false;
   Loads loads;                      ///< of this body; vectors and histories empty, `at` in its frame
   std::vector<Receiver> receivers;  ///< of this body; `at` in its frame

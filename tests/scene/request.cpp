@@ -268,6 +268,21 @@ between = ["ball", "floor"])");
   }
 }
 
+// An obstacle meets a body that turns along any of its axes, at any of its candidates.
+TEST(KernelRequests, of_bodies_that_turn_hold_all_components_and_candidates) {
+  const std::string directed = changed(smallest, "[contact]", "[contact]\ndirection = [0, 0, -1]");
+  const KernelRequest turning = request_of(directed, {"motion.rotation=finite"});
+  EXPECT_TRUE(turning.turns);
+  EXPECT_FALSE(turning.direction);
+  EXPECT_FALSE(turning.points);
+  EXPECT_FALSE(may_be_normal(turning));
+  EXPECT_TRUE(may_be_normal(request_of(smallest)));
+  EXPECT_EQ(turning.hash, request_of(smallest).hash);
+  EXPECT_EQ(turning.hash, request_of(smallest, {"motion.rotation=finite", "contact.friction=0.3"}).hash);
+  EXPECT_EQ(request_of(directed, {"motion.rotation=linear"}).hash, request_of(directed).hash);
+  EXPECT_NE(turning.hash, request_of(directed).hash);
+}
+
 TEST(KernelPaths, are_the_name_of_the_body_and_twelve_digits) {
   KernelRequest request;
   request.body.name = "ball";
