@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "src/mesh/faces.hpp"
+
 namespace ricochet::mesh {
 
 void refuse_repeated(const std::vector<Block>& blocks, const char* what, const char* key,
@@ -16,6 +18,13 @@ void refuse_repeated(const std::vector<Block>& blocks, const char* what, const c
   if (twice != tags.end())
     throw InputError(fmt::format("{}: {} {} lies in two groups of bodies.{}.{}: give it to one",
                                  body.mesh.filename().string(), what, *twice, body.name, key));
+}
+
+void refuse_more_than_all(const scene::Body& body) {
+  if (body.contact.size() > 1)
+    throw InputError(
+        fmt::format("{}: bodies.{}.contact: \"{}\" is the whole surface of the body: name it alone",
+                    body.mesh.filename().string(), body.name, whole_boundary));
 }
 
 unsigned moved_bit(const scene::Body& body, const RequestedGroups& asked, const std::string& support) {

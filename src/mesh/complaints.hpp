@@ -18,6 +18,9 @@ void refuse_repeated(const std::vector<Block>& blocks, const char* what, const c
 /// Throws InputError if there are more moving supports than bits.
 unsigned moved_bit(const scene::Body& body, const RequestedGroups& asked, const std::string& support);
 
+/// Throws InputError if the contact surface is the whole boundary (faces.hpp) and more.
+void refuse_more_than_all(const scene::Body& body);
+
 /// Errors about the mesh as a whole.
 InputError no_elements(const scene::Body& body);
 InputError holds_nothing(const scene::Body& body, const std::string& support);

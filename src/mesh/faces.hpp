@@ -22,6 +22,18 @@ Faces outside_of(const std::vector<Block>& blocks);
 /// removed.
 void add_face(Faces& outside, Corners outward);
 
+/// Contact surface of this name: all faces in `outside`, unless the mesh has a physical surface of this name.
+inline constexpr const char* whole_boundary = "all";
+
+/// Returns the facets of `blocks` that are in `outside`, with all their nodes, oriented outward. Tags are
+/// 6 t + f for face f of element t, which differ also between the parts of a mesh; labels are 0. Needs a
+/// GmshSession.
+/// @param outside  with nodes numbered as in `blocks`
+std::vector<Block> boundary_of(const std::vector<Block>& blocks, const Faces& outside);
+
+/// Removes the facets that are not in `outside`, which numbers nodes as `facets` does.
+void keep_outside(Block& facets, const Faces& outside);
+
 /// Divides the faces into triangles.
 Block triangles_of(const Faces& outside);
 

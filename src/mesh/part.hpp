@@ -28,7 +28,10 @@ struct Part {
   std::vector<std::int64_t> fixed;  ///< (n) as in GlobalMesh, for supports of this part
   std::vector<Block> blocks;
   std::vector<Block> contact, loaded;  ///< facets, not yet oriented
-  Faces outside;                       ///< faces on the boundary of the body or next to another part
+  /// Whether the contact surface is the whole boundary. `contact` then holds the facets of all faces in
+  /// `outside`.
+  bool touches_everywhere = false;
+  Faces outside;  ///< faces on the boundary of the body or next to another part
   /// Groups of the materials, the contact surface, the loaded surfaces and the supports, in this order.
   std::vector<GroupUse> groups;
 };

@@ -178,6 +178,8 @@ void collect_surfaces(MPI_Comm comm, const scene::Body& body, const Part& share,
   std::vector<Block> contact = gather_facets(comm, share.contact), loaded = gather_facets(comm, share.loaded),
                      visualisation;
   parallel::on_first_rank(comm, [&] {
+    if (share.touches_everywhere)  // without the faces between parts
+      for (Block& block : contact) keep_outside(block, outside);
     refuse_repeated(contact, "facet", "contact", body);
     for (Block& block : contact) orient(block, mesh.order, outside, body, "bodies." + body.name + ".contact");
     for (Block& block : loaded) orient(block, mesh.order, outside, body, traction_key);

@@ -223,6 +223,13 @@ class Reader {
 
   std::string key_of(const char* use) const { return fmt::format("bodies.{}.{}", body_.name, use); }
 
+  /// Whether the contact surface is the whole boundary of a complete mesh. Other parts of a mesh may have a
+  /// group of this name.
+  bool touches_everywhere() const {
+    return mesh_.dim == 3 && std::ranges::count(body_.contact, whole_boundary) > 0 &&
+           find_entities(2, whole_boundary).empty();
+  }
+
   void collect_facets() {
     const int dim = mesh_.dim - 1;
     const auto collect = [&](const std::vector<std::string>& groups, const std::string& key,
@@ -231,7 +238,12 @@ class Reader {
         for (int entity : entities(dim, groups[g], key))
           append(facets.blocks, dim, entity, static_cast<std::int64_t>(g));
     };
-    collect(body_.contact, key_of("contact"), mesh_.contact);
+    if (!partial_ && touches_everywhere()) {
+      refuse_more_than_all(body_);
+      mesh_.contact.blocks = boundary_of(mesh_.blocks, outside_);
+    } else {
+      collect(body_.contact, key_of("contact"), mesh_.contact);
+    }
     refuse_repeated(mesh_.contact.blocks, dim == 2 ? "facet" : "point", "contact", body_);
     collect(asked_.loaded, traction_key, mesh_.loaded);
   }

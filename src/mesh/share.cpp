@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "src/mesh/complaints.hpp"
 #include "src/mesh/directory.hpp"
@@ -22,6 +23,7 @@ struct NamedGroup {
   std::string name, key;
   int dim = 0;
   bool support = false;
+  bool whole_boundary = false;  ///< without this group, the contact surface is the whole boundary
 };
 
 std::vector<NamedGroup> named_groups(const scene::Body& body, const RequestedGroups& wanted) {
@@ -29,7 +31,8 @@ std::vector<NamedGroup> named_groups(const scene::Body& body, const RequestedGro
   std::vector<NamedGroup> asked;
   for (const scene::Material& material : body.materials)
     if (!material.group.empty()) asked.push_back({material.group, start + "material", 3});
-  for (const std::string& name : body.contact) asked.push_back({name, start + "contact", 2});
+  for (const std::string& name : body.contact)
+    asked.push_back({name, start + "contact", 2, false, name == whole_boundary});
   for (const std::string& name : wanted.loaded) asked.push_back({name, traction_key, 2});
   for (const auto& [name, components] : body.support) asked.push_back({name, start + "support", 2, true});
   return asked;
@@ -145,7 +148,8 @@ std::vector<std::string> gather_names(MPI_Comm comm, const std::vector<std::stri
 
 /// Checks each group of the scene: some part must contain it, all parts must agree on its dimension, and a
 /// support must contain nodes of the body. Throws on every rank otherwise. Collective.
-void check_groups(const scene::Body& body, const std::vector<NamedGroup>& asked,
+/// @return whether the contact surface is the whole boundary
+bool check_groups(const scene::Body& body, const std::vector<NamedGroup>& asked,
                   const std::vector<GroupUse>& uses, MPI_Comm comm) {
   constexpr std::size_t dims = 4;
   // Per group: number of ranks that found it, for each dimension, then number of ranks on which it has nodes.
@@ -155,9 +159,15 @@ void check_groups(const scene::Body& body, const std::vector<NamedGroup>& asked,
     parts.push_back(use.holds ? 1 : 0);
   }
   parallel::sum(comm, parts);
+  bool touches_everywhere = false;
   for (std::size_t g = 0; g < asked.size(); ++g) {
     const auto found = parts.begin() + static_cast<std::ptrdiff_t>(g * (dims + 1));
     const auto kinds = std::count_if(found, found + dims, [](double ranks) { return ranks > 0; });
+    if (kinds == 0 && asked[g].whole_boundary) {
+      refuse_more_than_all(body);
+      touches_everywhere = true;
+      continue;
+    }
     if (kinds == 0) {
       const Choice choice{gather_names(comm, uses[g].choice.groups),
                           gather_names(comm, uses[g].choice.entities)};
@@ -174,6 +184,22 @@ void check_groups(const scene::Body& body, const std::vector<NamedGroup>& asked,
                       body.mesh.filename().string(), asked[g].name, asked[g].key));
     if (asked[g].support && found[dims] == 0) throw holds_nothing(body, asked[g].name);
   }
+  return touches_everywhere;
+}
+
+/// The facets of all faces on the outside of a share, with nodes identified by tags.
+std::vector<Block> boundary_of(const Part& share) {
+  Faces outside;
+  for (const auto& [key, outward] : share.outside) {
+    Corners corners;
+    for (const std::int64_t tag : outward)
+      corners.push_back(std::ranges::lower_bound(share.tag, tag) - share.tag.begin());
+    add_face(outside, std::move(corners));
+  }
+  std::vector<Block> boundary = boundary_of(share.blocks, outside);
+  for (Block& block : boundary)
+    for (std::int64_t& node : block.node) node = share.tag[static_cast<std::size_t>(node)];
+  return boundary;
 }
 
 /// Checks that all ranks have the same element order, have no element in common, and agree on the positions
@@ -228,8 +254,9 @@ Part read_share(const scene::Body& body, const RequestedGroups& wanted, MPI_Comm
     if (const auto twice = std::adjacent_find(tags.begin(), tags.end()); twice != tags.end())
       throw repeated(body, *twice);
   });
-  check_groups(body, groups, share.groups, comm);
+  share.touches_everywhere = check_groups(body, groups, share.groups, comm);
   check_fit(body, share, comm);
+  if (share.touches_everywhere) share.contact = boundary_of(share);
   return share;
 }
 

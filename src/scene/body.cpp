@@ -128,8 +128,9 @@ const SectionOf<Body> body_keys{
      {"damping", Access(Type::table, read_damping, damping_of), "", "`{}`", any(),
       "one damping law; no damping if empty", "{ ratio = 0.01 }"},
      {"contact", &Body::contact, "", required(), any(),
-      "physical surface (for a rod: physical point) that may touch, or a list of them. Optional in a scene "
-      "without `[contact]`"},
+      "physical surface (for a rod: physical point) that may touch, or a list of them. `\"all\"`: [the whole "
+      "surface](scene.md#bodies) of a solid body, unless its mesh has a physical surface of this name. "
+      "Optional in a scene without `[contact]`"},
      {"support", Access(Type::strings, read_support, support_of), "", "`{}`", any(),
       "physical group (surface, curve, point or volume) = fixed components, some of `\"xyz\"`, in the axes "
       "of the mesh (before `rotate_deg`). A rod is fixed unless all named components are normal to its axis",

@@ -56,6 +56,7 @@ class Parts : public testing::TestWithParam<Case> {
     body.mesh = folder_ / "split.msh";
     EXPECT_EQ(scene::part_files(body.mesh).size(), static_cast<std::size_t>(GetParam().parts));
     mesh_ = mesh::read_parts(body, PETSC_COMM_WORLD);
+    body_ = body;
     for (std::size_t i = 0; i < whole_.node.size(); ++i) whole_index_[place(whole_.position, i)] = i;
     for (std::size_t i = 0; i < mesh_.node.size(); ++i)
       in_whole_.push_back(whole_index_.at(place(mesh_.position, i)));
@@ -106,6 +107,7 @@ class Parts : public testing::TestWithParam<Case> {
   SharedFolder folder_;
   std::unique_ptr<mesh::GmshSession> gmsh_;
   std::vector<scene::Material> materials_;
+  scene::Body body_;  ///< in parts
   Mesh whole_, mesh_;
   std::map<Place, std::size_t> whole_index_;
   std::vector<std::size_t> in_whole_;  ///< index in the whole mesh, per local node
@@ -206,6 +208,16 @@ TEST_P(Parts, have_the_surfaces_of_the_complete_mesh) {
   } else {
     EXPECT_TRUE(mesh_.visualisation.blocks.empty());
   }
+}
+
+// Without the faces between parts, which each part has on its outside.
+TEST_P(Parts, have_the_whole_boundary_of_the_complete_mesh) {
+  body_.contact = {"all"};
+  const Mesh split = mesh::read_parts(body_, PETSC_COMM_WORLD);
+  body_.mesh = folder_ / "whole.msh";
+  const Mesh whole = mesh::distribute(mesh::read_mesh(body_), PETSC_COMM_SELF);
+  EXPECT_GT(facets(whole.contact).size(), facets(whole_.contact).size());
+  EXPECT_EQ(facets(split.contact), facets(whole.contact));
 }
 
 TEST_P(Parts, have_the_mass_and_modes_of_the_complete_mesh) {

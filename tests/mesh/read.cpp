@@ -117,6 +117,50 @@ TEST(Read, truncated_pyramids_have_their_volume_and_areas_in_every_element_and_o
     }
 }
 
+/// The nodes of the facets, each sorted.
+std::multiset<std::vector<std::int64_t>> facets_of(const GlobalMesh& mesh) {
+  std::multiset<std::vector<std::int64_t>> found;
+  for (const mesh::Block& block : mesh.contact.blocks)
+    for (std::size_t e = 0; e < block.size(); ++e) {
+      const auto nodes = block.node.begin() + static_cast<std::ptrdiff_t>(e) * block.nodes_per_element;
+      std::vector<std::int64_t> sorted(nodes, nodes + block.nodes_per_element);
+      std::ranges::sort(sorted);
+      found.insert(std::move(sorted));
+    }
+  return found;
+}
+
+// A facet whose nodes are in another order, or which faces inward, changes the fluxes.
+TEST(Read, contact_all_is_what_physical_surfaces_on_all_sides_are) {
+  const mesh::GmshSession gmsh;
+  for (const char* kind : {"tet", "hex", "prism"})
+    for (int order = 1; order <= 3; ++order) {
+      const bool prism = kind == std::string("prism");
+      const test::SharedFile file(".geo", prism ? test::prism_geo(2) : test::block_geo(kind, 2, 0.4));
+      scene::Body body = test::body_of(file.path(), order);
+      body.contact = {"bottom", "top", "sides"};
+      const GlobalMesh named = mesh::read_mesh(body);
+      body.contact = {"all"};
+      const GlobalMesh mesh = mesh::read_mesh(body);
+      EXPECT_EQ(facets_of(mesh), facets_of(named)) << kind << order;
+      const Flux all = flux_of(mesh, 0);
+      EXPECT_NEAR(all.normal.norm(), 0, 1e-13) << kind << order;
+      EXPECT_NEAR(all.third, volume_of(mesh), 1e-13) << kind << order;
+      double area = 0;
+      for (int g = 0; g < 3; ++g) area += flux_of(named, g).area;
+      EXPECT_NEAR(all.area, area, 1e-13) << kind << order;
+    }
+}
+
+TEST(Read, contact_all_is_a_physical_surface_if_one_has_this_name) {
+  const mesh::GmshSession gmsh;
+  const test::SharedFile file(".geo",
+                              test::block_geo("hex", 2, 0.4) + "Physical Surface(\"all\") = {1, 2};\n");
+  scene::Body body = test::body_of(file.path(), 2);
+  body.contact = {"all"};
+  EXPECT_NEAR(flux_of(mesh::read_mesh(body), 0).area, 1.36, 1e-13);
+}
+
 TEST(Read, elements_of_order_p_have_the_nodes_of_their_vertices_edges_faces_and_interiors) {
   const mesh::GmshSession gmsh;
   const test::SharedFile tets(".geo", test::block_geo("tet", 2, 0.3)),
@@ -261,6 +305,10 @@ TEST(Read, files_of_cad_programs_need_no_groups) {
     const double fixed = flux_of(mesh, 2).normal[2] > 0 ? 2 : 0;
     for (std::size_t n = 0; n < mesh.fixed.size(); ++n)
       EXPECT_EQ(mesh.fixed[n], std::abs(mesh.position[3 * n + 2] - fixed) < 1e-9 ? 4 : 0);
+    body.contact = {"all"};
+    const GlobalMesh everywhere = mesh::read_mesh(body);
+    EXPECT_NEAR(flux_of(everywhere, 0).third, whole, 1e-12);
+    EXPECT_NEAR(flux_of(everywhere, 0).area, area, 1e-12);
     body.contact = {"surface 4"};
     EXPECT_THROW(mesh::read_mesh(body), InputError);
   }

@@ -193,6 +193,19 @@ TEST(Refusal, surfaces_without_a_volume_and_mixed_orders_are_refused) {
   }
 }
 
+TEST(Refusal, contact_all_stands_alone_and_is_not_for_rods) {
+  const test::SharedFile file(".geo", test::block_geo("hex", 1, 0)), rod(".geo", test::rod_geo(2));
+  scene::Body body = test::body_of(file.path(), 1);
+  body.contact = {"top", "all"};
+  EXPECT_THAT(complaint(body),
+              AllOf(about(file), HasSubstr("bodies.body.contact: \"all\" is the whole surface of the body: "
+                                           "name it alone")));
+  body.mesh = rod.path();
+  body.contact = {"all"};
+  EXPECT_THAT(complaint(body), AllOf(about(rod), HasSubstr("no physical point \"all\": the groups are "
+                                                           "\"left\", \"right\"")));
+}
+
 TEST(Refusal, groups_that_overlap_or_lie_elsewhere_are_refused) {
   const test::SharedFile file(".geo",
                               test::block_geo("hex", 1, 0) +

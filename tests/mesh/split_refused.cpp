@@ -98,6 +98,8 @@ TEST(PartsByHand, must_fit_together) {
   body.contact = {"between"};
   EXPECT_THAT(complaint(body),
               AllOf(about("hand.msh"), HasSubstr("facet 9"), HasSubstr("is not on the body's surface")));
+  body.contact = {"all", "between"};
+  EXPECT_THAT(complaint(body), AllOf(about("hand.msh"), HasSubstr("name it alone")));
   body.contact.clear();
   folder.write("hand_2.msh", one_cell("0.1", "2 1 3 2 5"));
   EXPECT_THAT(complaint(body), AllOf(about("hand.msh"), HasSubstr("node 1 lies in different places")));

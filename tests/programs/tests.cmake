@@ -2,6 +2,7 @@
 add_program_test(programs accuracy)
 add_program_test(programs ranks)
 add_program_test(programs parts)
+add_program_test(programs boundary)
 add_program_test(programs reach FIRST)
 add_program_test(programs algebra FIRST)
 add_program_test(programs driven)
