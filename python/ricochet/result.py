@@ -41,6 +41,36 @@ class BodyMotion(_Data):
     """The rigid part of the motion of a body. K rows, at the times `Result.time`; world axes."""
 
     @cached_property
+    def has_pose(self) -> bool:
+        """Whether the body turns by finite rotations, so that `position`, `attitude` and `spin` exist."""
+        return self._file.has(f"{self._group}/attitude")
+
+    def _of_pose(self, name: str, width: int) -> Floats:
+        """Reads a dataset of the pose, with a row for each row of state."""
+        if not self.has_pose:
+            raise InputError(
+                f"{self._file.path}: {self._group.removeprefix('/bodies/')} has no {name}: only free bodies of runs "
+                'with motion.rotation = "finite" have one.'
+            )
+        return self._read(name, self._rows, width)
+
+    @cached_property
+    def position(self) -> Floats:
+        """(K,3) centre of mass [m]. Raises InputError without finite rotations."""
+        return self._of_pose("position", 3)
+
+    @cached_property
+    def attitude(self) -> Floats:
+        """(K,4) unit quaternion w, x, y, z of the rotation from the axes of the body (of its kernel) to those of
+        the world. Raises InputError without finite rotations."""
+        return self._of_pose("attitude", 4)
+
+    @cached_property
+    def spin(self) -> Floats:
+        """(K,3) angular velocity [rad/s]. Raises InputError without finite rotations."""
+        return self._of_pose("spin", 3)
+
+    @cached_property
     def velocity(self) -> Floats:
         """(K,3) mass-mean [m/s]"""
         return self._read("velocity", self._rows, 3)
@@ -74,6 +104,20 @@ class BodyMotion(_Data):
     def translation(self) -> Floats:
         """(3) [m]"""
         return self._vector("translation")
+
+
+class SnapshotPoses(_Data):
+    """Poses of a body with finite rotations. s rows, at the times `Result.snapshots["time"]`; world axes."""
+
+    @cached_property
+    def position(self) -> Floats:
+        """(s,3) centre of mass [m]"""
+        return self._read("position", self._rows, 3)
+
+    @cached_property
+    def attitude(self) -> Floats:
+        """(s,4) unit quaternion w, x, y, z of the rotation from the axes of the body to those of the world"""
+        return self._read("attitude", self._rows, 4)
 
 
 class ReceiverMotion(_Data):
@@ -353,6 +397,16 @@ class Result(_Data):
         return {
             name: self._read(f"snapshots/{name}", *([None] if name == "time" else [None, None]))
             for name in self._file.names("/snapshots")
+        }
+
+    @cached_property
+    def poses(self) -> dict[str, SnapshotPoses]:
+        """Poses at the snapshots, of the bodies with finite rotations. A point X of the body, in its axes, is at
+        position + A (X − centre + u), with the rotation matrix A of the attitude, `Kernel.centre`, and the
+        deformation u by modes and static response."""
+        return {
+            name: SnapshotPoses(self._file, f"/pose/{name}", len(self._read("snapshots/time", None)))
+            for name in self._file.names("/pose")
         }
 
     # ---- Display ----
