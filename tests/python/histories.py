@@ -425,6 +425,8 @@ class Snapshots(HistoryTest):
             coordinates=time[:, None],
             element=element,
             rim=lambda flat: element,
+            poses=None,
+            carried=lambda points, _: points,
         )
         figure = self.drawn(history, {"block": surface}, time)
         ax = figure.axes[0]

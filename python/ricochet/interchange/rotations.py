@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Rotations of bodies, as scenes give them: degrees about the fixed axes x, then y, then z."""
+"""Rotations of bodies: as scenes give them, in degrees about the fixed axes x, then y, then z, and as results do, by
+unit quaternions (w, x, y, z)."""
 import numpy as np
 
 from ricochet.arrays import Array
@@ -39,3 +40,17 @@ def turn_between(start: Array, end: Array) -> Array:
     x, y, z = axis / sine
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     return np.eye(3) + sine * cross + (1 - cosine) * cross @ cross
+
+
+def matrices_of(quaternion: Array) -> Array:
+    """(s,3,3) the rotation matrices of unit quaternions (s,4)."""
+    w, axis = quaternion[:, 0, None, None], quaternion[:, 1:]
+    cross = -np.cross(axis[:, None, :], np.eye(3))
+    return np.asarray(np.eye(3) + 2 * (w * cross + cross @ cross))
+
+
+def product(one: Array, other: Array) -> Array:
+    """The quaternion of the rotation `other`, followed by `one`; (…,4) each."""
+    w, u, z, v = one[..., :1], one[..., 1:], other[..., :1], other[..., 1:]
+    scalar = w * z - np.sum(u * v, axis=-1, keepdims=True)
+    return np.concatenate([scalar, w * v + z * u + np.cross(u, v)], axis=-1)

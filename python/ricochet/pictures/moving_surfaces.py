@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Visualisation surfaces of the bodies of a result, moved by its snapshots."""
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 
 from ricochet.arrays import Array
 from ricochet.errors import InputError
+from ricochet.interchange.rotations import matrices_of
 from ricochet.pictures.loaded_result import LoadedResult
 from ricochet.pictures.static_part import static_part
 from ricochet.result_file import File, are_finite, is_there
@@ -17,9 +19,23 @@ SHOWN = 0.1  # largest deformation, relative to the size, that is then drawn
 MOST = 0.25  # the same at the upper end of a choice
 
 
+@dataclass
+class Poses:
+    """Where a body with finite rotations is at each snapshot; world axes."""
+
+    position: Array  # (s,3) centre of mass [m]
+    attitude: Array  # (s,4) unit quaternion w, x, y, z, from the axes of the body
+    centre: Array  # (3) centre of mass in the axes of the body [m]
+
+    def __post_init__(self) -> None:
+        self.rotation: Array = matrices_of(self.attitude)  # (s,3,3)
+        self.translation: Array = self.position - self.rotation @ self.centre  # (s,3) [m]
+
+
 class MovingSurface:
     """The visualisation surface of a body, moved by its modes and by the static response of the modes left out
-    (`static`, fields and amplitudes, after the modes in `shape` (V,3,N+r) and `coordinates` (s,N+r))."""
+    (`static`, fields and amplitudes, after the modes in `shape` (V,3,N+r) and `coordinates` (s,N+r)). With `poses`,
+    these move the body as a whole, and the coordinates of its rigid modes are 0."""
 
     def __init__(
         self,
@@ -28,8 +44,9 @@ class MovingSurface:
         translation: Array,
         coordinates: Array,
         static: tuple[Array, Array] | None = None,
+        poses: Poses | None = None,
     ) -> None:
-        self.rotation, self.translation = rotation, translation
+        self.rotation, self.translation, self.poses = rotation, translation, poses
         self.node = kernel.array("/view/node", None, 3).astype(float)
         self.element = kernel.array("/view/element", None, None).astype(int)
         self.modes = coordinates.shape[1]
@@ -60,7 +77,28 @@ class MovingSurface:
     def at(self, k: int, amplify: float = 1.0) -> Array:
         """(V,3) node positions at snapshot k [m]. `amplify` multiplies the deformation, not the rigid motion."""
         now = self.weights(amplify) * self.coordinates[k]
-        return np.asarray((self.node + self.shape @ now) @ self.rotation.T + self.translation)
+        rotation, translation = self.placement(k)
+        return np.asarray((self.node + self.shape @ now) @ rotation.T + translation)
+
+    def placement(self, k: int) -> tuple[Array, Array]:
+        """(3,3) rotation and (3) translation [m] from the axes of the body to those of the world at snapshot k: the
+        initial ones without poses."""
+        if self.poses is None:
+            return self.rotation, self.translation
+        return self.poses.rotation[k], self.poses.translation[k]
+
+    def carried(self, points: Array, k: int) -> Array:
+        """(·,3) points of the initial placement, moved by the pose of snapshot k [m]; without poses, not moved."""
+        if self.poses is None:
+            return points
+        rotation, translation = self.placement(k)
+        return np.asarray((points - self.translation) @ self.rotation @ rotation.T + translation)
+
+    def reach(self) -> Array:
+        """(2,3) corners of a box around the body at all poses, without its deformation [m]."""
+        assert self.poses is not None
+        radius = np.linalg.norm(self.node - self.poses.centre, axis=1).max()
+        return np.stack([self.poses.position.min(axis=0) - radius, self.poses.position.max(axis=0) + radius])
 
     def deformation(self, k: int) -> float:
         """The largest displacement without that of the rigid modes at snapshot k [m]."""
@@ -138,5 +176,19 @@ def moving_surfaces(
             np.reshape(translation, 3),
             coordinates,
             static_part(f, kernel, body, len(time)),
+            None if still else poses_of(f, kernel, body, len(time)),
         )
     return (surfaces, time) if surfaces else "the result has no snapshots of bodies"
+
+
+def poses_of(result: File, kernel: File, body: str, count: int) -> Poses | None:
+    """The poses of a body at the `count` snapshots; None without finite rotations."""
+    group = f"/pose/{body}"
+    if not result.has(f"{group}/attitude"):
+        return None
+    attitude = result.array(f"{group}/attitude", count, 4)
+    if np.abs(np.linalg.norm(attitude, axis=1) - 1).max(initial=0) > 1e-6:
+        raise InputError(
+            f'{result.path}: dataset "{group}/attitude" holds other than unit quaternions. Compute it again.'
+        )
+    return Poses(result.array(f"{group}/position", count, 3), attitude, kernel.array("/body/centre", 3))

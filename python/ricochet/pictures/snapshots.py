@@ -40,14 +40,17 @@ def snapshots_picture(result: LoadedResult, surfaces: dict[str, MovingSurface], 
     first = {body: surface.at(during[0]) for body, surface in surfaces.items()}
     view = clearest(
         [(first[body], surface.element) for body, surface in surfaces.items()],
-        result.point_a[result.impulse() > 0],
+        touched(result, surfaces, during[0]),
         tilted=bool(planes) and solid,  # otherwise the upper side of a floor is not seen
         up=upward(scene),
         normals=list(planes.values()),
     )
     turn = view.turn()
 
-    outlines = {body: unhidden(surface, ghosts[0][body] @ turn.T) for body, surface in surfaces.items()}
+    def outline(body: str, cell: int) -> NDArray[np.int64]:
+        return unhidden(surfaces[body], ghosts[cell][body] @ turn.T)
+
+    outlines = {body: outline(body, 0) for body in surfaces}
     shown = [place for moment in places + ghosts * (amplify != 1) for place in moment.values()]
     everything = np.concatenate(shown) @ turn.T
     low, high = everything.min(axis=0)[:2], everything.max(axis=0)[:2]
@@ -55,7 +58,8 @@ def snapshots_picture(result: LoadedResult, surfaces: dict[str, MovingSurface], 
         low[1], high[1] = low[1] - 0.1 * (high[0] - low[0]), high[1] + 0.1 * (high[0] - low[0])
     margin = 0.04 * (high - low).max()
     shape = (high[1] - low[1] + 2 * margin) / (high[0] - low[0] + 2 * margin)
-    resting = np.concatenate(list(first.values()))
+    turning = any(surface.poses for surface in surfaces.values())
+    resting = np.concatenate(shown if turning else list(first.values()))
     box = resting.min(axis=0), resting.max(axis=0)
     floors = [square_of(plane, *box) @ turn.T for plane in scene.get("obstacles", {}).values()]
 
@@ -78,6 +82,8 @@ def snapshots_picture(result: LoadedResult, surfaces: dict[str, MovingSurface], 
         paint(ax, result, surfaces, places[cell], turn)
         if amplify != 1:
             for body, edges in outlines.items():
+                if surfaces[body].poses:
+                    edges = outline(body, cell)
                 flat = (ghosts[cell][body] @ turn.T)[:, :2]
                 ax.add_collection(LineCollection(flat[edges], colors=GHOST, linewidths=0.7, zorder=3))
         fit(ax, low, high, margin)
@@ -107,7 +113,8 @@ def snapshots_picture(result: LoadedResult, surfaces: dict[str, MovingSurface], 
 
 def drawn_path(surfaces: dict[str, MovingSurface], during: NDArray[np.int64], amplify: float) -> Array:
     """(S,r) coordinates of the snapshots `during`, in which the Euclidean distance of two snapshots is the root mean
-    square distance of the nodes as drawn [m]."""
+    square distance of the nodes as drawn [m]. Bodies with poses deform in their own axes here, so that poses and
+    deformation contribute one by one."""
     parts, nodes = [], sum(len(surface.node) for surface in surfaces.values())
     for surface in surfaces.values():
         weights = surface.weights(amplify)
@@ -116,7 +123,24 @@ def drawn_path(surfaces: dict[str, MovingSurface], during: NDArray[np.int64], am
         pieces = [piece.astype(float) * weights for piece in np.array_split(shape, len(shape) // 10_000 + 1)]
         values, vectors = np.linalg.eigh(sum(piece.T @ piece for piece in pieces) / nodes)
         parts.append(surface.coordinates[during] @ (vectors * np.sqrt(np.maximum(values, 0))))
+        if surface.poses:
+            # x = [A, position] · [X − centre, 1] along each axis of the world
+            arm = np.column_stack([surface.node - surface.poses.centre, np.ones(len(surface.node))])
+            values, vectors = np.linalg.eigh(arm.T @ arm / nodes)
+            turned = np.concatenate([surface.poses.rotation, surface.poses.position[:, :, None]], axis=2)
+            moved = turned[during] @ (vectors * np.sqrt(np.maximum(values, 0)))
+            parts.append(moved.reshape(len(during), -1))
     return np.concatenate(parts, axis=1)
+
+
+def touched(result: LoadedResult, surfaces: dict[str, MovingSurface], k: int) -> Array:
+    """(·,3) the contact points that touch in the run, at the poses of snapshot k [m]."""
+    points = result.point_a.copy()
+    for i in np.flatnonzero(result.impulse() > 0):
+        body = next((name for name in result.sides_names(i) if name in surfaces), None)
+        if body:
+            points[i] = surfaces[body].carried(points[i], k)
+    return np.asarray(points[result.impulse() > 0])
 
 
 def moments(path: Array, most: int) -> NDArray[np.int64]:
