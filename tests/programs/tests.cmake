@@ -30,7 +30,8 @@ add_program_test(programs sweep_faults)
 add_program_test(programs sweep_histories)
 add_program_test(programs report)
 add_program_test(programs page_view)
+add_program_test(programs tumble)
 add_program_test(programs batch FIRST)
 add_program_test(programs command)
 add_program_test(programs mistakes)
-set_tests_properties(programs/batch programs/report programs/page_view PROPERTIES PROCESSORS 1)  # most of their time is spent waiting for SLURM and a browser
+set_tests_properties(programs/batch programs/report programs/page_view programs/tumble PROPERTIES PROCESSORS 1)  # most of their time is spent waiting for SLURM and a browser

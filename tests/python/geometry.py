@@ -282,8 +282,8 @@ class Bodies(unittest.TestCase):
             coordinates=coordinates,
             modes=106,
             rigid=np.arange(107) < 6,
-            rotation=np.eye(3),
-            translation=np.zeros(3),
+            placement=lambda _: (np.eye(3), np.zeros(3)),
+            poses=None,
         )
         body = motion.body_of("sheet", surface, np.arange(90), 1.0, {}).data
         drawn = unpacked(body["amount"])[-1] @ np.stack([unpacked(field) for field in body["bent"]])

@@ -11,10 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ricochet.arrays import Array
+from ricochet.interchange.rotations import product
 from ricochet.pictures.loaded_result import LoadedResult
 from ricochet.pictures.planes import gravity_of, normals_of, square_of, upward
 from ricochet.pictures.moving_surfaces import (
     MovingSurface,
+    Poses,
     amplification,
     largest_amplification,
     moving_surfaces,
@@ -147,9 +149,8 @@ def body_of(name: str, surface: MovingSurface, chosen: Array, share: float, scen
         element, of, offset = tube(node, element, radius_of(scene.get("bodies", {}).get(name, {}), length))
     elif len(element) > share * TRIANGLES:
         of, element = coarser(node, element, int(share * TRIANGLES))
-    shape = np.einsum("ij,vjn->vin", surface.rotation.astype("f4"), surface.shape[of]).reshape(
-        3 * len(of), -1
-    )
+    rotation, translation = surface.placement(0)
+    shape = np.einsum("ij,vjn->vin", rotation.astype("f4"), surface.shape[of]).reshape(3 * len(of), -1)
     most = max(1, min(SHAPES, int(share * SHAPES_MB * 2**20 / (6 * len(of)))))
     rigid, moved = few_shapes(shape[:, surface.rigid], coordinates[:, surface.rigid], 6, 1e-12)
     bending, static = np.split(
@@ -162,7 +163,7 @@ def body_of(name: str, surface: MovingSurface, chosen: Array, share: float, scen
     elastic, coordinates = shape[:, ~surface.rigid], coordinates[:, ~surface.rigid]
     some = np.unique(np.linspace(0, len(chosen) - 1, 60).astype(int))
     missed = np.abs(elastic @ coordinates[some].T - bent @ amount[some].T).max(initial=0)
-    place = (node[of] + offset) @ surface.rotation.T + surface.translation
+    place = (node[of] + offset) @ rotation.T + translation
     deformation = np.zeros(len(chosen))
     for part in np.array_split(bent.reshape(len(of), 3, -1), len(of) // 2000 + 1):
         np.maximum(deformation, np.linalg.norm(part @ amount.T, axis=1).max(axis=0), out=deformation)
@@ -178,7 +179,20 @@ def body_of(name: str, surface: MovingSurface, chosen: Array, share: float, scen
         "amount": packed(amount),
         "modes": {int(n) + 1: packed(shape[:, n], "i2") for n in some},
     }
+    if surface.poses:
+        data["poses"] = poses_of(surface.poses, chosen)
     return Drawn(data, place, element, missed, deformation)
+
+
+def poses_of(poses: Poses, chosen: Array) -> dict[str, Any]:
+    """The poses at the snapshots `chosen`: the centre of mass, its position, and the turn of the body since the first
+    snapshot, whose axes are those of its nodes and shapes."""
+    start = poses.attitude[0] * [1, -1, -1, -1]
+    return {
+        "centre": poses.position[0].tolist(),
+        "position": packed(poses.position[chosen]),
+        "turn": packed(product(poses.attitude[chosen], start)),
+    }
 
 
 def nearest(points: Array, places: Sequence[Array]) -> tuple[Array, Array]:
@@ -244,7 +258,8 @@ def motion_of(result: LoadedResult, folder: Path, scene: dict[str, Any]) -> dict
     chosen = np.arange(0, len(time), every)
     bodies = [body_of(name, surface, chosen, 1 / len(surfaces), scene) for name, surface in surfaces.items()]
     places = [body.place for body in bodies]
-    everything = np.concatenate(places)
+    reaches = [surface.reach() for surface in surfaces.values() if surface.poses]
+    everything = np.concatenate([*places, *reaches])
     box = everything.min(axis=0), everything.max(axis=0)
     points = np.sort(np.argsort(result.impulse())[::-1][:POINTS])
     points = points[result.impulse()[points] > 0]

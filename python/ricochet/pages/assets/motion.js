@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Animates the impact in WebGL 2. Deformation is drawn A times as large, and rigid motion as it is: X + F_r c_r + A F_e c_e. A mode of
-// a body can take the place of the impact.
+// Animates the impact in WebGL 2. Deformation is drawn A times as large, and rigid motion as it is: X + F_r c_r + A F_e c_e, then turned
+// by its pose if the body has finite rotations. A mode of a body can take the place of the impact.
 
 const measures = {
   speed: {label: "speed", unit: "m/s"}, displacement: {label: "displacement since the start", unit: "m"},
@@ -23,6 +23,7 @@ class Motion {
     this.windows = {whole, contact: [Math.max(whole[0], window[0] - margin), Math.min(whole[1], window[1] + margin)]};
     this.touch = window;
     for (const body of this.bodies) body.first = body.amplitudes(0, 0);
+    this.turning = this.bodies.some(body => body.poses);
     this.most = {};
     this.colour = this.time.length > 1 ? "speed" : "body";
     this.mesh = false;
@@ -30,7 +31,7 @@ class Motion {
     this.natural = data.amplify?.natural ?? 1;
     this.amplify = this.natural;
     this.mode = null;
-    this.measureScene();
+    this.measureScene(this.windows.contact);
     this.home();
     this.setup();
   }
@@ -49,18 +50,27 @@ class Motion {
   }
 
   placeBodies(k, f, amplify) {
-    for (const body of this.bodies) {
-      body.combine(body.place, body.node, body.amplitudes(k, f).map((c, r) => r < body.rigid ? c : amplify * c));
-    }
+    this.placed = [k, f];
+    for (const body of this.bodies) body.placeAt(body.place, k, f, amplify);
   }
 
-  /** Determines the box around the bodies while they touch. */
-  measureScene() {
-    const all = box();
-    for (const k of this.sampled(24)) {
-      if (this.time[k] < this.windows.contact[0] || this.time[k] > this.windows.contact[1]) continue;
+  /** Determines the box around the bodies in a part of the run: those that turn, at all its moments. */
+  measureScene([from, to]) {
+    const all = box(), within = k => this.time[k] >= from && this.time[k] <= to;
+    for (const k of this.sampled(24).filter(within)) {
       this.placeBodies(k, 0, this.amplify);
       for (const body of this.bodies) all.add(body.place);
+    }
+    for (const body of this.bodies.filter(body => body.poses)) {
+      const rest = box();
+      rest.add(body.node);
+      const corners = [0, 1, 2, 3, 4, 5, 6, 7].flatMap(c => rest.low.map((x, i) => c >> i & 1 ? rest.high[i] : x));
+      for (const k of this.time.keys()) {
+        if (!within(k)) continue;
+        const moved = corners.slice();
+        body.carry(moved, body.pose(k, 0));
+        all.add(moved);
+      }
     }
     if (all.low[0] > all.high[0]) for (const body of this.bodies) all.add(body.node);
     this.impact = all;
@@ -72,6 +82,13 @@ class Motion {
     this.box = this.mode ? this.mode.box : this.impact;
     this.look(this.data.view.azimuth, this.data.view.elevation);
     this.shape = Math.min(0.8, Math.max(0.3, 1.05 * this.spans[1] / this.spans[0]));
+  }
+
+  /** Brings a part of the run into view. */
+  frame(window) {
+    this.measureScene(window);
+    this.box = this.impact;
+    this.look(this.view.azimuth, this.view.elevation);
   }
 
   /** Looks at everything from a direction, given by angles from the front [rad]. */
@@ -149,8 +166,11 @@ class Motion {
   /** Writes the magnitudes of the chosen measure at snapshot k + f to `body.value`. */
   measure(body, k, f, dt) {
     const moved = this.scratch?.length === body.place.length ? this.scratch : this.scratch = new Float32Array(body.place.length);
-    if (this.colour === "speed") body.combine(moved, null, body.amplitudes(k, f, dt));
-    else if (this.colour === "displacement") body.combine(moved, null, body.amplitudes(k, f).map((c, r) => c - body.first[r]));
+    if (this.colour === "speed") body.velocities(moved, k, f, dt);
+    else if (this.colour === "displacement" && body.poses) {
+      body.placeAt(moved, k, f);
+      for (let i = 0; i < moved.length; ++i) moved[i] -= body.node[i];
+    } else if (this.colour === "displacement") body.combine(moved, null, body.amplitudes(k, f).map((c, r) => c - body.first[r]));
     else body.combine(moved, null, body.amplitudes(k, f), body.rigid);
     for (let v = 0; v < body.value.length; ++v) body.value[v] = Math.hypot(moved[3 * v], moved[3 * v + 1], moved[3 * v + 2]);
   }
@@ -170,11 +190,13 @@ class Motion {
   makeSpikes(k, wanted, halo = false) {
     const {anchor, offset, normal, force, state} = this.points, count = anchor.length, place = [], element = [];
     const longest = 0.16 * Math.max(...this.spans.slice(0, 2));
+    const rows = this.bodies.map(body => body.poses && body.pose(...this.placed).rows);
     for (let p = 0; p < count; ++p) {
       const length = longest * force[k * count + p] / this.forceMost;
       if (!(length > 0) || (wanted !== undefined && state[k * count + p] !== wanted)) continue;
       const [b, v] = anchor[p], n = normal.subarray(3 * p, 3 * p + 3);
-      const from = this.bodies[b].place.slice(3 * v, 3 * v + 3).map((x, i) => x + offset[3 * p + i]);
+      const away = offset.subarray(3 * p, 3 * p + 3), turned = rows[b] ? product(rows[b], away) : away;
+      const from = this.bodies[b].place.slice(3 * v, 3 * v + 3).map((x, i) => x + turned[i]);
       const seed = unit([0, 1, 2].reduce((a, i) => Math.abs(n[i]) < Math.abs(n[a]) ? i : a, 0));
       const one = seed.map((x, i) => x - dot(seed, n) * n[i]), two = cross(n, one);
       const width = Math.min(0.07 * length, 0.006 * this.size) + (halo ? 0.0022 * this.size : 0);

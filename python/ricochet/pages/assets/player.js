@@ -84,6 +84,7 @@ class Player {
     on(this.part, () => {
       this.window = motion.windows[this.part.value];
       this.time = Math.min(this.window[1], Math.max(this.window[0], this.time));
+      if (motion.turning) motion.frame(this.window);  // a body that tumbles leaves the place of its contact
     });
     on(this.colour, () => { motion.colour = this.colour.value; this.explain(); });
     on(arrows, () => { motion.arrows = arrows.checked; });
@@ -214,7 +215,7 @@ function remarks(motion, data) {
   } else if (run.static) {
     parts.push("A body at rest.");
   } else {
-    parts.push(motion.time.length > 1 ? `${motion.time.length} moments, straight lines between them${data.thinned > 1 ? ` (one in ${data.thinned} snapshots)` : ""};`
+    parts.push(motion.time.length > 1 ? `${motion.time.length} moments, straight lines ${motion.turning ? "and even turns " : ""}between them${data.thinned > 1 ? ` (one in ${data.thinned} snapshots)` : ""};`
       : "One moment, as output.snapshot_every is large;");
     parts.push(`${data.coordinates} modal coordinates drawn by ${data.shapes} shapes, which miss at most`,
                `${digits(100 * data.missed, 2)} % of the largest deformation.`);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Surfaces of bodies X + F c(t), with a few shapes F in place of the modes of each body, and what draws them: colours, shaders, vectors.
+// A body with finite rotations is then turned about its centre of mass, by unit quaternions (w, x, y, z).
 
 const stops = [[0.19, 0.15, 0.36], [0.17, 0.36, 0.56], [0.13, 0.57, 0.55], [0.37, 0.74, 0.40], [0.80, 0.84, 0.22], [0.99, 0.92, 0.60]];
 
@@ -44,6 +45,37 @@ const unit = k => [0, 1, 2].map(i => Number(i === k));
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 
+/** The quaternion of the turn `b` after the inverse of the turn `a`, in the axes before both. */
+function turnBetween(a, b) {
+  const [u, v] = [a.slice(1), b.slice(1)], across = cross(u, v);
+  return [a[0] * b[0] + dot(u, v), ...[0, 1, 2].map(i => a[0] * v[i] - b[0] * u[i] - across[i])];
+}
+
+/** The axis times the angle [rad] of a turn, the shorter way round. */
+function angles(turn) {
+  const [w, ...v] = turn, sine = Math.hypot(...v), angle = 2 * Math.atan2(sine, Math.abs(w));
+  return v.map(x => sine ? Math.sign(w || 1) * angle * x / sine : 0);
+}
+
+/** The turn at share f of the way from a to b, at constant speed, the shorter way round. */
+function turnAt(a, b, f) {
+  const cosine = a.reduce((sum, x, i) => sum + x * b[i], 0), angle = Math.acos(Math.min(1, Math.abs(cosine)));
+  const [s, t] = angle < 1e-4 ? [1 - f, f] : [1 - f, f].map(share => Math.sin(share * angle) / Math.sin(angle));
+  return a.map((x, i) => s * x + (cosine < 0 ? -t : t) * b[i]);
+}
+
+/** The rows of the rotation matrix of a turn. */
+function matrix([w, ...v]) {
+  const size = w * w + dot(v, v);
+  return [0, 1, 2].map(i => {
+    const e = unit(i), across = cross(v, e);
+    return e.map((x, j) => x + 2 * (v[i] * v[j] - dot(v, v) * x - w * across[j]) / size);
+  });
+}
+
+const columns = rows => rows.map((_, i) => rows.map(row => row[i]));
+const product = (rows, x) => rows.map(row => dot(row, x));
+
 /** An empty box, which grows with the places that are added. */
 function box() {
   const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
@@ -67,6 +99,7 @@ class MovingSurface {
     this.fields = this.still ? [] : [...MovingSurface.rows(data.rigid), ...data.bent.map(unpack)];
     this.rigid = this.still ? 0 : data.rigid.shape[0];
     this.amounts = this.still ? [] : [unpack(data.moved), unpack(data.amount)];
+    this.poses = data.poses && {centre: data.poses.centre, position: unpack(data.poses.position), turn: unpack(data.poses.turn)};
     this.place = Float32Array.from(this.node);
     this.value = new Float32Array(this.node.length / 3);
     this.modes = data.modes ?? {};
@@ -98,6 +131,41 @@ class MovingSurface {
     for (let r = from; r < this.fields.length; ++r) {
       const field = this.fields[r], weight = weights[r];
       if (weight !== 0) for (let i = 0; i < out.length; ++i) out[i] += weight * field[i];
+    }
+  }
+  /** The poses of the snapshots k and k + 1, as a position of the centre of mass and a turn since the first snapshot. */
+  around(k) {
+    const {position, turn} = this.poses, last = turn.length / 4 - 1;
+    return [k, Math.min(k + 1, last)].map(at => ({position: [...position.subarray(3 * at, 3 * at + 3)], turn: [...turn.subarray(4 * at, 4 * at + 4)]}));
+  }
+  /** The pose at snapshot k + f: the position of the centre of mass and the rows of the rotation since the first snapshot. */
+  pose(k, f) {
+    const [a, b] = this.around(k);
+    return {position: a.position.map((x, i) => x + f * (b.position[i] - x)), rows: matrix(turnAt(a.turn, b.turn, f))};
+  }
+  /** Moves points from where they are at the first snapshot by a pose. */
+  carry(points, {position, rows}) {
+    const {centre} = this.poses;
+    for (let i = 0; i < points.length; i += 3) {
+      const [x, y, z] = centre.map((c, j) => points[i + j] - c);
+      for (let j = 0; j < 3; ++j) points[i + j] = position[j] + rows[j][0] * x + rows[j][1] * y + rows[j][2] * z;
+    }
+  }
+  /** out = places at snapshot k + f, with the deformation `amplify` times as large. */
+  placeAt(out, k, f, amplify = 1) {
+    this.combine(out, this.node, this.amplitudes(k, f).map((c, r) => r < this.rigid ? c : amplify * c));
+    if (this.poses) this.carry(out, this.pose(k, f));
+  }
+  /** out = velocities at snapshot k + f; with poses, in the axes of the body at the first snapshot, and the spin of the body without
+   *  deformation. dt is the time from snapshot k to k + 1. */
+  velocities(out, k, f, dt) {
+    this.combine(out, null, this.amplitudes(k, f, dt));
+    if (!this.poses) return;
+    const [a, b] = this.around(k), {centre} = this.poses, spin = angles(turnBetween(a.turn, b.turn)).map(angle => angle / dt);
+    const along = product(columns(this.pose(k, f).rows), b.position.map((x, i) => (x - a.position[i]) / dt));
+    for (let i = 0; i < out.length; i += 3) {
+      const about = cross(spin, centre.map((c, j) => this.node[i + j] - c));
+      for (let j = 0; j < 3; ++j) out[i + j] += along[j] + about[j];
     }
   }
   edges() {
