@@ -235,6 +235,27 @@ StepOptions step_options(const Scene& scene) {
           .precision = scene.precision};
 }
 
+std::vector<TurningPickup> turning_pickups_of(const Scene& scene, const contact::Model& model) {
+  std::vector<TurningPickup> out;
+  for (std::size_t k = 0; k < scene.pickups.size() && scene.rotation == Rotation::finite; ++k) {
+    const Pickup& pickup = scene.pickups[k];
+    const std::string where = fmt::format("pickups[{}]", k);
+    const auto body = std::ranges::find(model.bodies, pickup.body, &contact::Bodies::Block::name);
+    const kernels::Kernel& kernel = *body->kernel;  // pickups_of has found it
+    const kernels::Surface& surface = kernel.surface;
+    const std::vector<double>& places = surface.centroid.empty() ? surface.node : surface.centroid;
+    const double* const at =
+        pickup.receiver.empty()
+            ? &places[3 * pickup.candidate]
+            : std::ranges::find(kernel.receivers, pickup.receiver, &kernels::Receiver::name)->point.data();
+    const Vector3d centre = body->rotation.transpose() * (body->centre - body->translation);
+    out.push_back({static_cast<std::size_t>(body - model.bodies.begin()),
+                   Eigen::Map<const Vector3d>(at) - centre, unit(pickup.direction, where + ".direction"),
+                   modes_at(pickup, kernel, where)});
+  }
+  return out;
+}
+
 contact::Matrix pickups_of(const Scene& scene, const contact::Model& model) {
   contact::Matrix out = contact::Matrix::Zero(scene.pickups.size(), model.omega.size());
   for (std::size_t k = 0; k < scene.pickups.size(); ++k) {

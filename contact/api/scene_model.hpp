@@ -35,4 +35,15 @@ std::string friction_on_rod(const std::string& body);
 /// Matrix (p,N) that maps q̇ to the velocities of the pickups.
 contact::Matrix pickups_of(const Scene& scene, const contact::Model& model);
 
+/// The point of a pickup on a body that turns.
+struct TurningPickup {
+  std::size_t body = 0;
+  Eigen::Vector3d place{0, 0, 0};      ///< from the centre of mass, in the axes of the body [m]
+  Eigen::Vector3d direction{0, 0, 0};  ///< unit, world
+  contact::Matrix shape{};             ///< (3,modes) in the axes of the body [kg^-1/2]
+};
+
+/// Those of a scene with finite rotations.
+std::vector<TurningPickup> turning_pickups_of(const Scene& scene, const contact::Model& model);
+
 }  // namespace ricochet

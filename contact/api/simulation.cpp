@@ -3,6 +3,8 @@
 #include <atomic>
 
 #include "contact/api/scene_model.hpp"
+#include "contact/figures/rigid_motion.hpp"
+#include "contact/motion/floating_body.hpp"
 #include "contact/stepping/run_steps.hpp"
 #include "contact/stepping/stepper.hpp"
 #include "kernels/read.hpp"
@@ -54,8 +56,11 @@ struct Simulation::Impl {
         rubbing(stepper->force().tail(stepper->force().size() - force.size())),
         tangential_force(contact::Matrix::Zero(force.size(), 3)),
         pickups(pickups_of(scene, model)),
+        turning(turning_pickups_of(scene, model)),
+        rigid(model),
         points(points_of(model)) {
     for (const Body& body : scene.bodies) kernels.push_back(body.kernel);
+    for (const TurningPickup& pickup : turning) pickups_at_start.push_back(place_of(pickup));
   }
 
   int per_sample() const noexcept { return stepper->options().steps_per_sample; }
@@ -105,6 +110,33 @@ struct Simulation::Impl {
     return sum;
   }
 
+  /// Elastic displacement, or its rate, of a pickup on a body that turns, in the axes of the body.
+  Eigen::Vector3d elastic(const TurningPickup& pickup, const contact::Vector& modal) const noexcept {
+    constexpr int rigid_modes = contact::FloatingBody::rigid;
+    const contact::Bodies::Block& body = model.bodies[pickup.body];
+    const Eigen::Index count = body.modes - rigid_modes;
+    return pickup.shape.rightCols(count) * modal.segment(body.first_mode + rigid_modes, count);
+  }
+  /// Its place along its direction [m], and the rate [m/s].
+  double place_of(const TurningPickup& pickup) const noexcept {
+    const contact::Pose& pose = stepper->poses()[pickup.body];
+    const Eigen::Vector3d arm = pickup.place + elastic(pickup, stepper->modal()->q);
+    return pickup.direction.dot(pose.position + pose.attitude * arm);
+  }
+  double rate_of(const TurningPickup& pickup) const noexcept {
+    const contact::Pose& pose = stepper->poses()[pickup.body];
+    const Eigen::Vector3d arm = pickup.place + elastic(pickup, stepper->modal()->q);
+    return pickup.direction.dot(pose.velocity + pose.spin.cross(pose.attitude * arm) +
+                                pose.attitude * elastic(pickup, stepper->modal()->v));
+  }
+  /// @param v  (N) modal rates, those of the present with finite rotations
+  double velocity(std::size_t pickup, const double* v) const noexcept {
+    if (!turning.empty()) return rate_of(turning[pickup]);
+    const auto row = static_cast<Eigen::Index>(pickup);
+    return pickups.row(row).dot(Eigen::Map<const contact::Vector>(v, pickups.cols())) +
+           velocity_of_supports(row);
+  }
+
   /// Writes the rows of velocities of the samples between contact steps `from` and `to` of the block: the
   /// steps through which the state was last advanced.
   void write_velocities(const Block& out, std::int64_t from, std::int64_t to) const noexcept {
@@ -112,9 +144,8 @@ struct Simulation::Impl {
     const Eigen::Index p = pickups.rows();
     for (std::int64_t row = from / per_sample(); (row + 1) * per_sample() <= to; ++row) {
       const auto back = static_cast<int>(to - (row + 1) * per_sample());
-      const Eigen::Map<const contact::Vector> v(stepper->rate(back), pickups.cols());
       for (Eigen::Index i = 0; i < p; ++i)
-        out.velocity[row * p + i] = pickups.row(i).dot(v) + velocity_of_supports(i);
+        out.velocity[row * p + i] = velocity(static_cast<std::size_t>(i), stepper->rate(back));
     }
   }
 
@@ -139,7 +170,10 @@ struct Simulation::Impl {
   contact::Vector rubbing;           ///< (n − m) mean of the forces along the tangents over the sample
   contact::Matrix tangential_force;  ///< (m,3) of the last sample, world
   bool begins_sample = true;
-  contact::Matrix pickups;  ///< (p,N)
+  contact::Matrix pickups;             ///< (p,N)
+  std::vector<TurningPickup> turning;  ///< (p) with finite rotations
+  std::vector<double> pickups_at_start;
+  contact::RigidMotions rigid;
   std::vector<ContactPoint> points;
 };
 
@@ -203,10 +237,11 @@ int Simulation::active() const noexcept { return impl_->stepper->active(); }
 
 std::size_t Simulation::pickups() const noexcept { return static_cast<std::size_t>(impl_->pickups.rows()); }
 double Simulation::pickup_velocity(std::size_t pickup) const noexcept {
-  const auto row = static_cast<Eigen::Index>(pickup);
-  return impl_->pickups.row(row).dot(impl_->stepper->modal()->v) + impl_->velocity_of_supports(row);
+  return impl_->velocity(pickup, impl_->stepper->modal()->v.data());
 }
 double Simulation::pickup_displacement(std::size_t pickup) const noexcept {
+  if (!impl_->turning.empty())
+    return impl_->place_of(impl_->turning[pickup]) - impl_->pickups_at_start[pickup];
   const auto row = static_cast<Eigen::Index>(pickup);
   return impl_->pickups.row(row).dot(impl_->stepper->modal()->q) + impl_->displacement_of_supports(row);
 }
@@ -216,6 +251,12 @@ Vector3 Simulation::mean_velocity(std::size_t body) const noexcept {
       impl_->model.momentum(static_cast<int>(body), impl_->stepper->modal()->v, time()) /
       impl_->model.bodies[body].mass;
   return array(mean);
+}
+
+BodyMotion Simulation::body_motion(std::size_t body) const noexcept {
+  const contact::Pose pose = impl_->rigid.pose(static_cast<int>(body), *impl_->stepper);
+  const Eigen::Quaterniond& q = pose.attitude;
+  return {array(pose.position), {q.w(), q.x(), q.y(), q.z()}, array(pose.velocity), array(pose.spin)};
 }
 
 Energy Simulation::energy() const noexcept { return impl_->stepper->modal()->energy(); }

@@ -15,7 +15,8 @@ FigureObserver::FigureObserver(MotionSource source, double step)
     : source_(std::move(source)),
       step_(step),
       impulse_(Matrix3Xd::Zero(3, std::ssize(source_.pairs()))),
-      episode_impulse_(impulse_) {
+      episode_impulse_(impulse_),
+      touch_of_(source_.pairs().size(), -1) {
   now_.state = source_.initial_state();
   if (const Model* const model = source_.modes()) now_.energy = initial_energy(*model);
   initial_strain_ = now_.energy.strain;
@@ -43,6 +44,7 @@ void FigureObserver::observe(const Stepper& stepper) {
   if (touching_) {
     count(stepper);
   } else if (touched_) {
+    std::ranges::fill(touch_of_, -1);
     out_.contact_end_s = out_.episodes.back().end_s = last_touch_;
     at_end_ = before_;
     judge(out_.episodes.back());
@@ -75,9 +77,26 @@ void FigureObserver::count(const Stepper& stepper) {
     const MotionSource::Pair& pair = source_.pairs()[p];
     const Vector3d impulse =
         step_ * pair.normal.transpose() * stepper.force().segment(pair.first, pair.points);
+    count_pair(p, impulse);
     impulse_.col(static_cast<Eigen::Index>(p)) += impulse;
     episode_impulse_.col(static_cast<Eigen::Index>(p)) += impulse;
   }
+}
+
+/// Adds a step of a pair to its touch; one with an impulse of 0 ends it.
+void FigureObserver::count_pair(std::size_t number, const Vector3d& impulse) {
+  const MotionSource::Pair& pair = source_.pairs()[number];
+  int& touch = touch_of_[number];
+  if (impulse.isZero(0)) {
+    touch = -1;
+    return;
+  }
+  if (touch < 0) {
+    touch = static_cast<int>(out_.touches.size());
+    out_.touches.push_back({.start_s = now_.time - step_, .end_s = {}, .a = pair.name_a, .b = pair.name_b});
+  }
+  out_.touches[static_cast<std::size_t>(touch)].end_s = now_.time;
+  out_.touches[static_cast<std::size_t>(touch)].impulse += impulse;
 }
 
 /// Sets the approach of the last episode and, if it has ended, its restitution.
@@ -107,6 +126,8 @@ std::optional<double> FigureObserver::closing_speed(const Vector& state, const M
 ImpactFigures FigureObserver::figures() const {
   ImpactFigures out = out_;
   if (touching_) judge(out.episodes.back());
+  for (const int touch : touch_of_)
+    if (touch >= 0) out.touches[static_cast<std::size_t>(touch)].end_s.reset();
   out.quantities = quantities();
   if (!out.contact_end_s) return out;
   for (std::size_t k = 0; k < source_.bodies().size(); ++k) {

@@ -43,6 +43,7 @@ class FigureObserver {
     double rigid_energy = 0;  ///< kinetic energy of the bodies as a whole, with modes [J]
   };
   void count(const Stepper& stepper);
+  void count_pair(std::size_t pair, const Eigen::Vector3d& impulse);
   void judge(Episode& episode) const;
   double closing_speed(std::size_t pair, const Vector& state, const Eigen::Matrix3Xd& impulse) const;
   std::optional<double> closing_speed(const Vector& state, const Eigen::Matrix3Xd& impulse) const;
@@ -59,6 +60,7 @@ class FigureObserver {
   Instant at_start_, at_end_;                   ///< when contact began and last ended
   Vector episode_start_;                        ///< state when the last episode began
   Eigen::Matrix3Xd impulse_, episode_impulse_;  ///< Σ λ n Δ by pair, of the run and of the episode [N s]
+  std::vector<int> touch_of_;                   ///< by pair: its touch that has not ended, or −1
   double initial_strain_ = 0;                   ///< [J]
   double closest_ = 0;
   Eigen::Index closest_point_ = 0;

@@ -27,14 +27,23 @@ struct Episode {
   std::optional<double> restitution{};
 };
 
+/// An uninterrupted sequence of steps in which a pair has a force.
+struct Touch {
+  double start_s = 0;
+  std::optional<double> end_s;       ///< no value if the pair touches in the last step of the run
+  std::string a{}, b{};              ///< bodies, or a body and an obstacle
+  Eigen::Vector3d impulse{0, 0, 0};  ///< Σ λ n Δ on b [N s], without friction
+};
+
 struct ImpactFigures {
   std::optional<double> contact_start_s;
   std::optional<double> contact_end_s;  ///< no value without contact, or if bodies touch in the last step
   std::int64_t contact_steps = 0;       ///< steps with a force
   std::vector<Episode> episodes;
-  double peak_force_n = 0;  ///< largest Σ_i λ_i of a step
-  double impulse_ns = 0;    ///< Σ λ_i Δ over the run
-  int max_active = 0;       ///< largest number of points that touched at once
+  std::vector<Touch> touches;  ///< of all pairs, by their start
+  double peak_force_n = 0;     ///< largest Σ_i λ_i of a step
+  double impulse_ns = 0;       ///< Σ λ_i Δ over the run
+  int max_active = 0;          ///< largest number of points that touched at once
   /// Mass-mean velocity of each body when contact last ended [m/s]; empty if contact_end_s has no value.
   std::map<std::string, Eigen::Vector3d> exit_velocity;
   /// Minus the ratio of exit to approach relative velocity along the impulse, with obstacles at 0. No value

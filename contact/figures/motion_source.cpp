@@ -25,7 +25,9 @@ MotionSource::MotionSource(const Model& model)
     bodies_.push_back({model.bodies[k].name, model.bodies[k].mass, rigid_->modes(static_cast<int>(k)) > 0});
   for (const Model::PairBlock& pair : model.pairs)
     pairs_.push_back({pair.a, pair.b, pair.first_point, pair.points,
-                      model.normal.middleRows(pair.first_point, pair.points)});
+                      model.normal.middleRows(pair.first_point, pair.points),
+                      bodies_[static_cast<std::size_t>(pair.a)].name,
+                      pair.b < 0 ? pair.obstacle : bodies_[static_cast<std::size_t>(pair.b)].name});
 }
 
 MotionSource::MotionSource(const Table& table, const Model* places)
@@ -39,7 +41,9 @@ MotionSource::MotionSource(const Table& table, const Model* places)
     const int a = pushed.front(), b = pushed.size() > 1 ? pushed[1] : -1;
     auto pair = std::ranges::find_if(pairs_, [&](const Pair& known) { return known.a == a && known.b == b; });
     if (pair == pairs_.end())
-      pair = pairs_.insert(pair, {a, b, 0, gap_->size(), Matrix::Zero(gap_->size(), 3)});
+      pair = pairs_.insert(pair, {a, b, 0, gap_->size(), Matrix::Zero(gap_->size(), 3),
+                                  bodies_[static_cast<std::size_t>(a)].name,
+                                  b < 0 ? "" : bodies_[static_cast<std::size_t>(b)].name});
     pair->normal.row(i) = -table.bodies[static_cast<std::size_t>(a)].push.row(i);
   }
 }

@@ -29,6 +29,7 @@ class MotionSource {
     int a = -1, b = -1;  ///< bodies; −1: an obstacle or, with sampled responses, a supported body
     Eigen::Index first = 0, points = 0;  ///< its points
     Matrix normal;                       ///< (points,3) out of a; 0 at points of other pairs
+    std::string name_a{}, name_b{};      ///< of bodies or obstacles; name_b is empty if unknown
   };
 
   /// `model` must outlive the source.

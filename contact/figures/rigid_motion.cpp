@@ -72,6 +72,17 @@ std::vector<RigidMotion> RigidMotions::displacement(const Stepper& stepper) cons
   return out;
 }
 
+Pose RigidMotions::pose(int number, const Stepper& stepper) const {
+  if (!stepper.poses().empty()) return stepper.poses()[static_cast<std::size_t>(number)];
+  const RigidMotion moved = of(number, stepper.modal()->q), rate = of(number, stepper.modal()->v);
+  const Bodies::Block& body = model_.bodies[static_cast<std::size_t>(number)];
+  const double angle = moved.rotation.norm();
+  const Vector3d axis = angle > 0 ? Vector3d(moved.rotation / angle) : Vector3d::UnitX();
+  return {body.centre + moved.linear,
+          Eigen::Quaterniond(Matrix3d(Eigen::AngleAxisd(angle, axis) * body.rotation)), rate.linear,
+          rate.rotation};
+}
+
 std::vector<RigidMotion> RigidMotions::rates(const Vector& state, const Stepper& stepper) const {
   std::vector<RigidMotion> out = of(state);
   const std::span<const Pose> poses = stepper.poses();

@@ -33,6 +33,9 @@ class RigidMotions {
   /// The rates of each body at its place after the last step. @param state  (N) q̇
   std::vector<RigidMotion> rates(const Vector& state, const Stepper& stepper) const;
 
+  /// The pose of a body after the last step.
+  Pose pose(int body, const Stepper& stepper) const;
+
   /// Number of rigid modes of a body, which come first among its modes.
   Eigen::Index modes(int body) const { return bodies_[static_cast<std::size_t>(body)].rigid; }
 

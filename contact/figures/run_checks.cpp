@@ -19,7 +19,8 @@ RunChecks::RunChecks(const Model& model, double step, double wave_speed, std::ve
       resolution_(model),
       obstacles_(model),
       pressure_(model, std::move(limits)),
-      ripple_(model, step) {}
+      ripple_(model, step),
+      rotation_(model, wave_speed) {}
 
 void RunChecks::observe(const Stepper& stepper, const FigureObserver& figures) {
   // Impulses are larger the shorter the step, so they are no measure of pressure, and their spectrum is flat.
@@ -30,16 +31,17 @@ void RunChecks::observe(const Stepper& stepper, const FigureObserver& figures) {
     if (compliant) pressure_.observe(stepper.force(), stepper.time());
   }
   linearity_.observe_rotation(q, stepper.time());
+  rotation_.observe(stepper);
   resolution_.observe(stepper, figures.before());
   if (compliant) ripple_.observe(stepper.time(), stepper.force().head(stepper.points()).sum());
-  if (observed_++ % steps_between_obstacle_checks == 0) 
+  if (observed_++ % steps_between_obstacle_checks == 0)
     obstacles_.observe(rigid_.displacement(stepper), stepper.time());
 }
 
 std::vector<std::string> RunChecks::warnings(const ImpactFigures& figures) const {
   std::vector<std::string> out = linearity_.warnings();
-  for (const auto& more :
-       {pressure_.warnings(), resolution_.warnings(figures), ripple_.warnings(), obstacles_.warnings()})
+  for (const auto& more : {pressure_.warnings(), resolution_.warnings(figures), ripple_.warnings(),
+                           obstacles_.warnings(), rotation_.warnings()})
     std::ranges::copy(more, std::back_inserter(out));
   return out;
 }

@@ -12,6 +12,7 @@
 #include "contact/figures/pressure_check.hpp"
 #include "contact/figures/resolution_check.hpp"
 #include "contact/figures/ripple_check.hpp"
+#include "contact/figures/rotation_check.hpp"
 
 namespace ricochet::contact {
 
@@ -32,6 +33,7 @@ class RunChecks {
   ObstacleCheck obstacles_;
   PressureCheck pressure_;
   RippleCheck ripple_;
+  RotationCheck rotation_;
   std::int64_t observed_ = 0;  ///< number of steps
 };
 

@@ -41,7 +41,8 @@ struct Summary : ImpactFigures {
   double limited_residual = 0;  ///< largest ratio of SolveResidual::violation to scale in these steps
   std::map<std::string, int> modes;
   std::map<std::string, std::string> basis;  ///< by body, from kernels::Modes::kind
-  int modes_in_residual = 0;  ///< modes above half the rate, which are quasi-static in this run
+  int modes_in_residual = 0;             ///< modes above half the rate, which are quasi-static in this run
+  Rotation rotation = Rotation::linear;  ///< of free bodies
   Precision precision = Precision::float64;  ///< precision of the products of steps
   int candidates = 0;                        ///< number of contact points, m
   int unpaired = 0;

@@ -48,6 +48,7 @@ void SummaryObserver::observe(const Stepper& stepper) {
     if (stepper.options().scheme == Scheme::compliant) band_->observe(stepper.time(), stepper.force());
   }
   out_.precision = stepper.options().precision;
+  out_.rotation = stepper.options().rotation;
   observe_energy(stepper.modal()->energy());
 }
 

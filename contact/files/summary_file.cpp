@@ -49,7 +49,8 @@ Json json_of(const Sound& sound) {
 }
 
 Json json_of(const Summary& summary) {
-  Json episodes = Json::array(), exit_velocity = Json::object(), sounds = Json::object();
+  Json episodes = Json::array(), touches = Json::array(), exit_velocity = Json::object(),
+       sounds = Json::object();
   for (const Episode& episode : summary.episodes)
     episodes.push_back({{"start_s", episode.start_s},
                         {"end_s", number(episode.end_s)},
@@ -57,12 +58,19 @@ Json json_of(const Summary& summary) {
                         {"peak_force_n", episode.peak_force_n},
                         {"approach_m_per_s", number(episode.approach_m_per_s)},
                         {"restitution", number(episode.restitution)}});
+  for (const Touch& touch : summary.touches)
+    touches.push_back({{"start_s", touch.start_s},
+                       {"end_s", number(touch.end_s)},
+                       {"bodies", {touch.a, touch.b}},
+                       {"impulse_ns", touch.impulse.norm()}});
   for (const auto& [name, v] : summary.exit_velocity) exit_velocity[name] = {v.x(), v.y(), v.z()};
   for (const auto& [name, sound] : summary.sounds) sounds[name] = json_of(sound);
   Json out{{"contact_start_s", number(summary.contact_start_s)},
            {"contact_end_s", number(summary.contact_end_s)},
            {"contact_steps", summary.contact_steps},
            {"episodes", episodes},
+           {"touches", touches},
+           {"rotation", summary.rotation == Rotation::finite ? "finite" : "linear"},
            {"peak_force_n", summary.peak_force_n},
            {"impulse_ns", summary.impulse_ns},
            {"exit_velocity", exit_velocity},

@@ -15,6 +15,7 @@
 // row-major, with its shape beside it: n steps, m contact points, p pickups.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -44,6 +45,14 @@ struct ContactPoint {
   Vector3 a{}, b{}, normal{};  ///< points on a and b that face each other [m]; unit normal out of a
   double gap = 0;              ///< initial [m]
   double area = 0;             ///< of the patch of a [m²]
+};
+
+/// Where a body is, and how it moves as a whole, in world axes.
+struct BodyMotion {
+  Vector3 position{};                          ///< of its centre of mass [m]
+  std::array<double, 4> attitude{1, 0, 0, 0};  ///< unit quaternion w, x, y, z, from the axes of the kernel
+  Vector3 velocity{};                          ///< of that centre [m/s]
+  Vector3 spin{};                              ///< [rad/s]
 };
 
 /// Output arrays of step_block, with one row per step; null if not requested.
@@ -94,12 +103,16 @@ class Simulation {
 
   std::size_t pickups() const noexcept;  ///< p
   /// Motion of the modes at the end of the last step, with the motion that supports give them and without the
-  /// static correction.
+  /// static correction. With finite rotations, that of the point of the body that turns, along the direction
+  /// in the world.
   double pickup_velocity(std::size_t pickup) const noexcept;      ///< [m/s]
   double pickup_displacement(std::size_t pickup) const noexcept;  ///< since t = 0 [m]
 
   Vector3 mean_velocity(
       std::size_t body) const noexcept;  ///< averaged over the mass; index into Scene::bodies [m/s]
+  /// At the end of the last step. With linear rotations, the attitude is that of the rotation vector of the
+  /// rigid modes.
+  BodyMotion body_motion(std::size_t body) const noexcept;
   Energy energy() const noexcept;
   int quasi_static_modes() const noexcept;  ///< modes above half the rate, which respond statically
 

@@ -210,6 +210,11 @@ void bind_simulation(py::module_& module) {
            [](const Simulation& s) { return pickups(s, &Simulation::pickup_displacement); });
   property("energy", &energy);
   property("quasi_static_modes", [](const Simulation& s) { return s.quasi_static_modes(); });
+  stepper.def("body_motion", [](Stepper& self, std::size_t body) {
+    const BodyMotion motion = self.simulation().body_motion(body);
+    return py::make_tuple(copy(motion.position), copy(motion.attitude), copy(motion.velocity),
+                          copy(motion.spin));
+  });
   stepper.def("mean_velocity",
               [](Stepper& self, std::size_t body) { return copy(self.simulation().mean_velocity(body)); });
 }

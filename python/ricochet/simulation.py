@@ -32,6 +32,16 @@ class Pickup:
 
 
 @dataclass(frozen=True)
+class BodyMotion:
+    """Where a body is, and how it moves as a whole, in world axes."""
+
+    position: Floats  #: (3) of its centre of mass [m]
+    attitude: Floats  #: (4) unit quaternion w, x, y, z, from the axes of the kernel
+    velocity: Floats  #: (3) of that centre [m/s]
+    spin: Floats  #: (3) [rad/s]
+
+
+@dataclass(frozen=True)
 class Block:
     """Rows for n steps, with m contact points and p pickups."""
 
@@ -178,6 +188,10 @@ class Simulation:
     @property
     def energy(self) -> Energy:
         return Energy(**self._core.energy)
+
+    def body_motion(self, body: str) -> BodyMotion:
+        """Where a body is, and how it moves as a whole, at the end of the last step."""
+        return BodyMotion(*self._core.body_motion(self.scene.bodies.index(body)))
 
     def mean_velocity(self, body: str) -> Floats:
         """(3) mass-mean velocity of a body [m/s]"""

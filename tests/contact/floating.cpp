@@ -240,6 +240,101 @@ TEST(Floating, a_rigid_body_on_one_point_rebounds_by_the_closed_form) {
   EXPECT_NEAR(errors[0] / errors[1], 10, 3);
 }
 
+/// A rigid body with candidates that rest on springs, and nothing else.
+kernels::Kernel rigid_body(double mass, const Vector3d& moments, const std::vector<Vector3d>& points,
+                           double flexibility) {
+  kernels::Kernel kernel;
+  kernel.body = "body";
+  kernel.mass = mass;
+  kernel.inertia = {moments.x(), 0, 0, 0, moments.y(), 0, 0, 0, moments.z()};
+  kernel.modes.angular_frequency.assign(6, 0);
+  kernel.modes.decay_rate.assign(6, 0);
+  const auto field = [&](int n, const Vector3d& x) -> Vector3d {
+    return n < 3 ? Vector3d(Vector3d::Unit(n) / std::sqrt(mass))
+                 : Vector3d(Vector3d::Unit(n - 3).cross(x) / std::sqrt(moments(n - 3)));
+  };
+  for (const Vector3d& point : points) {
+    add_candidate(kernel, point, point.normalized(), 1e-6);
+    for (int axis = 0; axis < 3; ++axis)
+      for (int n = 0; n < 6; ++n) kernel.surface.shape.push_back(field(n, point)(axis));
+    kernel.surface.element.push_back(std::ssize(kernel.surface.element));
+  }
+  kernel.surface.element_corners = 1;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int n = 0; n < 6; ++n) {
+      kernel.loads.body_force.push_back(n == axis ? std::sqrt(mass) : 0);
+      kernel.loads.rotation.push_back(n == axis + 3 ? std::sqrt(moments(axis)) : 0);
+    }
+  const auto size = 3 * points.size();
+  kernel.surface.residual_flexibility.assign(size * size, 0);
+  for (std::size_t k = 0; k < size; ++k) kernel.surface.residual_flexibility[k * size + k] = flexibility;
+  return kernel;
+}
+
+std::shared_ptr<const Model> over_floor(const kernels::Kernel& kernel, PlacedBody body,
+                                        const Friction& friction, const Vector3d& gravity) {
+  body.name = "body";
+  body.kernel = &kernel;
+  PairRequest pair{"body", "floor", {}, 0.0, {}};
+  pair.friction = friction;
+  pair.everywhere = true;
+  return std::make_shared<const Model>(
+      build_model({body}, {{.name = "floor", .normal = Vector3d::UnitZ()}}, {pair}, gravity));
+}
+
+/// Housner's block, released on two of its corners at a tilt, is upright when ½ I φ̇² has grown to
+/// m g R (cos(α − φ₀) − cos(α − φ)): a quarter of its period. It then lands on its other corners.
+TEST(Floating, a_block_on_its_edge_rocks_with_the_period_of_Housner) {
+  const double half_width = 0.1, half_height = 0.4, mass = 8, g = 9.81;
+  const double R = std::hypot(half_width, half_height), alpha = std::atan2(half_width, half_height);
+  std::vector<Vector3d> corners;
+  for (int k = 0; k < 8; ++k)
+    corners.emplace_back(half_width * (k % 2 * 2 - 1), 0.05 * (k / 2 % 2 * 2 - 1),
+                         half_height * (k / 4 * 2 - 1));
+  const double about = mass / 3 * R * R, own = mass * (0.05 * 0.05 + R * R) / 3;
+  const kernels::Kernel kernel = rigid_body(mass, {own, about, own}, corners, 1e-9);
+  const double start = 0.6 * alpha;
+  // φ = φ₀ (1 − s²) takes the singularity out of the integral.
+  double quarter = 0;
+  constexpr int parts = 20'000;
+  for (int k = 0; k < parts; ++k) {
+    const double s = (k + 0.5) / parts, phi = start * (1 - s * s);
+    const double rate = std::sqrt(2 * mass * g * R / (about + mass * R * R) *
+                                  (std::cos(alpha - start) - std::cos(alpha - phi)));
+    quarter += 2 * start * s / rate / parts;
+  }
+  PlacedBody body;
+  body.rotation = turn(start, Vector3d::UnitY());
+  auto stepper = make_stepper(over_floor(kernel, body, {1, 1, 0}, {0, 0, -g}), stepping(2e4));
+  double before = start;
+  while (before > 0 && stepper->time() < 2 * quarter) {
+    ASSERT_EQ(stepper->step(), StepStatus::ok);
+    const Vector3d axis = stepper->poses()[0].attitude * Vector3d::UnitX();
+    before = -std::asin(axis.z());
+    ASSERT_GT(stepper->active(), 0);
+  }
+  EXPECT_NEAR(stepper->time(), quarter, 5e-3 * quarter);
+}
+
+/// A spinning ball that slips throughout its impact: Δv_t = μ Δv_n, and the torque of friction turns it.
+TEST(Floating, a_ball_in_gross_slip_gains_the_speed_of_Coulomb) {
+  constexpr double mass = 0.5, radius = 0.02, mu = 0.2, inertia = 0.4 * mass * radius * radius;
+  const kernels::Kernel kernel = rigid_body(mass, Vector3d::Constant(inertia), {{0, 0, -radius}}, 1e-9);
+  PlacedBody body;
+  body.velocity = {0, 0, -1};
+  body.angular_velocity = {0, 400, 0};
+  auto stepper = make_stepper(over_floor(kernel, body, {mu, mu, 0}, {0, 0, 0}), stepping(5e6));
+  while (stepper->time() < 1e-5 || stepper->active() > 0) ASSERT_EQ(stepper->step(), StepStatus::ok);
+  const Pose end = stepper->poses()[0];
+  const double normal = end.velocity.z() + 1;
+  EXPECT_GT(end.velocity.z(), 0.9);
+  EXPECT_NEAR(std::abs(end.velocity.x()) / (mu * normal), 1, 1e-6);
+  EXPECT_NEAR(end.velocity.y(), 0, 1e-12);
+  // The arm of friction is the radius, but for the angle by which the ball turns, 400 rad/s · 1e-4 s.
+  EXPECT_NEAR(inertia * (400 - end.spin.y()) / (mass * std::abs(end.velocity.x()) * radius), 1, 0.05);
+  EXPECT_GT(end.velocity.x(), 0);  // its lowest point slips along −x
+}
+
 /// Tumbles on a floor with random settings: contact never adds energy, the impulses of the forces and of the
 /// weight account for momentum and angular momentum, and nothing sinks in.
 TEST(Floating, tumbling_keeps_the_balances) {
