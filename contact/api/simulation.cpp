@@ -259,6 +259,11 @@ BodyMotion Simulation::body_motion(std::size_t body) const noexcept {
   return {array(pose.position), {q.w(), q.x(), q.y(), q.z()}, array(pose.velocity), array(pose.spin)};
 }
 
+bool Simulation::push(std::size_t body, const Vector3& force, const Vector3& torque) noexcept {
+  return impl_->stepper->push(static_cast<int>(body), {force[0], force[1], force[2]},
+                              {torque[0], torque[1], torque[2]});
+}
+
 Energy Simulation::energy() const noexcept { return impl_->stepper->modal()->energy(); }
 
 int Simulation::quasi_static_modes() const noexcept { return impl_->stepper->modal()->modes_in_residual(); }

@@ -31,6 +31,7 @@ double least_bytes(const MotionSource& source, const RecorderOptions& options, s
 Recorder::Recorder(const MotionSource& source, const StepOptions& step, const RecorderOptions& options)
     : source_(source),
       step_(step.step),
+      turns_(step.rotation == Rotation::finite),
       every_(options.every),
       snapshot_every_(options.snapshot_every),
       file_(options.path) {
@@ -44,8 +45,8 @@ Recorder::Recorder(const MotionSource& source, const StepOptions& step, const Re
   file_.attribute("/contact", "step", step_ * static_cast<double>(every_));
   if (source_.area().size() > 0) file_.write<double>("/contact/area", flat(source_.area()), {m}, "m^2");
   time_ = &file_.rows("/time", {}, "s");
-  contact_ = {&file_.rows("/contact/time", {}, "s"), &file_.rows("/contact/force", {m}, "N"),
-              &file_.rows("/contact/gap", {m}, "m")};
+  contact_ = {&file_.rows("/contact/time", {}, "s"), &file_.rows("/contact/force", {m}, "N", turns_),
+              &file_.rows("/contact/gap", {m}, "m", turns_)};
   for (const MotionSource::Body& body : source_.bodies()) {
     const std::string group = "/bodies/" + body.name;
     file_.group(group);
@@ -119,23 +120,22 @@ void Recorder::add_model_rows(const Model& model, const StepOptions& step, const
   const auto m = static_cast<std::size_t>(model.points());
   sides_.emplace(model, step);
   receivers_.emplace(model, step);
-  contact_.displacement_a = &file_.rows("/contact/displacement_a", {m}, "m");
-  contact_.displacement_b = &file_.rows("/contact/displacement_b", {m}, "m");
-  contact_.velocity_a = &file_.rows("/contact/velocity_a", {m}, "m/s");
-  contact_.velocity_b = &file_.rows("/contact/velocity_b", {m}, "m/s");
+  contact_.displacement_a = &file_.rows("/contact/displacement_a", {m}, "m", turns_);
+  contact_.displacement_b = &file_.rows("/contact/displacement_b", {m}, "m", turns_);
+  contact_.velocity_a = &file_.rows("/contact/velocity_a", {m}, "m/s", turns_);
+  contact_.velocity_b = &file_.rows("/contact/velocity_b", {m}, "m/s", turns_);
   if (!model.friction.empty()) {
-    contact_.tangential_force = &file_.rows("/contact/tangential_force", {m, 3}, "N");
-    contact_.tangential_displacement = &file_.rows("/contact/tangential_displacement", {m, 3}, "m");
-    contact_.state = &file_.rows("/contact/state", {m}, "1");
+    contact_.tangential_force = &file_.rows("/contact/tangential_force", {m, 3}, "N", turns_);
+    contact_.tangential_displacement = &file_.rows("/contact/tangential_displacement", {m, 3}, "m", turns_);
+    contact_.state = &file_.rows("/contact/state", {m}, "1", turns_);
   }
   energy_.emplace(file_);
-  const bool turns = step.rotation == Rotation::finite;
-  if (snapshot_every_ > 0) snapshots_.emplace(file_, model, turns);
+  if (snapshot_every_ > 0) snapshots_.emplace(file_, model, turns_);
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const std::string group = "/bodies/" + model.bodies[k].name;
     bodies_[k].angular_momentum = &file_.rows(group + "/angular_momentum", {3}, "kg m^2/s");
     bodies_[k].reaction = &file_.rows(group + "/reaction", {3}, "N");
-    if (!turns) continue;
+    if (!turns_) continue;
     bodies_[k].pose.emplace(file_, group);
     bodies_[k].spin = &file_.rows(group + "/spin", {3}, "rad/s");
   }
@@ -230,7 +230,8 @@ void Recorder::friction_row(const Model& model, const Vector& w, const Vector& f
     const auto& [point, row, law] = model.friction[f];
     const auto tangents = model.tangent.middleRows(row - m, 2);
     pushed.row(point) = force.segment<2>(row).transpose() * tangents;
-    moved.row(point) = w.segment<2>(row).transpose() * tangents;
+    if (!turns_ || states[f] != ContactState::open)
+      moved.row(point) = w.segment<2>(row).transpose() * tangents;
     state(point) = static_cast<double>(states[f]);
   }
   contact_.tangential_force->append(std::span<const double>(pushed.data(), pushed.size()));

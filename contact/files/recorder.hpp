@@ -91,6 +91,7 @@ class Recorder {
 
   MotionSource source_;
   double step_;
+  bool turns_;  ///< whether rotations are finite: any candidate may touch, and few do
   std::int64_t every_, snapshot_every_, last_row_ = 0;
   base::hdf5::Writer file_;
   std::optional<ContactSides> sides_;

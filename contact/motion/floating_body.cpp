@@ -71,9 +71,18 @@ void FloatingBody::drift(double time) noexcept {
 }
 
 void FloatingBody::fly(double time) noexcept {
-  position += time * velocity + 0.5 * time * time * gravity;
-  velocity += time * gravity;
+  position += time * velocity + 0.5 * time * time * acceleration();
+  velocity += time * acceleration();
   turn_freely(attitude, momentum, inertia, time, of_flight);
+}
+
+double FloatingBody::kick(const Vector3d& load, const Vector3d& moment, double step) noexcept {
+  const Vector3d velocity_before = velocity, momentum_before = momentum;
+  velocity += step * (acceleration() + attitude * load / mass);
+  momentum += step * (torque + attitude * moment);
+  if (push.isZero(0) && torque.isZero(0)) return 0;
+  return 0.5 * step *
+         (push.dot(velocity_before + velocity) + torque.dot(attitude * own_spin(momentum_before + momentum)));
 }
 
 void FloatingBody::write_rates(Vector& rates) const noexcept {

@@ -32,6 +32,10 @@ struct FloatingBody {
   Eigen::Vector3d momentum{0, 0, 0};  ///< angular, about the centre [kg m²/s]
   Eigen::Quaterniond attitude;        ///< from body axes
 
+  // From outside, about the centre, world axes: constant over a step
+  Eigen::Vector3d push{0, 0, 0};    ///< force [N]
+  Eigen::Vector3d torque{0, 0, 0};  ///< [N m]
+
   /// Throws InputError unless the body moves freely in all six ways, undamped as a whole.
   FloatingBody(const Model& model, const Bodies::Block& block);
 
@@ -40,14 +44,21 @@ struct FloatingBody {
   Eigen::Index first_elastic() const { return first_mode + rigid; }
 
   /// Angular velocity in body axes [rad/s].
-  Eigen::Vector3d own_spin() const { return inertia.inverse * (attitude.conjugate() * momentum); }
+  Eigen::Vector3d own_spin() const { return own_spin(momentum); }
+  Eigen::Vector3d own_spin(const Eigen::Vector3d& angular_momentum) const {
+    return inertia.inverse * (attitude.conjugate() * angular_momentum);
+  }
+  Eigen::Vector3d acceleration() const { return gravity + push / mass; }  ///< without contact [m/s²]
   Pose pose() const { return {position, attitude, velocity, attitude * own_spin()}; }
   double kinetic() const;  ///< [J]
   /// Work of gravity since t = 0 [J].
   double work_of_gravity() const { return mass * gravity.dot(position - start); }
 
   void drift(double time) noexcept;  ///< without forces, for a part of a contact step [s]
-  void fly(double time) noexcept;    ///< under gravity alone [s]
+  void fly(double time) noexcept;    ///< without contact and torque [s]
+  /// Changes velocity and momentum by forces and torques on it, constant over a step [s], beside gravity and
+  /// those from outside. Returns the work of the latter [J]. @param load, moment  body axes
+  double kick(const Eigen::Vector3d& load, const Eigen::Vector3d& moment, double step) noexcept;
   /// Sets the rates of the rigid modes to those of the present velocity and spin in world axes, as if the
   /// body had its initial attitude, which is how momenta and velocities are computed from them.
   void write_rates(Vector& rates) const noexcept;

@@ -3,9 +3,9 @@
 
 #include <utility>
 
-#include "contact/motion/floating_stepper.hpp"
 #include "contact/stepping/compliant_stepper.hpp"
 #include "contact/stepping/event_stepper.hpp"
+#include "contact/stepping/floating_stepper.hpp"
 #include "contact/stepping/impulse_stepper.hpp"
 #include "contact/stepping/look_ahead_stepper.hpp"
 

@@ -59,6 +59,12 @@ class Stepper {
   /// Frames of the bodies after the step, with finite rotations; otherwise empty, and rigid modes move the
   /// bodies.
   virtual std::span<const Pose> poses() const noexcept { return {}; }
+  /// Sets a force [N] and a torque about the centre of mass [N m] on a body, world axes, which then act until
+  /// they are set again. Returns false unless rotations are finite.
+  virtual bool push(int /*body*/, const Eigen::Vector3d& /*force*/,
+                    const Eigen::Vector3d& /*torque*/) noexcept {
+    return false;
+  }
   /// (3,bodies) mass-mean velocities of a table's bodies after the step [m/s]; null with modes.
   virtual const Eigen::Matrix3Xd* body_velocities() const noexcept { return nullptr; }
 

@@ -113,6 +113,9 @@ class Simulation {
   /// At the end of the last step. With linear rotations, the attitude is that of the rotation vector of the
   /// rigid modes.
   BodyMotion body_motion(std::size_t body) const noexcept;
+  /// Sets a force [N] and a torque about the centre of mass [N m] from outside, in world axes, which act on a
+  /// body until they are set again. Returns false and does nothing unless rotations are finite.
+  bool push(std::size_t body, const Vector3& force, const Vector3& torque) noexcept;
   Energy energy() const noexcept;
   int quasi_static_modes() const noexcept;  ///< modes above half the rate, which respond statically
 

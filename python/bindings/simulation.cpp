@@ -215,6 +215,9 @@ void bind_simulation(py::module_& module) {
     return py::make_tuple(copy(motion.position), copy(motion.attitude), copy(motion.velocity),
                           copy(motion.spin));
   });
+  stepper.def("push", [](Stepper& self, std::size_t body, const Vector3& force, const Vector3& torque) {
+    return self.simulation().push(body, force, torque);
+  });
   stepper.def("mean_velocity",
               [](Stepper& self, std::size_t body) { return copy(self.simulation().mean_velocity(body)); });
 }

@@ -193,6 +193,14 @@ class Simulation:
         """Where a body is, and how it moves as a whole, at the end of the last step."""
         return BodyMotion(*self._core.body_motion(self.scene.bodies.index(body)))
 
+    def push(
+        self, body: str, force: Sequence[float] = (0, 0, 0), torque: Sequence[float] = (0, 0, 0)
+    ) -> None:
+        """Sets a force [N] and a torque about the centre of mass [N m] from outside, in world axes, which act on
+        a body until they are set again. Raises InputError unless `motion.rotation = "finite"`."""
+        if not self._core.push(self.scene.bodies.index(body), force, torque):
+            raise InputError(f'{self.scene.title}: push needs motion.rotation = "finite"')
+
     def mean_velocity(self, body: str) -> Floats:
         """(3) mass-mean velocity of a body [m/s]"""
         return self._core.mean_velocity(self.scene.bodies.index(body))

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "contact/motion/moving_points.hpp"
+#include "contact/stepping/moving_points.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -193,8 +193,9 @@ void MovingPoints::advance(std::span<const FloatingBody> bodies, const Vector& d
     const Body& body = bodies_[static_cast<std::size_t>(point.body)];
     const FloatingBody& state = bodies[static_cast<std::size_t>(point.body)];
     Motion& motion = motion_[static_cast<std::size_t>(i)];
-    motion.free = state.attitude.conjugate() * (step * state.velocity + 0.5 * step * step * state.gravity);
-    motion.free += step * state.own_spin().cross(motion.place);
+    motion.free =
+        state.attitude.conjugate() * (step * state.velocity + 0.5 * step * step * state.acceleration());
+    motion.free += step * state.own_spin(state.momentum + 0.5 * step * state.torque).cross(motion.place);
     motion.free.noalias() += shape_of(point) * dq.segment(body.first_elastic, body.elastic);
   }
   for (const Body& body : bodies_) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "contact/motion/floating_stepper.hpp"
+#include "contact/stepping/floating_stepper.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -105,8 +105,10 @@ void FloatingStepper::search() noexcept {
   const double time = epoch_ * options_.step, slack = state_.system->model->belts.empty() ? 1 : 2;
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const FloatingBody& body = bodies_[k];
-    const double energy = slack * (body.kinetic() + elastic_energy(body) + state_.energy().residual),
-                 g = body.gravity.norm(),
+    // A torque from outside may speed the body up beyond its energy, as moving obstacles may.
+    const double energy = (body.torque.isZero(0) ? slack : 2) *
+                          (body.kinetic() + elastic_energy(body) + state_.energy().residual),
+                 g = body.acceleration().norm(),
                  speed = std::sqrt(2 * energy / body.mass) +
                          points_.radius(static_cast<int>(k)) *
                              std::sqrt(2 * energy * body.inertia.largest_inverse),
@@ -156,15 +158,16 @@ void FloatingStepper::carry_forces(const StepMatrices& matrices) noexcept {
 Work FloatingStepper::kick(const StepTrial& trial) noexcept {
   const StepSystem& system = *state_.system;
   const double step = options_.step;
+  double pushed = 0;
   modal_force_.setZero();
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     FloatingBody& body = bodies_[k];
     const MovingPoints::Load load = points_.load(static_cast<int>(k), law_.force(), modal_force_);
-    body.velocity += step * (body.gravity + body.attitude * load.force / body.mass);
-    body.momentum += step * (body.attitude * load.torque);
+    pushed += body.kick(load.force, load.torque, step);
   }
   Work work = work_of(trial, trial.at_start);
   work.damping = move_modes(system);
+  work.forcing = pushed;
   return work;
 }
 
@@ -225,15 +228,25 @@ StepStatus FloatingStepper::end(const StepTrial& trial) noexcept {
                   -next_force_.head(m).dot((next_u_ - u_).head(m)) / options_.step, trial.violation);
 }
 
+bool FloatingStepper::push(int number, const Vector3d& force, const Vector3d& torque) noexcept {
+  FloatingBody& body = bodies_[static_cast<std::size_t>(number)];
+  body.push = force;
+  body.torque = torque;
+  search_at_ = clear_until_ = steps_;  // what was known of its motion no longer holds
+  return true;
+}
+
 /// Flies to the next output sample, if nothing can touch before it. Returns the number of steps crossed.
 int FloatingStepper::cross() noexcept {
+  for (const FloatingBody& body : bodies_)
+    if (!body.torque.isZero(0)) return 0;
   const auto steps = static_cast<int>(options_.steps_per_sample - steps_ % options_.steps_per_sample);
   if (steps_ + steps > clear_until_) {
     double clear = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < bodies_.size(); ++k) {
       const FloatingBody& body = bodies_[k];
       const double way = points_.clearance(static_cast<int>(k), body, elastic_energy(body)),
-                   g = body.gravity.norm(),
+                   g = body.acceleration().norm(),
                    speed = body.velocity.norm() + body.momentum.norm() * body.inertia.largest_inverse *
                                                       points_.radius(static_cast<int>(k));
       // The time in which speed · t + g t²/2 reaches `way`.
@@ -248,7 +261,9 @@ int FloatingStepper::cross() noexcept {
   kept_ = bodies_;
   for (FloatingBody& body : bodies_) body.fly(steps * options_.step);
   modal_force_.setZero();
-  const Work work{.damping = move_modes(over_)};
+  Work work{.damping = move_modes(over_)};
+  for (std::size_t k = 0; k < bodies_.size(); ++k)
+    work.forcing += bodies_[k].push.dot(bodies_[k].position - kept_[k].position);
   if (!commit(work, 0)) {
     bodies_ = kept_;
     return 0;

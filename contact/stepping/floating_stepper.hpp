@@ -17,7 +17,7 @@
 // Gravity is the only load. Flight is crossed from sample to sample while no point can touch.
 #pragma once
 
-#include "contact/motion/moving_points.hpp"
+#include "contact/stepping/moving_points.hpp"
 #include "contact/stepping/stepper.hpp"
 
 namespace ricochet::contact {
@@ -34,6 +34,7 @@ class FloatingStepper final : public Stepper {
   /// displacements are 0.
   const ModalState* modal() const noexcept override { return &state_; }
   std::span<const Pose> poses() const noexcept override { return poses_; }
+  bool push(int body, const Eigen::Vector3d& force, const Eigen::Vector3d& torque) noexcept override;
 
  private:
   int cross() noexcept;
