@@ -36,6 +36,13 @@ void check(const Model& model, const Bodies::Block& block) {
                      block.name));
 }
 
+/// A compensated sum (Kahan).
+void add(const Vector3d& x, Vector3d& sum, Vector3d& carry) {
+  const Vector3d y = x - carry, next = sum + y;
+  carry = (next - sum) - y;
+  sum = next;
+}
+
 }  // namespace
 
 FloatingBody::FloatingBody(const Model& model, const Bodies::Block& block)
@@ -66,19 +73,19 @@ double FloatingBody::kinetic() const {
 }
 
 void FloatingBody::drift(double time) noexcept {
-  position += time * velocity;
+  add(time * velocity, position, position_carry);
   turn_freely(attitude, momentum, inertia, time, of_contact);
 }
 
 void FloatingBody::fly(double time) noexcept {
-  position += time * velocity + 0.5 * time * time * acceleration();
-  velocity += time * acceleration();
+  add(time * velocity + 0.5 * time * time * acceleration(), position, position_carry);
+  add(time * acceleration(), velocity, velocity_carry);
   turn_freely(attitude, momentum, inertia, time, of_flight);
 }
 
 double FloatingBody::kick(const Vector3d& load, const Vector3d& moment, double step) noexcept {
   const Vector3d velocity_before = velocity, momentum_before = momentum;
-  velocity += step * (acceleration() + attitude * load / mass);
+  add(step * (acceleration() + attitude * load / mass), velocity, velocity_carry);
   momentum += step * (torque + attitude * moment);
   if (push.isZero(0) && torque.isZero(0)) return 0;
   return 0.5 * step *

@@ -54,6 +54,10 @@ struct FloatingBody {
   /// Work of gravity since t = 0 [J].
   double work_of_gravity() const { return mass * gravity.dot(position - start); }
 
+  /// Round-off of the sums of position and velocity, since gravity adds the same small number millions of
+  /// times.
+  Eigen::Vector3d position_carry{0, 0, 0}, velocity_carry{0, 0, 0};
+
   void drift(double time) noexcept;  ///< without forces, for a part of a contact step [s]
   void fly(double time) noexcept;    ///< without contact and torque [s]
   /// Changes velocity and momentum by forces and torques on it, constant over a step [s], beside gravity and

@@ -347,16 +347,16 @@ TEST(Floating, that_is_pushed_from_outside_accelerates_as_Newton_says) {
   EXPECT_LT((stepper->poses()[0].position - start.position - 0.005 * force / cloud.mass).norm(), 1e-12);
   EXPECT_NEAR(stepper->modal()->energy().loads, 0.5 * 0.01 * force.squaredNorm() / cloud.mass, 1e-13);
   // From rest, L = τ t, whatever the attitude; the work is the energy of the rotation.
-  const Vector3d torque(1e-4, 2e-4, -1e-4);
+  const Vector3d torque(1e-2, 2e-2, -1e-2);
   ASSERT_TRUE(stepper->push(0, Vector3d::Zero(), torque));
   const Energy before = stepper->modal()->energy();
   for (int k = 0; k < 1000; ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
   const Pose end = stepper->poses()[0];
   const Matrix3d A = end.attitude.toRotationMatrix();
   EXPECT_LT((A * cloud.inertia * A.transpose() * end.spin - 0.1 * torque).norm(), 1e-12 * torque.norm());
-  EXPECT_GT(end.attitude.angularDistance(start.attitude), 0.01);
+  EXPECT_GT(end.attitude.angularDistance(start.attitude), 0.1);
   const Energy after = stepper->modal()->energy();
-  EXPECT_NEAR(after.ledger(), before.ledger(), 1e-13);
+  EXPECT_NEAR(after.ledger(), before.ledger(), 1e-12);
   EXPECT_NEAR(after.loads - before.loads, 0.05 * torque.dot(end.spin), 1e-9 * torque.dot(end.spin));
 }
 
@@ -388,7 +388,7 @@ TEST(Floating, tumbling_keeps_the_balances) {
     double momentum_of_parts =
         cloud.mass * start.position.cross(start.velocity).norm() + (cloud.inertia.norm() * start.spin.norm());
     const double energy = stepper->modal()->energy().total(), scale = energy + cloud.mass * 9.81 * size;
-    const double peak_momentum = p.norm();
+    const double largest = p.norm();
     for (int k = 0; k < 25'000; ++k) {
       ASSERT_EQ(stepper->step(), StepStatus::ok);
       const Pose now = stepper->poses()[0];
@@ -397,8 +397,10 @@ TEST(Floating, tumbling_keeps_the_balances) {
       ASSERT_NEAR(ledger.ledger(), energy, 1e-11 * scale) << scene << " " << k;
       const Vector3d push = -model->resultant(model->pairs[0], stepper->force()),
                      weight = cloud.mass * drop.gravity;
-      p += (push + weight) / rate;
-      ASSERT_LT((momentum(cloud, now) - p).norm(), 1e-12 * (peak_momentum + p.norm())) << scene << " " << k;
+      const Vector3d after = momentum(cloud, now), impulse = (push + weight) / rate;
+      ASSERT_LT((after - p - impulse).norm(), 1e-14 * (largest + after.norm() + impulse.norm()))
+          << scene << " " << k;
+      p = after;
       if (push.z() > 0) ++touches;
       // Vertical forces have no moment about a vertical axis.
       momentum_of_parts = std::max(momentum_of_parts, cloud.mass * now.position.cross(now.velocity).norm() +
@@ -413,8 +415,8 @@ TEST(Floating, tumbling_keeps_the_balances) {
   }
   EXPECT_GT(touches, 1000);
   EXPECT_GT(turned, 2);
-  // The drifts are rotations, which the step takes for straight lines.
-  EXPECT_LT(deepest, 1e-5);
+  // The drifts are rotations, which the step takes for straight lines. The longest step turns a body by 0.1.
+  EXPECT_LT(deepest, 1e-3);
 }
 
 }  // namespace
