@@ -239,12 +239,14 @@ class Result(_Data):
         return self._over_time(self.force.sum(axis=1))
 
     def _over_time(self, values: Floats) -> Floats:
-        """Converts contact rows (k,…) to rows of state (K,…): the mean since the previous row."""
+        """Converts contact rows (k,…) to rows of state (K,…): the mean since the previous row. Contact rows after the last row
+        of state belong to none."""
         out = np.zeros((len(self.time), *values.shape[1:]))
         rows = np.searchsorted(self.time, self.contact_time - 1e-6 * min(self.contact_step, 1))
         spacing = float(np.min(np.diff(self.time), initial=np.inf))
         per_row = max(1, round(spacing / self.contact_step)) if np.isfinite(spacing) else 1
-        np.add.at(out, rows, values / per_row)
+        within = rows < len(self.time)
+        np.add.at(out, rows[within], values[within] / per_row)
         return out
 
     @cached_property

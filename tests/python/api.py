@@ -241,6 +241,16 @@ class Impact(KernelsTest):
         self.assertAlmostEqual(result.bodies["moving"].mass, 10)
         self.assertAlmostEqual(result.total_force.sum() * 0.01, result.summary["impulse_ns"], places=12)
 
+    def test_has_the_force_of_rows_of_state_if_contact_goes_on_after_the_last_of_them(self):
+        self.scene.set(
+            {"time.contact_rate_hz": 400, "time.duration": 10, "output.every": 3}
+        )  # it ends 1 sample later
+        result = ricochet.impact(self.scene)
+        self.assertGreater(result.contact_time[-1], result.time[-1])
+        before = result.contact_time < result.time[-1] + 1e-9
+        impulse = result.force[before].sum() * result.contact_step
+        self.assertAlmostEqual(result.total_force.sum() * 0.03, impulse, places=12)
+
     def test_in_single_precision_is_the_same_up_to_its_round_off(self):
         double, single = (
             ricochet.impact(self.scene.changed({"time.precision": p})) for p in ("double", "single")
