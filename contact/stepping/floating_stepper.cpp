@@ -14,6 +14,12 @@ namespace {
 using Eigen::Index;
 using Eigen::Vector3d;
 
+/// Bodies rest if their speeds are below this share of the speed of a fall by their own size, and if their
+/// forces have changed by less than this share since the last search, for some searches in a row. A bounce is
+/// slow at its turning point, but then its forces change.
+constexpr double resting = 1e-9;
+constexpr int searches_at_rest = 8;
+
 /// Steps between two searches: long enough that a search costs little, short enough that few points are
 /// watched.
 constexpr int search_every = 16;
@@ -50,7 +56,7 @@ FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepO
       over_(*state_.system) {
   for (const FloatingBody& body : bodies_) poses_.push_back(body.pose());
   for (Vector* x : {&dq_, &modal_force_}) x->setZero(model->omega.size());
-  rest_.setZero(model->rows());
+  for (Vector* x : {&rest_, &rest_force_}) x->setZero(model->rows());
   points_.place(bodies_, state_.q);
   u_ = points_.all();
 }
@@ -62,6 +68,11 @@ double FloatingStepper::elastic_energy(const FloatingBody& body) const noexcept 
 }
 
 StepStatus FloatingStepper::step() noexcept {
+  if (at_rest_ >= searches_at_rest) {
+    contact_.persistency = 0;
+    ++steps_;
+    return StepStatus::ok;
+  }
   if (contact_.mean.begins())
     if (const int crossed = cross(); crossed > 0) {
       land(crossed);
@@ -100,8 +111,24 @@ StepStatus FloatingStepper::step() noexcept {
   return end(trial);
 }
 
+/// Counts searches that find all bodies at rest.
+void FloatingStepper::look_for_rest() noexcept {
+  bool rests = contact_.active > 0 && state_.system->model->belts.empty() &&
+               (contact_.force - rest_force_).norm() <= resting * contact_.force.norm();
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const FloatingBody& body = bodies_[k];
+    const double fall = body.mass * body.acceleration().norm() * points_.radius(static_cast<int>(k)),
+                 kinetic = body.kinetic() +
+                           0.5 * state_.v.segment(body.first_elastic(), body.elastic()).squaredNorm();
+    rests = rests && body.torque.isZero(0) && kinetic <= resting * resting * fall;
+  }
+  at_rest_ = rests ? at_rest_ + 1 : 0;
+  rest_force_ = contact_.force;
+}
+
 /// Finds the points that may touch before the next search.
 void FloatingStepper::search() noexcept {
+  look_for_rest();
   const double time = epoch_ * options_.step, slack = state_.system->model->belts.empty() ? 1 : 2;
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const FloatingBody& body = bodies_[k];
@@ -233,6 +260,7 @@ bool FloatingStepper::push(int number, const Vector3d& force, const Vector3d& to
   body.push = force;
   body.torque = torque;
   search_at_ = clear_until_ = steps_;  // what was known of its motion no longer holds
+  at_rest_ = 0;
   return true;
 }
 

@@ -14,6 +14,9 @@
 //   - A gap may be below 0 at the start, since the drift is a rotation and the step took it for a straight
 //     line, by (ΩΔ)³ r/24. Where the bank cannot pay for pushing the point out, it may only not sink further.
 //
+// Bodies that have come to rest on obstacles that do not move stay at rest, with their last forces, until
+// they are pushed.
+//
 // Gravity is the only load. Flight is crossed from sample to sample while no point can touch.
 #pragma once
 
@@ -44,6 +47,7 @@ class FloatingStepper final : public Stepper {
   Work kick(const StepTrial& trial) noexcept;
   double move_modes(const ModeConstants& over) noexcept;
   bool commit(const Work& work, double residual) noexcept;
+  void look_for_rest() noexcept;
   StepStatus end(const StepTrial& trial) noexcept;
   double elastic_energy(const FloatingBody& body) const noexcept;
 
@@ -55,6 +59,8 @@ class FloatingStepper final : public Stepper {
   int epoch_;                     ///< steps between two searches
   std::int64_t search_at_ = 0;    ///< step of the next one
   std::int64_t clear_until_ = 0;  ///< step before which nothing can touch
+  int at_rest_ = 0;               ///< searches in a row that found the bodies at rest
+  Vector rest_force_;             ///< (n) p̄ at the last search [N]
   std::vector<double> stored_;    ///< by body, in R after the last step [J]
   MeanForce before_;              ///< the forces that the step starts with
   ModeConstants over_;            ///< (N) of a flight over constants_of_ steps
