@@ -11,6 +11,7 @@ OTHERS = {
     "--extremes": "extremes_table",
     "--balls": "hertz_balls",
     "--bodies": "random_bodies",
+    "--bracket": "explicit_bracket",
     "--estimates": "true_errors",
     "--friction": "friction_energy",
     "--geometries": "gmsh_demos",
