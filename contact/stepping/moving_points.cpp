@@ -231,8 +231,15 @@ void MovingPoints::join(int number) noexcept {
   const Point& point = points_[static_cast<std::size_t>(number)];
   const Body& body = bodies_[static_cast<std::size_t>(point.body)];
   const auto own = shape_of(point);
-  const auto c = c_.segment(body.first_elastic, body.elastic).asDiagonal(),
-             folded = folded_.segment(body.first_elastic, body.elastic).asDiagonal();
+  const auto c = c_.segment(body.first_elastic, body.elastic).transpose(),
+             folded = folded_.segment(body.first_elastic, body.elastic).transpose();
+  // Φ d Φᵀ, entry by entry: a product of matrices would allocate.
+  const auto block = [&](const auto& diagonal, const auto& other) {
+    Matrix3d out;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) out(i, j) = own.row(i).cwiseProduct(diagonal).dot(other.row(j));
+    return out;
+  };
   for (Index t = 0; t <= s; ++t) {
     const Point& other = points_[static_cast<std::size_t>(members_[static_cast<std::size_t>(t)])];
     if (other.body != point.body) {
@@ -240,12 +247,12 @@ void MovingPoints::join(int number) noexcept {
       residual_(s, t).setZero();
       continue;
     }
-    modes_(s, t).noalias() = own * c * shape_of(other).transpose();
+    modes_(s, t) = block(c, shape_of(other));
     if (body.yields())
       residual_(s, t) = body.flexibility(point.candidate, other.candidate);
     else
       residual_(s, t).setZero();
-    if (folds_) residual_(s, t).noalias() += own * folded * shape_of(other).transpose();
+    if (folds_) residual_(s, t) += block(folded, shape_of(other));
   }
 }
 

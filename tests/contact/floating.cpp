@@ -10,6 +10,7 @@
 #include "contact/figures/candidate_forces.hpp"
 #include "contact/stepping/floating_stepper.hpp"
 #include "tests/contact/bodies.hpp"
+#include "tests/contact/heap_counter.hpp"
 
 namespace ricochet::contact::test {
 namespace {
@@ -334,6 +335,27 @@ TEST(Floating, a_ball_in_gross_slip_gains_the_speed_of_Coulomb) {
   EXPECT_NEAR(inertia * (400 - end.spin.y()) / (mass * std::abs(end.velocity.x()) * radius), 1, 1e-3);
   EXPECT_GT(end.velocity.x(), 0);  // its lowest point slips along −x
 }
+
+#if RICOCHET_HEAP_COUNTED
+TEST(Floating, a_step_does_not_touch_the_heap) {
+  const Cloud cloud({0.05, 0.04, 0.03}, 2000, 1e-7, 8);
+  for (const double rate : {2e3, 1e5}) {  // with folded modes, and without
+    const auto model = over_floor(cloud, {.rotation = turn(0.2, {1, 0.3, 0}),
+                                          .velocity = {0.3, 0, -1},
+                                          .height = 1e-3,
+                                          .friction = Friction{0.5, 0.5, 0}});
+    auto stepper = make_stepper(model, stepping(rate, Rotation::finite, 4));
+    const long before = heap_counter::calls + heap_counter::returns;
+    int touches = 0;
+    for (int k = 0; k < 20'000; ++k) {
+      ASSERT_EQ(stepper->step(), StepStatus::ok);
+      touches += stepper->active() > 0 ? 1 : 0;
+    }
+    EXPECT_EQ(heap_counter::calls + heap_counter::returns, before);
+    EXPECT_GT(touches, 100);
+  }
+}
+#endif
 
 /// What turns cost is paid from the bank of a pair; the forces of the pair alone are reduced for the rest.
 TEST(MeanForce, pays_from_the_bank_of_a_pair_and_reduces_its_forces) {

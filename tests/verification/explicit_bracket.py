@@ -193,7 +193,7 @@ def run(given):
     for size, order, divisions, share in COARSE + FINE:
         start = time.monotonic()
         *values, step, nodes, lost = explicit(size / 1e3, order, divisions, share * SHARE)
-        cells = f"{values[0]:.4f}", f"{values[1]:.5f}", f"{lost:.2%}", f"{time.monotonic() - start:.0f}"
+        cells = f"{values[0]:.5f}", f"{values[1]:.6f}", f"{lost:.2%}", f"{time.monotonic() - start:.0f}"
         row(f"{size} mm", order, divisions, f"{step * 1e6:.3f} µs", nodes, *cells)
         found.append(values)
     print()
@@ -208,13 +208,7 @@ def run(given):
     for (name, (value, estimate)), others in zip(ours.items(), zip(*found[len(COARSE) :])):
         error, uncertainty = value - others[-1], max(abs(other - others[-1]) for other in others)
         within = abs(error) <= estimate
-        cells = (f"{number:.4f}" for number in (others[-1], uncertainty, value))
-        row(
-            name,
-            *cells,
-            f"{error:+.4f}",
-            f"{estimate:.4f}",
-            f"{'within' if within else 'BEYOND'} the estimate",
-        )
+        cells = (f"{number:.5f}" for number in (others[-1], uncertainty, value, error, estimate))
+        row(name, *cells, f"{'within' if within else 'BEYOND'} the estimate")
         good &= within
     return 0 if good else 1
