@@ -12,7 +12,7 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-ROOMS = ("simd", "pairing", "bodies", "rows", "model", "complementarity", "law", "stepping")
+ROOMS = ("simd", "pairing", "bodies", "rows", "model", "complementarity", "law", "motion", "stepping")
 OWN = re.compile(
     r"(base/(aligned|format|reserved)\.[ch]pp|kernels/(kernel\.cpp|format\.hpp)|include/ricochet/\w+\.hpp|contact/(%s)/\w+\.[ch]pp|player/\w+\.[ch]pp)$"
     % "|".join(ROOMS)
