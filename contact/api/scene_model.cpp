@@ -242,16 +242,13 @@ std::vector<TurningPickup> turning_pickups_of(const Scene& scene, const contact:
     const std::string where = fmt::format("pickups[{}]", k);
     const auto body = std::ranges::find(model.bodies, pickup.body, &contact::Bodies::Block::name);
     const kernels::Kernel& kernel = *body->kernel;  // pickups_of has found it
-    const kernels::Surface& surface = kernel.surface;
-    const std::vector<double>& places = surface.centroid.empty() ? surface.node : surface.centroid;
     const double* const at =
         pickup.receiver.empty()
-            ? &places[3 * pickup.candidate]
+            ? &kernel.surface.places()[3 * pickup.candidate]
             : std::ranges::find(kernel.receivers, pickup.receiver, &kernels::Receiver::name)->point.data();
-    const Vector3d centre = body->rotation.transpose() * (body->centre - body->translation);
     out.push_back({static_cast<std::size_t>(body - model.bodies.begin()),
-                   Eigen::Map<const Vector3d>(at) - centre, unit(pickup.direction, where + ".direction"),
-                   modes_at(pickup, kernel, where)});
+                   Eigen::Map<const Vector3d>(at) - body->own_centre(),
+                   unit(pickup.direction, where + ".direction"), modes_at(pickup, kernel, where)});
   }
   return out;
 }

@@ -119,15 +119,12 @@ struct Simulation::Impl {
   }
   /// Its place along its direction [m], and the rate [m/s].
   double place_of(const TurningPickup& pickup) const noexcept {
-    const contact::Pose& pose = stepper->poses()[pickup.body];
-    const Eigen::Vector3d arm = pickup.place + elastic(pickup, stepper->modal()->q);
-    return pickup.direction.dot(pose.position + pose.attitude * arm);
+    return pickup.direction.dot(
+        stepper->poses()[pickup.body].at(pickup.place + elastic(pickup, stepper->modal()->q)));
   }
   double rate_of(const TurningPickup& pickup) const noexcept {
-    const contact::Pose& pose = stepper->poses()[pickup.body];
-    const Eigen::Vector3d arm = pickup.place + elastic(pickup, stepper->modal()->q);
-    return pickup.direction.dot(pose.velocity + pose.spin.cross(pose.attitude * arm) +
-                                pose.attitude * elastic(pickup, stepper->modal()->v));
+    return pickup.direction.dot(stepper->poses()[pickup.body].velocity_at(
+        pickup.place + elastic(pickup, stepper->modal()->q), elastic(pickup, stepper->modal()->v)));
   }
   /// @param v  (N) modal rates, those of the present with finite rotations
   double velocity(std::size_t pickup, const double* v) const noexcept {

@@ -31,6 +31,10 @@ struct Bodies {
     const kernels::Kernel* kernel = nullptr;
     Eigen::Matrix3d rotation;
     Eigen::Vector3d translation;
+
+    // In the axes of the kernel
+    Eigen::Vector3d own_centre() const { return rotation.transpose() * (centre - translation); }
+    Eigen::Matrix3d own_inertia() const { return rotation.transpose() * inertia * rotation; }
   };
   std::vector<Block> bodies;
 

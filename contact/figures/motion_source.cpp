@@ -13,8 +13,8 @@ namespace {
 
 /// About the centre of mass, world axes [kg m²].
 Eigen::Matrix3d inertia_of(const Bodies::Block& block, const Pose& pose) {
-  const Eigen::Matrix3d turn = pose.attitude * block.rotation.transpose();
-  return turn * block.inertia * turn.transpose();
+  const Eigen::Matrix3d A = pose.attitude.toRotationMatrix();
+  return A * block.own_inertia() * A.transpose();
 }
 
 }  // namespace

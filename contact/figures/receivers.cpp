@@ -69,52 +69,64 @@ void Receivers::update(double t, const Vector& q, const Vector& v, const Vector&
 /// axes, so that ẍ = c̈ + α × r + Ω × (Ω × r) + 2 Ω × Aẇ + Aẅ, with r = A (X + w).
 void Receivers::update(std::span<const Pose> poses, const Vector& q, const Vector& v,
                        const Vector& force) noexcept {
-  for (std::size_t k = 0; k < model_.receivers.size(); ++k) {
-    const Model::Receiver& receiver = model_.receivers[k];
-    const kernels::Receiver& own = *own_[k];
-    const Bodies::Block& body = model_.bodies[static_cast<std::size_t>(receiver.body)];
-    const kernels::Surface& surface = body.kernel->surface;
-    const Pose& pose = poses[static_cast<std::size_t>(receiver.body)];
-    candidate_forces(model_, receiver.body, force, poses, candidate_force_);
+  q_ = q;
+  for (int number = 0; number < static_cast<int>(poses.size()); ++number) {
+    const auto is_own = [&](const Model::Receiver& receiver) { return receiver.body == number; };
+    if (std::ranges::none_of(model_.receivers, is_own)) continue;
+    const Bodies::Block& body = model_.bodies[static_cast<std::size_t>(number)];
+    const Pose& pose = poses[static_cast<std::size_t>(number)];
     const Eigen::Index first = body.first_mode + FloatingBody::rigid,
                        elastic = body.modes - FloatingBody::rigid;
-    q_ = q;
-    set_folded(model_, receiver.body, candidate_force_, q_);
-    const Eigen::Map<const Matrix> all(own.shape.data(), 3, body.modes);
-    const auto shape = all.rightCols(elastic);
-    Vector3d w = shape * q_.segment(first, elastic), rate = shape * v.segment(first, elastic);
-    if (!own.residual_flexibility.empty())
-      w += Eigen::Map<const Matrix>(own.residual_flexibility.data(), 3, candidate_force_.size()) *
-           candidate_force_;
-    // Forces and torque on the body, and its modes, in its axes
-    Vector3d total = Vector3d::Zero(), torque = total;
-    auto modal = acceleration_.segment(first, elastic);
-    modal = -2 * model_.decay.segment(first, elastic).array() * v.segment(first, elastic).array() -
-            model_.omega.segment(first, elastic).array().square() * q.segment(first, elastic).array();
-    const Vector3d centre = body.rotation.transpose() * (body.centre - body.translation);
-    for (std::size_t i = 0; i < surface.size(); ++i) {
-      const auto here = static_cast<Eigen::Index>(3 * i);
-      const Vector3d f = candidate_force_.segment<3>(here);
-      if (f.isZero(0)) continue;
-      const std::vector<double>& places = surface.centroid.empty() ? surface.node : surface.centroid;
-      total += f;
-      torque += (Eigen::Map<const Vector3d>(&places[3 * i]) - centre).cross(f);
-      const Eigen::Map<const Matrix> at(&surface.shape[3 * i * static_cast<std::size_t>(body.modes)], 3,
-                                        body.modes);
-      modal.noalias() += at.rightCols(elastic).transpose() * f;
-    }
-    for (const int n : model_.folded.modes)
-      if (n >= first && n < first + elastic) acceleration_(n) = 0;
-    const Inertia inertia = Inertia::of(body.rotation.transpose() * body.inertia * body.rotation);
+    candidate_forces(model_, number, force, poses, candidate_force_);
+    set_folded(model_, number, candidate_force_, q_);
+    // All in the axes of the body from here on
+    const auto [total, torque] = accelerate(body, q, v);
     const Vector3d spin = pose.attitude.conjugate() * pose.spin;
-    const Vector3d arm = Eigen::Map<const Vector3d>(own.point.data()) - centre + w;
-    const Vector3d turning = inertia.inverse * (torque - spin.cross(inertia.tensor * spin));
-    const Vector3d relative = turning.cross(arm) + spin.cross(spin.cross(arm)) + 2 * spin.cross(rate) +
-                              shape * acceleration_.segment(first, elastic);
-    motion_[k] = {.displacement = pose.position + pose.attitude * arm - receiver.point,
-                  .velocity = pose.velocity + pose.attitude * Vector3d(spin.cross(arm) + rate),
-                  .acceleration = model_.gravity + pose.attitude * Vector3d(total / body.mass + relative)};
+    const Eigen::Matrix3d inertia = body.own_inertia();
+    const Vector3d turning = inertia.inverse() * (torque - spin.cross(inertia * spin));
+    for (std::size_t k = 0; k < model_.receivers.size(); ++k) {
+      if (!is_own(model_.receivers[k])) continue;
+      const kernels::Receiver& own = *own_[k];
+      const Eigen::Map<const Matrix> all(own.shape.data(), 3, body.modes);
+      const auto shape = all.rightCols(elastic);
+      Vector3d w = shape * q_.segment(first, elastic);
+      if (!own.residual_flexibility.empty())
+        w += Eigen::Map<const Matrix>(own.residual_flexibility.data(), 3, candidate_force_.size()) *
+             candidate_force_;
+      const Vector3d rate = shape * v.segment(first, elastic),
+                     arm = Eigen::Map<const Vector3d>(own.point.data()) - body.own_centre() + w,
+                     relative = turning.cross(arm) + spin.cross(spin.cross(arm)) + 2 * spin.cross(rate) +
+                                shape * acceleration_.segment(first, elastic);
+      motion_[k] = {.displacement = pose.at(arm) - model_.receivers[k].point,
+                    .velocity = pose.velocity_at(arm, rate),
+                    .acceleration = model_.gravity + pose.attitude * Vector3d(total / body.mass + relative)};
+    }
   }
+}
+
+/// Computes q̈ of the elastic modes of a body that turns under the forces on its candidates. Returns their
+/// sum and their moment about the centre, body axes.
+std::pair<Vector3d, Vector3d> Receivers::accelerate(const Bodies::Block& body, const Vector& q,
+                                                    const Vector& v) noexcept {
+  const kernels::Surface& surface = body.kernel->surface;
+  const Eigen::Index first = body.first_mode + FloatingBody::rigid,
+                     elastic = body.modes - FloatingBody::rigid;
+  auto modal = acceleration_.segment(first, elastic);
+  modal = -2 * model_.decay.segment(first, elastic).array() * v.segment(first, elastic).array() -
+          model_.omega.segment(first, elastic).array().square() * q.segment(first, elastic).array();
+  Vector3d total = Vector3d::Zero(), torque = total;
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    const Vector3d f = candidate_force_.segment<3>(static_cast<Eigen::Index>(3 * i));
+    if (f.isZero(0)) continue;
+    total += f;
+    torque += (Eigen::Map<const Vector3d>(&surface.places()[3 * i]) - body.own_centre()).cross(f);
+    const Eigen::Map<const Matrix> at(&surface.shape[3 * i * static_cast<std::size_t>(body.modes)], 3,
+                                      body.modes);
+    modal.noalias() += at.rightCols(elastic).transpose() * f;
+  }
+  for (const int n : model_.folded.modes)
+    if (n >= first && n < first + elastic) acceleration_(n) = 0;
+  return {total, torque};
 }
 
 }  // namespace ricochet::contact

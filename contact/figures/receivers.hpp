@@ -4,6 +4,7 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "contact/model/model.hpp"
@@ -34,6 +35,8 @@ class Receivers {
  private:
   void update(double t, const Vector& q, const Vector& v, const Vector& force) noexcept;
   void update(std::span<const Pose> poses, const Vector& q, const Vector& v, const Vector& force) noexcept;
+  std::pair<Eigen::Vector3d, Eigen::Vector3d> accelerate(const Bodies::Block& body, const Vector& q,
+                                                         const Vector& v) noexcept;
 
   const Model& model_;
   bool compliant_;

@@ -18,12 +18,6 @@ Matrix3d pseudo_inverse(const Matrix3d& inertia) {
   return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
-Matrix3d cross_matrix(const Vector3d& x) {
-  Matrix3d out;
-  out << 0, -x.z(), x.y(), x.z(), 0, -x.x(), -x.y(), x.x(), 0;
-  return out;
-}
-
 }  // namespace
 
 RigidMotions::RigidMotions(const Model& model) : model_(model) {

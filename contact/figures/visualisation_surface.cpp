@@ -70,7 +70,7 @@ const SurfaceMotion& VisualisationSurface::in_frame(std::span<const Pose> poses,
   };
   const Pose& pose = poses[static_cast<std::size_t>(number_)];
   const Eigen::Matrix3d A = pose.attitude.toRotationMatrix();
-  const Eigen::Vector3d centre = body_.rotation.transpose() * (body_.centre - body_.translation);
+  const Eigen::Vector3d centre = body_.own_centre();
   const Places arm = (Eigen::Map<const Places>(view_.node.data(), rows / 3, 3).rowwise() -
                       centre.transpose() + places(deformation.cast<double>())) *
                      A.transpose();

@@ -49,13 +49,12 @@ FloatingBody::FloatingBody(const Model& model, const Bodies::Block& block)
     : first_mode(block.first_mode),
       modes(block.modes),
       mass(block.mass),
-      centre(block.rotation.transpose() * (block.centre - block.translation)),
+      centre(block.own_centre()),
       gravity(model.gravity),
-      inertia(Inertia::of(block.rotation.transpose() * block.inertia * block.rotation)),
-      at_start(block.rotation),
+      inertia(Inertia::of(block.own_inertia())),
       start(block.centre),
       position(start),
-      attitude(at_start) {
+      attitude(block.rotation) {
   check(model, block);
   const auto momentum_of = block.momentum.leftCols<rigid>();
   Eigen::Matrix<double, 3, rigid> about = block.angular_momentum.leftCols<rigid>();

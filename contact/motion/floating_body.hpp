@@ -22,7 +22,6 @@ struct FloatingBody {
   Eigen::Vector3d centre{0, 0, 0};   ///< of mass, body axes [m]
   Eigen::Vector3d gravity{0, 0, 0};  ///< [m/s²]
   Inertia inertia;
-  Eigen::Matrix3d at_start;                  ///< the attitude of the placement
   Eigen::Vector3d start{0, 0, 0};            ///< the centre at t = 0 [m]
   Eigen::Matrix<double, 6, 3> linear, spin;  ///< rigid rates for a unit velocity, for a unit spin
 

@@ -11,6 +11,19 @@ struct Pose {
   Eigen::Quaterniond attitude{1, 0, 0, 0};  ///< from body axes, those of the kernel, to world axes
   Eigen::Vector3d velocity{0, 0, 0};        ///< of the centre [m/s]
   Eigen::Vector3d spin{0, 0, 0};            ///< [rad/s]
+
+  /// Place [m] and velocity [m/s] of a point. @param arm, rate  from the centre, and its rate, body axes
+  Eigen::Vector3d at(const Eigen::Vector3d& arm) const { return position + attitude * arm; }
+  Eigen::Vector3d velocity_at(const Eigen::Vector3d& arm, const Eigen::Vector3d& rate) const {
+    return velocity + spin.cross(attitude * arm) + attitude * rate;
+  }
 };
+
+/// The matrix X with X y = x × y.
+inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& x) {
+  Eigen::Matrix3d out;
+  out << 0, -x.z(), x.y(), x.z(), 0, -x.x(), -x.y(), x.x(), 0;
+  return out;
+}
 
 }  // namespace ricochet::contact

@@ -20,6 +20,10 @@ using Eigen::Vector3d;
 constexpr double resting = 1e-9;
 constexpr int searches_at_rest = 8;
 
+/// Largest angle by which a body may turn in a contact step at the start [rad]. The geometry of a step is
+/// that of its middle.
+constexpr double largest_turn = 1;
+
 /// Steps between two searches: long enough that a search costs little, short enough that few points are
 /// watched.
 constexpr int search_every = 16;
@@ -54,7 +58,15 @@ FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepO
       stored_(bodies_.size(), 0),
       before_(contact_.mean),
       over_(*state_.system) {
-  for (const FloatingBody& body : bodies_) poses_.push_back(body.pose());
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    poses_.push_back(bodies_[k].pose());
+    const double turn = poses_[k].spin.norm() * options.step;
+    if (!(turn <= largest_turn))
+      throw InputError(
+          base::format("bodies.{}.angular_velocity: turns the body by {:.3g} rad in a contact step, above "
+                       "{}. Raise time.contact_rate_hz, or lower it.",
+                       model->bodies[k].name, turn, largest_turn));
+  }
   for (Vector* x : {&dq_, &modal_force_}) x->setZero(model->omega.size());
   for (Vector* x : {&rest_, &rest_force_}) x->setZero(model->rows());
   points_.place(bodies_, state_.q);

@@ -36,12 +36,6 @@ void check(const Model& model, const Rows::PairBlock& pair) {
            "for this scene with ricochet-kernel.");
 }
 
-Matrix3d cross_matrix(const Vector3d& x) {
-  Matrix3d out;
-  out << 0, -x.z(), x.y(), x.z(), 0, -x.x(), -x.y(), x.x(), 0;
-  return out;
-}
-
 }  // namespace
 
 MovingPoints::MovingPoints(const Model& model, const StepSystem& system)

@@ -92,7 +92,8 @@ struct Surface {
   bool normal_residual = false;  ///< r = 1: R acts along the normal of each candidate alone; otherwise r = c
   std::optional<WholeSurface> whole;  ///< set only if candidates out of reach are missing
   std::size_t size() const { return area.size(); }
-  int residual_components() const { return normal_residual ? 1 : components; }  ///< r
+  const std::vector<double>& places() const { return centroid.empty() ? node : centroid; }  ///< (M,3) x̂_i
+  int residual_components() const { return normal_residual ? 1 : components; }              ///< r
   /// Corners of the elements of the whole surface; of the candidates alone, no element may be left.
   int corners() const { return whole ? whole->element_corners : element_corners; }
   bool operator==(const Surface&) const = default;

@@ -17,24 +17,13 @@ COUNT = 24  # moments
 HIGHEST = 0.06  # m: moments higher above the floor are not drawn
 
 
-def rotation(quaternion):
-    """(s,3,3) from unit quaternions w, x, y, z."""
-    w, x, y, z = quaternion.T
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.moveaxis(np.array(rows), 2, 0)
-
-
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("result", type=Path)
 parser.add_argument("picture", type=Path)
 options = parser.parse_args()
 with h5py.File(options.result) as file:
     (name,) = file["pose"]
-    position, turn = file[f"pose/{name}/position"][:], rotation(file[f"pose/{name}/attitude"][:])
+    position, attitude = (file[f"pose/{name}/{part}"][:][:, None] for part in ("position", "attitude"))
     time, kernel = file["snapshots/time"][:], file[f"bodies/{name}"].attrs["kernel"].decode()
 with h5py.File(options.result.parent / kernel) as file:
     node, element = file["view/node"][:] - file["body/centre"][:], file["view/element"][:]
@@ -44,7 +33,9 @@ tilt = np.radians(16)
 screen = np.array([[0, 1, 0], [-np.sin(tilt), 0, np.cos(tilt)]])
 towards, light = np.array([np.cos(tilt), 0, np.sin(tilt)]), np.array([0.4, -0.5, 0.77])
 
-place = position[:, None] + node @ np.swapaxes(turn, 1, 2)
+w, axis = attitude[..., :1], attitude[..., 1:]
+across = np.cross(axis, node)
+place = position + node + 2 * (w * across + np.cross(axis, across))
 near = place[:, :, 2].min(axis=1) < HIGHEST
 moved = np.linalg.norm(np.diff(place, axis=0), axis=2).mean(axis=1) * near[1:]
 path = np.concatenate([[0], np.cumsum(moved)])

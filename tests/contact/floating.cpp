@@ -1,130 +1,20 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Free bodies that turn by any angle: the free rotation, and steps with contact.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/QR>
 #include <cmath>
-#include <numbers>
 #include <random>
 
-#include "contact/figures/candidate_forces.hpp"
 #include "contact/stepping/floating_stepper.hpp"
-#include "tests/contact/bodies.hpp"
+#include "tests/contact/cloud.hpp"
 #include "tests/contact/heap_counter.hpp"
+#include "tests/support.hpp"
 
 namespace ricochet::contact::test {
 namespace {
 
 using Eigen::Quaterniond;
-
-/// A cloud of 27 masses, on a lattice of irregular spacing. Its modes are an exact M-orthonormal basis of all
-/// its motions: six rigid ones, then 75 with frequencies from a list. The outer masses are candidates.
-struct Cloud {
-  std::vector<Vector3d> place;
-  std::vector<double> weight;
-  double mass = 0;
-  Vector3d centre{0, 0, 0};
-  Matrix3d inertia = Matrix3d::Zero();
-  kernels::Kernel kernel;
-
-  /// @param lowest  frequency of the first elastic mode [Hz]  @param flexibility  R_ii [m/N], 0: no R
-  Cloud(const Vector3d& size, double lowest, double flexibility, unsigned seed, bool elastic = true) {
-    std::mt19937 random(seed);
-    std::uniform_real_distribution<double> spread(0.8, 1.2);
-    for (int k = 0; k < 27; ++k) {
-      const Vector3d at(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
-      place.push_back(0.5 * spread(random) * at.cwiseProduct(size));
-      weight.push_back(0.01 * spread(random));
-      mass += weight.back();
-      centre += weight.back() * place.back();
-    }
-    centre /= mass;
-    for (std::size_t k = 0; k < 27; ++k) {
-      const Vector3d arm = place[k] - centre;
-      inertia += weight[k] * (arm.squaredNorm() * Matrix3d::Identity() - arm * arm.transpose());
-    }
-    make_kernel(lowest, flexibility, random, elastic);
-  }
-
- private:
-  void make_kernel(double lowest, double flexibility, std::mt19937& random, bool elastic) {
-    std::normal_distribution<double> normal;
-    const int modes = elastic ? 81 : 6;
-    // M^½ φ: the rigid motions, completed by any others, made orthonormal.
-    Eigen::MatrixXd fields(81, 81);
-    for (int k = 0; k < 27; ++k)
-      for (int n = 0; n < 81; ++n) {
-        const double root = std::sqrt(weight[static_cast<std::size_t>(k)]);
-        const Vector3d arm = place[static_cast<std::size_t>(k)] - centre;
-        Vector3d field(normal(random), normal(random), normal(random));
-        if (n < 3) field = Vector3d::Unit(n);
-        if (n >= 3 && n < 6) field = Vector3d::Unit(n - 3).cross(arm);
-        fields.block<3, 1>(3 * k, n) = root * field;
-      }
-    const Eigen::MatrixXd basis = Eigen::HouseholderQR<Eigen::MatrixXd>(fields).householderQ();
-    kernel.body = "cloud";
-    kernel.mass = mass;
-    kernel.centre = {centre.x(), centre.y(), centre.z()};
-    Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(kernel.inertia.data()) = inertia;
-    for (int n = 0; n < modes; ++n)
-      kernel.modes.angular_frequency.push_back(n < 6 ? 0
-                                                     : 2 * std::numbers::pi * lowest * (1 + 0.1 * (n - 6)));
-    kernel.modes.decay_rate.assign(static_cast<std::size_t>(modes), 0);
-    for (int axis = 0; axis < 3; ++axis)
-      for (int n = 0; n < modes; ++n) {
-        Vector3d momentum = Vector3d::Zero(), angular = momentum;
-        for (int k = 0; k < 27; ++k) {
-          const double root = std::sqrt(weight[static_cast<std::size_t>(k)]);
-          const Vector3d of_mass = root * basis.block<3, 1>(3 * k, n);
-          momentum += of_mass;
-          angular += place[static_cast<std::size_t>(k)].cross(of_mass);
-        }
-        kernel.loads.body_force.push_back(momentum(axis));
-        kernel.loads.rotation.push_back(angular(axis));
-      }
-    // row-major (3,N): the loops above push one axis after the other
-    for (int k = 0; k < 27; ++k) {
-      if (k == 13) continue;
-      const auto at = static_cast<std::size_t>(k);
-      add_candidate(kernel, place[at], (place[at] - centre).normalized(), 1e-6);
-      for (int axis = 0; axis < 3; ++axis)
-        for (int n = 0; n < modes; ++n)
-          kernel.surface.shape.push_back(basis(3 * k + axis, n) / std::sqrt(weight[at]));
-    }
-    kernel.surface.element_corners = 1;
-    for (int i = 0; i < 26; ++i) kernel.surface.element.push_back(i);
-    if (!(flexibility > 0)) return;
-    Eigen::MatrixXd factor(78, 78);
-    for (double& x : factor.reshaped()) x = normal(random);
-    const Eigen::MatrixXd R =
-        flexibility * (0.5 * Eigen::MatrixXd::Identity(78, 78) + 0.5 * factor * factor.transpose() / 78);
-    kernel.surface.residual_flexibility.assign(R.data(), R.data() + R.size());
-  }
-};
-
-struct Drop {
-  Matrix3d rotation = Matrix3d::Identity();
-  Vector3d velocity{0, 0, 0}, spin{0, 0, 0};
-  double height = 0;  ///< of the lowest candidate [m]
-  std::optional<Friction> friction{};
-  Vector3d gravity{0, 0, -9.81};
-};
-
-/// The cloud over the half-space z ≤ 0.
-std::shared_ptr<const Model> over_floor(const Cloud& cloud, const Drop& drop) {
-  PlacedBody body{.name = "cloud", .kernel = &cloud.kernel, .rotation = drop.rotation};
-  body.velocity = drop.velocity;
-  body.angular_velocity = drop.spin;
-  PairRequest pair{"cloud", "floor", {}, drop.height, {}};
-  pair.friction = drop.friction;
-  pair.everywhere = true;
-  return std::make_shared<const Model>(
-      build_model({body}, {{.name = "floor", .normal = Vector3d::UnitZ()}}, {pair}, drop.gravity));
-}
-
-StepOptions stepping(double rate, Rotation rotation = Rotation::finite, int per_sample = 1) {
-  return {.rotation = rotation, .step = 1 / rate, .steps_per_sample = per_sample, .block = 1};
-}
 
 Vector3d momentum(const Cloud& cloud, const Pose& pose) { return cloud.mass * pose.velocity; }
 
@@ -189,13 +79,15 @@ TEST(Floating, without_a_turn_is_the_compliant_step) {
     if (i % modes >= 3 && i % modes < 6) heavy.kernel.surface.shape[i] /= std::sqrt(times);
   for (std::size_t i = 0; i < heavy.kernel.loads.rotation.size(); ++i)
     if (i % modes >= 3 && i % modes < 6) heavy.kernel.loads.rotation[i] *= std::sqrt(times);
-  for (const std::optional<Friction>& friction :
-       {std::optional<Friction>(), std::optional<Friction>({0.4, 0.4, 0})}) {
+  using Case = std::pair<double, std::optional<Friction>>;
+  for (const auto& [rate, friction] :
+       {Case(1e5, std::nullopt), Case(1e5, Friction{0.4, 0.4, 0}), Case(1e4, Friction{0.4, 0.4, 0})}) {
     const auto model = over_floor(
         heavy,
         {.rotation = turn(0.3, {1, 2, 0}), .velocity = {0.3, 0, -1}, .height = 1e-5, .friction = friction});
-    auto finite = make_stepper(model, stepping(1e5)),
-         linear = make_stepper(model, stepping(1e5, Rotation::linear));
+    auto finite = make_stepper(model, stepping(rate)),
+         linear = make_stepper(model, stepping(rate, Rotation::linear));
+    EXPECT_EQ(finite->modal()->modes_in_residual() > 0, rate < 1e5);
     double peak = 0, most = 0;
     for (int k = 0; k < 400; ++k) {
       ASSERT_EQ(finite->step(), StepStatus::ok);
@@ -395,6 +287,53 @@ TEST(Floating, that_has_come_to_rest_stays_there_until_it_is_pushed) {
   ASSERT_TRUE(stepper->push(0, {0, 0, 2 * cloud.mass * 9.81}, Vector3d::Zero()));
   for (int k = 0; k < 5000; ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
   EXPECT_NEAR(stepper->poses()[0].position.z() - before.z(), 0.5 * 9.81 * 0.01, 0.05 * 0.5 * 9.81 * 0.01);
+}
+
+/// Points that start inside the floor would be pushed out for nothing; no contact has filled the bank.
+TEST(Floating, that_starts_inside_the_floor_gains_nothing_and_sinks_no_further) {
+  const Cloud cloud({0.1, 0.08, 0.06}, 2000, 1e-8, 3);
+  const auto model = over_floor(cloud, {.rotation = turn(0.3, {1, 2, 0}), .gravity = {0, 0, 0}});
+  model->gap.array() -= 1e-5;
+  auto stepper = make_stepper(model, stepping(1e5));
+  for (int k = 0; k < 200; ++k) {
+    ASSERT_EQ(stepper->step(), StepStatus::ok);
+    ASSERT_LE(stepper->modal()->energy().total(), 1e-20);
+    ASSERT_LE((stepper->displacement().head(26) - model->gap).maxCoeff(), 1e-5 * (1 + 1e-9));
+  }
+}
+
+/// Only the vibration of the body closes the gap, which its frame would not in the time between two searches.
+TEST(Floating, that_vibrates_into_the_floor_is_kept_out) {
+  const Cloud cloud({0.1, 0.08, 0.06}, 2000, 1e-8, 3);
+  const auto model = over_floor(cloud, {.height = 1e-5, .gravity = {0, 0, 0}});
+  for (int n = 6; n < 20; ++n) model->v0(n) = 0.05;
+  auto stepper = make_stepper(model, stepping(1e7));
+  const kernels::Surface& surface = cloud.kernel.surface;
+  const Eigen::Map<const Matrix> shape(surface.shape.data(), 78, 81);
+  double lowest = 1;
+  int touches = 0;
+  for (int k = 0; k < 10'000; ++k) {
+    ASSERT_EQ(stepper->step(), StepStatus::ok);
+    touches += stepper->active() > 0 ? 1 : 0;
+    const Vector w = shape * stepper->modal()->q;
+    for (Eigen::Index i = 0; i < 26; ++i) {
+      const Vector3d arm = Eigen::Map<const Vector3d>(&surface.node[static_cast<std::size_t>(3 * i)]) -
+                           cloud.centre + w.segment<3>(3 * i);
+      lowest = std::min(lowest, stepper->poses()[0].at(arm).z());
+    }
+  }
+  EXPECT_GT(touches, 100);
+  // Contact flattens the points by R λ, which w does not contain; 3e-5 without contact.
+  EXPECT_GT(lowest, -1e-5);
+}
+
+TEST(Floating, that_turns_too_far_in_a_step_is_refused) {
+  const Cloud cloud({0.1, 0.08, 0.06}, 2000, 1e-8, 3);
+  const auto model = over_floor(cloud, {.spin = {0, 3e9, 0}, .height = 1});
+  EXPECT_THAT(
+      ricochet::test::complaint_of([&] { make_stepper(model, stepping(1e6)); }),
+      testing::StartsWith("bodies.cloud.angular_velocity: turns the body by 3e+03 rad in a contact step, "
+                          "above 1. Raise time.contact_rate_hz"));
 }
 
 /// A constant torque about a principal axis, and a force, far from the floor.

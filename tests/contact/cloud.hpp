@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A body of 27 masses, whose modes are exact, over a floor on which it may turn by any angle.
+#pragma once
+
+#include <Eigen/QR>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <random>
+
+#include "contact/stepping/stepper.hpp"
+#include "tests/contact/bodies.hpp"
+
+namespace ricochet::contact::test {
+
+/// A cloud of 27 masses, on a lattice of irregular spacing. Its modes are an exact M-orthonormal basis of all
+/// its motions: six rigid ones, then 75 with frequencies from a list. The outer masses are candidates.
+struct Cloud {
+  std::vector<Vector3d> place;
+  std::vector<double> weight;
+  double mass = 0;
+  Vector3d centre{0, 0, 0};
+  Matrix3d inertia = Matrix3d::Zero();
+  kernels::Kernel kernel;
+
+  /// @param lowest  frequency of the first elastic mode [Hz]  @param flexibility  R_ii [m/N], 0: no R
+  Cloud(const Vector3d& size, double lowest, double flexibility, unsigned seed, bool elastic = true) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> spread(0.8, 1.2);
+    for (int k = 0; k < 27; ++k) {
+      const Vector3d at(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+      place.push_back(0.5 * spread(random) * at.cwiseProduct(size));
+      weight.push_back(0.01 * spread(random));
+      mass += weight.back();
+      centre += weight.back() * place.back();
+    }
+    centre /= mass;
+    for (std::size_t k = 0; k < 27; ++k) {
+      const Vector3d arm = place[k] - centre;
+      inertia += weight[k] * (arm.squaredNorm() * Matrix3d::Identity() - arm * arm.transpose());
+    }
+    make_kernel(lowest, flexibility, random, elastic);
+  }
+
+ private:
+  void make_kernel(double lowest, double flexibility, std::mt19937& random, bool elastic) {
+    std::normal_distribution<double> normal;
+    const int modes = elastic ? 81 : 6;
+    // M^½ φ: the rigid motions, completed by any others, made orthonormal.
+    Eigen::MatrixXd fields(81, 81);
+    for (int k = 0; k < 27; ++k)
+      for (int n = 0; n < 81; ++n) {
+        const double root = std::sqrt(weight[static_cast<std::size_t>(k)]);
+        const Vector3d arm = place[static_cast<std::size_t>(k)] - centre;
+        Vector3d field(normal(random), normal(random), normal(random));
+        if (n < 3) field = Vector3d::Unit(n);
+        if (n >= 3 && n < 6) field = Vector3d::Unit(n - 3).cross(arm);
+        fields.block<3, 1>(3 * k, n) = root * field;
+      }
+    const Eigen::MatrixXd basis = Eigen::HouseholderQR<Eigen::MatrixXd>(fields).householderQ();
+    kernel.body = "cloud";
+    kernel.mass = mass;
+    kernel.centre = {centre.x(), centre.y(), centre.z()};
+    Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(kernel.inertia.data()) = inertia;
+    for (int n = 0; n < modes; ++n)
+      kernel.modes.angular_frequency.push_back(n < 6 ? 0
+                                                     : 2 * std::numbers::pi * lowest * (1 + 0.1 * (n - 6)));
+    kernel.modes.decay_rate.assign(static_cast<std::size_t>(modes), 0);
+    for (int axis = 0; axis < 3; ++axis)
+      for (int n = 0; n < modes; ++n) {
+        Vector3d momentum = Vector3d::Zero(), angular = momentum;
+        for (int k = 0; k < 27; ++k) {
+          const double root = std::sqrt(weight[static_cast<std::size_t>(k)]);
+          const Vector3d of_mass = root * basis.block<3, 1>(3 * k, n);
+          momentum += of_mass;
+          angular += place[static_cast<std::size_t>(k)].cross(of_mass);
+        }
+        kernel.loads.body_force.push_back(momentum(axis));
+        kernel.loads.rotation.push_back(angular(axis));
+      }
+    // row-major (3,N): the loops above push one axis after the other
+    for (int k = 0; k < 27; ++k) {
+      if (k == 13) continue;
+      const auto at = static_cast<std::size_t>(k);
+      add_candidate(kernel, place[at], (place[at] - centre).normalized(), 1e-6);
+      for (int axis = 0; axis < 3; ++axis)
+        for (int n = 0; n < modes; ++n)
+          kernel.surface.shape.push_back(basis(3 * k + axis, n) / std::sqrt(weight[at]));
+    }
+    kernel.surface.element_corners = 1;
+    for (int i = 0; i < 26; ++i) kernel.surface.element.push_back(i);
+    if (!(flexibility > 0)) return;
+    Eigen::MatrixXd factor(78, 78);
+    for (double& x : factor.reshaped()) x = normal(random);
+    const Eigen::MatrixXd R =
+        flexibility * (0.5 * Eigen::MatrixXd::Identity(78, 78) + 0.5 * factor * factor.transpose() / 78);
+    kernel.surface.residual_flexibility.assign(R.data(), R.data() + R.size());
+  }
+};
+
+struct Drop {
+  Matrix3d rotation = Matrix3d::Identity();
+  Vector3d velocity{0, 0, 0}, spin{0, 0, 0};
+  double height = 0;  ///< of the lowest candidate [m]
+  std::optional<Friction> friction{};
+  Vector3d gravity{0, 0, -9.81};
+};
+
+/// The cloud over the half-space z ≤ 0.
+inline std::shared_ptr<Model> over_floor(const Cloud& cloud, const Drop& drop) {
+  PlacedBody body{.name = "cloud", .kernel = &cloud.kernel, .rotation = drop.rotation};
+  body.velocity = drop.velocity;
+  body.angular_velocity = drop.spin;
+  PairRequest pair{"cloud", "floor", {}, drop.height, {}};
+  pair.friction = drop.friction;
+  pair.everywhere = true;
+  return std::make_shared<Model>(
+      build_model({body}, {{.name = "floor", .normal = Vector3d::UnitZ()}}, {pair}, drop.gravity));
+}
+
+inline StepOptions stepping(double rate, Rotation rotation = Rotation::finite, int per_sample = 1) {
+  return {.rotation = rotation, .step = 1 / rate, .steps_per_sample = per_sample, .block = 1};
+}
+
+}  // namespace ricochet::contact::test

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The figures of bodies that turn by any angle, and their touches.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "contact/figures/figure_observer.hpp"
+#include "contact/figures/rigid_motion.hpp"
+#include "contact/figures/rotation_check.hpp"
+#include "tests/contact/cloud.hpp"
+
+namespace ricochet::contact::test {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// The warnings of a flight of 0.05 s.
+std::vector<std::string> warnings(Model& model, double wave_speed, Rotation rotation = Rotation::finite) {
+  const auto stepper = make_stepper(model, stepping(1e4, rotation));
+  RotationCheck check(model, wave_speed);
+  for (int k = 0; k < 500; ++k) {
+    EXPECT_EQ(stepper->step(), StepStatus::ok);
+    check.observe(*stepper);
+  }
+  return check.warnings();
+}
+
+TEST(RotationCheck, states_the_strain_and_the_coupling_that_are_neglected) {
+  const Cloud cloud({0.1, 0.1, 0.1}, 500, 0, 4);
+  double radius = 0;
+  for (std::size_t k = 0; k < 27; ++k)
+    if (k != 13) radius = std::max(radius, (cloud.place[k] - cloud.centre).norm());
+  const double spin = 40;
+  const auto model = over_floor(cloud, {.spin = {0, 0, spin}, .height = 5, .gravity = {0, 0, 0}});
+  for (int n = 7; n < 81; ++n) model->omega(n) = 1.05 * model->omega(n - 1);
+  // The spin of a free body varies by some per cent, as its axis is nearly a principal one.
+  EXPECT_THAT(warnings(*model, spin * radius / std::sqrt(0.8e-3)), IsEmpty());
+  EXPECT_THAT(
+      warnings(*model, spin * radius / std::sqrt(1.2e-3)),
+      ElementsAre(AllOf(HasSubstr("cloud spins at 4"), HasSubstr("centrifugal strain, about 0.0012"))));
+  EXPECT_THAT(warnings(*model, 0), IsEmpty()) << "the wave speed is not known";
+
+  model->omega(9) = 1.01 * model->omega(8);
+  // 40 rad/s · 0.05 s are 115 degrees.
+  EXPECT_THAT(warnings(*model, 0),
+              ElementsAre(AllOf(HasSubstr("modes 9 and 10 of cloud"), HasSubstr("up to the 11"))));
+  EXPECT_THAT(warnings(*model, 1, Rotation::linear), IsEmpty());
+}
+
+/// A rigid body bounces: each touch is a sequence of steps with a force, and its impulse is the change of
+/// momentum, of force and weight.
+TEST(Touches, are_the_sequences_of_steps_with_a_force_of_a_pair) {
+  const Cloud cloud({0.05, 0.04, 0.03}, 2000, 1e-8, 6);
+  const auto model =
+      over_floor(cloud, {.rotation = turn(0.4, {1, 0.5, 0}), .spin = {3, 9, 0}, .height = 2e-3});
+  const auto stepper = make_stepper(model, stepping(1e5));
+  FigureObserver observer(*model, 1e-5);
+  std::vector<Touch> expected;
+  bool touching = false;
+  double before = stepper->poses()[0].velocity.z();
+  for (int k = 1; k <= 10'000; ++k) {
+    ASSERT_EQ(stepper->step(), StepStatus::ok);
+    observer.observe(*stepper);
+    const double now = stepper->poses()[0].velocity.z(), impulse = cloud.mass * (now - before + 9.81e-5);
+    before = now;
+    const bool pressed = impulse > 1e-12 * cloud.mass;
+    if (pressed && !touching) expected.push_back({.start_s = 1e-5 * (k - 1), .end_s = {}});
+    touching = pressed;
+    if (!pressed) continue;
+    expected.back().end_s = 1e-5 * k;
+    expected.back().impulse.z() -= impulse;
+  }
+  ASSERT_FALSE(touching);
+  const std::vector<Touch> found = observer.figures().touches;
+  ASSERT_GE(expected.size(), 3);
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    EXPECT_NEAR(found[k].start_s, expected[k].start_s, 1e-12) << k;
+    EXPECT_NEAR(found[k].end_s.value(), expected[k].end_s.value(), 1e-12) << k;
+    EXPECT_LT((found[k].impulse - expected[k].impulse).norm(), 1e-9 * expected[k].impulse.norm() + 1e-14)
+        << k;
+    EXPECT_EQ(found[k].a + found[k].b, "cloudfloor");
+  }
+}
+
+/// For small rotations, both descriptions agree but for the square of the angle.
+TEST(Pose, of_linear_rotations_is_that_of_finite_ones_at_small_angles) {
+  const Cloud cloud({0.1, 0.08, 0.06}, 500, 0, 4);
+  const auto model = over_floor(
+      cloud,
+      {.rotation = turn(0.7, {1, 2, 3}), .velocity = {1, 0, 0}, .spin = {0.2, -0.1, 0.3}, .height = 5});
+  const auto finite = make_stepper(model, stepping(1e3)),
+             linear = make_stepper(model, stepping(1e3, Rotation::linear));
+  const RigidMotions motions(*model);
+  const Pose start = motions.pose(0, *linear);
+  for (int k = 0; k < 20; ++k) {
+    ASSERT_EQ(finite->step(), StepStatus::ok);
+    ASSERT_EQ(linear->step(), StepStatus::ok);
+  }
+  const Pose one = motions.pose(0, *finite), other = motions.pose(0, *linear);
+  EXPECT_LT((one.position - other.position).norm(), 1e-12);
+  EXPECT_LT((one.velocity - other.velocity).norm(), 1e-12);
+  EXPECT_NEAR(one.attitude.angularDistance(start.attitude), 0.02 * std::sqrt(0.14), 1e-4);
+  EXPECT_LT(one.attitude.angularDistance(other.attitude), 1e-4);
+  EXPECT_LT((one.spin - other.spin).norm(), 0.01 * one.spin.norm());
+}
+
+}  // namespace
+}  // namespace ricochet::contact::test
