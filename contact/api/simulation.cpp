@@ -81,9 +81,10 @@ struct Simulation::Impl {
   /// Computes the tangential forces of the points from those along their tangents.
   void turn_to_world() noexcept {
     const Eigen::Index m = force.size();
+    const contact::Matrix& tangent = contact::frames_of(model, *stepper).tangent;
     for (const contact::Model::FrictionPoint& point : model.friction)
-      tangential_force.row(point.point).noalias() = rubbing.segment<2>(point.tangential - m).transpose() *
-                                                    model.tangent.middleRows<2>(point.tangential - m);
+      tangential_force.row(point.point).noalias() =
+          rubbing.segment<2>(point.tangential - m).transpose() * tangent.middleRows<2>(point.tangential - m);
   }
 
   /// Writes row k from the last sample.

@@ -48,6 +48,9 @@ BandShare::BandShare(const Model& model, double step)
     bands_.push_back(band_of(model, body));
     if (bands_.back().end > 0) first = std::min(first, bands_.back().end / 2);
   }
+  if (model.turns)
+    for (const Bodies::Block& body : model.bodies)
+      on_candidates_.push_back(Vector::Zero(static_cast<Eigen::Index>(3 * body.kernel->surface.size())));
   const double last = std::numbers::pi / step;
   if (!(2 * first < last)) return;
   const double width = std::log(last / first) / static_cast<double>(samples);
@@ -65,8 +68,10 @@ BandShare::BandShare(const Model& model, double step)
   of_force_.assign(model.pairs.size(), Eigen::ArrayXcd::Zero(samples));
 }
 
-void BandShare::observe(double time, const Vector& force) {
+void BandShare::observe(double time, const Vector& force, const Turning* turning) {
   impulse_ += step_ * force.head(impulse_.size());
+  for (std::size_t k = 0; turning && k < on_candidates_.size(); ++k)
+    on_candidates_[k] += step_ * turning->candidate_force[k];
   if (of_force_.empty()) return;
   if (time - time_ > 1.5 * step_) {  // after a flight
     const std::complex<double> i(0, 1);
@@ -82,16 +87,29 @@ void BandShare::observe(double time, const Vector& force) {
   }
 }
 
+/// b = Σ λ̄ B / Σ λ̄ of a mode under the impulse of a pair. If bodies turn, under all impulses on the body.
+double BandShare::mode_under_impulse(int number, int mode, std::size_t p) const {
+  const Model::PairBlock& pair = model_.pairs[p];
+  const auto impulse = impulse_.segment(pair.first_point, pair.points);
+  if (!model_.turns)
+    return impulse.dot(model_.B.col(mode).segment(pair.first_point, pair.points)) / impulse.sum();
+  const Bodies::Block& body = model_.bodies[static_cast<std::size_t>(number)];
+  const Vector& on_body = on_candidates_[static_cast<std::size_t>(number)];
+  const Eigen::Map<const Matrix> shape(body.kernel->surface.shape.data(), on_body.size(), body.modes);
+  return shape.col(mode - body.first_mode).dot(on_body) / impulse.sum();
+}
+
 /// ½ ⟨b²⟩ ∫ n |F|² dω of one pair. The force is constant over a step, so |F|² has the factor (sin x / x)², x
 /// = ωΔ/2.
-std::optional<double> BandShare::energy(const Band& band, std::size_t p) const {
+std::optional<double> BandShare::energy(int body, std::size_t p) const {
+  const Band& band = bands_[static_cast<std::size_t>(body)];
   const Model::PairBlock& pair = model_.pairs[p];
   const auto impulse = impulse_.segment(pair.first_point, pair.points);
   if (!(impulse.sum() > 0)) return 0;
   if (band.end == 0 || of_force_.empty() || !(band.end * step_ < std::numbers::pi)) return std::nullopt;
   double mean = 0;
   for (const int mode : band.top) {
-    const double b = impulse.dot(model_.B.col(mode).segment(pair.first_point, pair.points)) / impulse.sum();
+    const double b = mode_under_impulse(body, mode, p);
     mean += b * b / static_cast<double>(band.top.size());
   }
   const double top = std::log(band.end / 2), end = std::log(band.end);
@@ -118,7 +136,7 @@ std::optional<double> BandShare::energy() const {
   for (std::size_t p = 0; p < model_.pairs.size(); ++p)
     for (const int body : {model_.pairs[p].a, model_.pairs[p].b}) {
       if (body < 0) continue;
-      const auto found = energy(bands_[static_cast<std::size_t>(body)], p);
+      const auto found = energy(body, p);
       if (!found) return std::nullopt;
       sum += *found;
     }

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "contact/model/model.hpp"
+#include "contact/motion/turning.hpp"
 
 namespace ricochet::contact {
 
@@ -32,7 +32,8 @@ class BandShare {
 
   /// Call it after each step with a force, in the order of time.
   /// @param time  end of the step [s]. @param force  (n) λ̄, of which the first m are normal ones [N]
-  void observe(double time, const Vector& force);
+  /// @param turning  of the stepper; null unless bodies turn
+  void observe(double time, const Vector& force, const Turning* turning = nullptr);
 
   /// E [J]. No value if a pressed body has no elastic mode in its band, so that nothing is known of those
   /// above, or if steps do not sample frequencies above a band.
@@ -47,7 +48,8 @@ class BandShare {
     std::vector<int> top{};  ///< modes of the top octave, as columns of B
   };
   static Band band_of(const Model& model, const Bodies::Block& body);
-  std::optional<double> energy(const Band& band, std::size_t pair) const;
+  double mode_under_impulse(int body, int mode, std::size_t pair) const;
+  std::optional<double> energy(int body, std::size_t pair) const;
 
   const Model& model_;
   double step_, time_ = 0;
@@ -57,6 +59,7 @@ class BandShare {
   Eigen::ArrayXcd phase_, turn_;           ///< e^(−iωt) at time_, and its change over a step
   std::vector<Eigen::ArrayXcd> of_force_;  ///< Σ F Δ e^(−iωt) by pair
   Vector impulse_;                         ///< (m) Σ λ̄ Δ
+  std::vector<Vector> on_candidates_;      ///< by body (3M), if bodies turn: Σ of forces · Δ, in its axes
 };
 
 }  // namespace ricochet::contact

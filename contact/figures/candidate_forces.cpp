@@ -4,18 +4,12 @@
 namespace ricochet::contact {
 
 /// The forces p on the relative displacements u = P u_C + … push the candidates of the body by −Pᵀ p.
-void candidate_forces(const Model& model, int body, const Vector& p, std::span<const Pose> poses,
-                      Vector& out) noexcept {
+void candidate_forces(const Model& model, int body, const Vector& p, Vector& out) noexcept {
   const Selection& P = model.static_selection[static_cast<std::size_t>(body)];
   out.setZero(P.cols());
   for (Eigen::Index i = 0; i < p.size(); ++i)
     if (p(i) != 0)
       for (Selection::InnerIterator entry(P, i); entry; ++entry) out(entry.col()) -= p(i) * entry.value();
-  if (poses.empty()) return;
-  const Eigen::Matrix3d turned = poses[static_cast<std::size_t>(body)].attitude.conjugate() *
-                                 model.bodies[static_cast<std::size_t>(body)].rotation;
-  for (Eigen::Index j = 0; j < out.size(); j += 3)
-    if (!out.segment<3>(j).isZero(0)) out.segment<3>(j) = (turned * out.segment<3>(j)).eval();
 }
 
 void set_folded(const Model& model, int body, const Vector& force, Vector& q) noexcept {

@@ -3,17 +3,12 @@
 // is given.
 #pragma once
 
-#include <span>
-
 #include "contact/model/model.hpp"
-#include "contact/motion/pose.hpp"
 
 namespace ricochet::contact {
 
-/// Sets `out` (rM) [N] to the forces on the r components of M candidates under p (n).
-/// @param poses  of all bodies; empty: they have their initial attitudes
-void candidate_forces(const Model& model, int body, const Vector& p, std::span<const Pose> poses,
-                      Vector& out) noexcept;
+/// Sets `out` (rM) [N] to the forces on the r components of M candidates under p (n), unless bodies turn.
+void candidate_forces(const Model& model, int body, const Vector& p, Vector& out) noexcept;
 
 /// Sets the coordinates q (N) of the folded modes of a body that turns.
 /// @param force  (3M) on its candidates

@@ -64,7 +64,7 @@ EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium,
       if (auto warning = reach_warning(model, pair, figures.approach_m)) out.warnings.push_back(*warning);
     }
     if (pair.first_tangential >= 0) {
-      figures.friction_n = model.friction_resultant(pair, equilibrium.force).norm();
+      figures.friction_n = model.friction_resultant(pair, equilibrium.force, model).norm();
       figures.sticking_points = figures.slipping_points = 0;
       for (std::size_t f = 0; f < model.friction.size(); ++f) {
         const int i = model.friction[f].point - pair.first_point;

@@ -75,8 +75,13 @@ void FigureObserver::count(const Stepper& stepper) {
   ++out_.contact_steps;
   for (std::size_t p = 0; p < source_.pairs().size(); ++p) {
     const MotionSource::Pair& pair = source_.pairs()[p];
+    const auto own = stepper.force().segment(pair.first, pair.points);
     const Vector3d impulse =
-        step_ * pair.normal.transpose() * stepper.force().segment(pair.first, pair.points);
+        step_ *
+        (stepper.turning()
+             ? Vector3d(stepper.turning()->frames.normal.middleRows(pair.first, pair.points).transpose() *
+                        own)
+             : Vector3d(pair.normal.transpose() * own));
     count_pair(p, impulse);
     impulse_.col(static_cast<Eigen::Index>(p)) += impulse;
     episode_impulse_.col(static_cast<Eigen::Index>(p)) += impulse;

@@ -90,16 +90,12 @@ std::string LinearityCheck::turned_in_flight() const {
 
 void LinearityCheck::observe(const Stepper& stepper, const Vector& before, bool first) {
   const std::vector<RigidMotion> moved = rigid_.displacement(stepper), speed = rigid_.rates(before, stepper);
+  const RowFrames& frames = frames_of(model_, stepper);
   const auto turned = [&](int k) {
     const double angle = moved[k].rotation.norm();
     if (angle <= tilt_) return;
     tilt_ = angle;
     tilted_ = model_.bodies[k].name;
-  };
-  const auto relative = [&](const std::vector<RigidMotion>& motion, const Model::PairBlock& pair, int i) {
-    Vector3d out = motion[pair.a].at(model_.point_a.row(i).transpose());
-    if (pair.b >= 0) out -= motion[pair.b].at(model_.point_b.row(i).transpose());
-    return out;
   };
   for (std::size_t p = 0; p < model_.pairs.size(); ++p) {
     const Model::PairBlock& pair = model_.pairs[p];
@@ -110,12 +106,12 @@ void LinearityCheck::observe(const Stepper& stepper, const Vector& before, bool 
     for (int i = pair.first_point; i < pair.first_point + pair.points; ++i) {
       const bool pressed = stepper.force()(i) > 0;
       if (!pressed && !pair.reach) continue;
-      const Vector3d n = model_.normal.row(i).transpose();
-      nearer_[p] = std::max(nearer_[p], n.dot(relative(moved, pair, i)));
+      const Vector3d n = frames.normal.row(i).transpose();
+      nearer_[p] = std::max(nearer_[p], n.dot(relative_at(moved, pair, i, model_)));
       if (!pressed) continue;
-      if (first) approach_ = std::max(approach_, n.dot(relative(speed, pair, i)));
-      if (pair.b < 0) continue;  // a half-space looks the same everywhere
-      const Vector3d shift = relative(moved, pair, i);
+      if (first) approach_ = std::max(approach_, n.dot(relative_at(speed, pair, i, frames)));
+      if (pair.b < 0 || stepper.turning()) continue;  // a half-space looks the same everywhere
+      const Vector3d shift = relative_at(moved, pair, i, model_);
       const double slip = (shift - shift.dot(n) * n).norm();
       if (slip / spacing_[p] > slip_share_) {
         slip_ = slip;

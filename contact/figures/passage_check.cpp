@@ -63,7 +63,7 @@ double depth(const SurfaceProjection& a, const SurfaceProjection& b) {
 PassageCheck::PassageCheck(const Model& model) : model_(model) {
   for (std::size_t p = 0; p < model.pairs.size(); ++p) {
     const Model::PairBlock& pair = model.pairs[p];
-    if (pair.b < 0 || pair.points == 0) continue;
+    if (pair.b < 0 || pair.points == 0 || model.turns) continue;  // any part may meet if bodies turn
     Meeting meeting{.pair = static_cast<int>(p),
                     .a = surface_of(placed(model.bodies[pair.a])),
                     .b = SurfaceProjection(surface_of(placed(model.bodies[pair.b])))};

@@ -15,8 +15,8 @@ Receivers::Receivers(const Model& model, const StepOptions& options)
       compliant_(options.scheme == Scheme::compliant),
       motion_(model.receivers.size()),
       acceleration_(Vector::Zero(model.omega.size())) {
-  const std::vector<Pose> poses = initial_poses(model, options);
-  if (poses.empty()) {
+  const std::optional<Turning> turning = initial_turning(model, options);
+  if (!turning) {
     update(0, model.q0, model.initial_rates(), Vector::Zero(model.rows()));
     return;
   }
@@ -24,18 +24,15 @@ Receivers::Receivers(const Model& model, const StepOptions& options)
     own_.push_back(
         &*std::ranges::find(model.bodies[static_cast<std::size_t>(receiver.body)].kernel->receivers,
                             receiver.name, &kernels::Receiver::name));
-  Eigen::Index most = 0;
-  for (const Selection& selection : model.static_selection) most = std::max(most, selection.cols());
-  candidate_force_.setZero(most);
-  update(poses, model.q0, model.initial_rates(), Vector::Zero(model.rows()));
+  update(*turning, model.q0, model.initial_rates());
 }
 
 void Receivers::observe(const Stepper& stepper) noexcept {
   const ModalState& state = *stepper.modal();
-  if (stepper.poses().empty())
-    update(stepper.time(), state.q, state.v, stepper.end_force());
+  if (stepper.turning())
+    update(*stepper.turning(), state.q, state.v);
   else
-    update(stepper.poses(), state.q, state.v, stepper.end_force());
+    update(stepper.time(), state.q, state.v, stepper.end_force());
 }
 
 /// q̈ = f + F h − Bᵀ λ − 2δ q̇ − ω² q; impulses have already acted.
@@ -67,23 +64,22 @@ void Receivers::update(double t, const Vector& q, const Vector& v, const Vector&
 
 /// The same for bodies that turn. A point is at x = c + A (X + w) with its elastic displacement w in body
 /// axes, so that ẍ = c̈ + α × r + Ω × (Ω × r) + 2 Ω × Aẇ + Aẅ, with r = A (X + w).
-void Receivers::update(std::span<const Pose> poses, const Vector& q, const Vector& v,
-                       const Vector& force) noexcept {
+void Receivers::update(const Turning& turning, const Vector& q, const Vector& v) noexcept {
   q_ = q;
-  for (int number = 0; number < static_cast<int>(poses.size()); ++number) {
+  for (int number = 0; number < static_cast<int>(turning.poses.size()); ++number) {
     const auto is_own = [&](const Model::Receiver& receiver) { return receiver.body == number; };
     if (std::ranges::none_of(model_.receivers, is_own)) continue;
     const Bodies::Block& body = model_.bodies[static_cast<std::size_t>(number)];
-    const Pose& pose = poses[static_cast<std::size_t>(number)];
+    const Pose& pose = turning.poses[static_cast<std::size_t>(number)];
+    const Vector& force = turning.candidate_force[static_cast<std::size_t>(number)];
     const Eigen::Index first = body.first_mode + FloatingBody::rigid,
                        elastic = body.modes - FloatingBody::rigid;
-    candidate_forces(model_, number, force, poses, candidate_force_);
-    set_folded(model_, number, candidate_force_, q_);
+    set_folded(model_, number, force, q_);
     // All in the axes of the body from here on
-    const auto [total, torque] = accelerate(body, q, v);
+    const auto [total, torque] = accelerate(body, q, v, force);
     const Vector3d spin = pose.attitude.conjugate() * pose.spin;
     const Eigen::Matrix3d inertia = body.own_inertia();
-    const Vector3d turning = inertia.inverse() * (torque - spin.cross(inertia * spin));
+    const Vector3d turn = inertia.inverse() * (torque - spin.cross(inertia * spin));
     for (std::size_t k = 0; k < model_.receivers.size(); ++k) {
       if (!is_own(model_.receivers[k])) continue;
       const kernels::Receiver& own = *own_[k];
@@ -91,11 +87,10 @@ void Receivers::update(std::span<const Pose> poses, const Vector& q, const Vecto
       const auto shape = all.rightCols(elastic);
       Vector3d w = shape * q_.segment(first, elastic);
       if (!own.residual_flexibility.empty())
-        w += Eigen::Map<const Matrix>(own.residual_flexibility.data(), 3, candidate_force_.size()) *
-             candidate_force_;
+        w += Eigen::Map<const Matrix>(own.residual_flexibility.data(), 3, force.size()) * force;
       const Vector3d rate = shape * v.segment(first, elastic),
                      arm = Eigen::Map<const Vector3d>(own.point.data()) - body.own_centre() + w,
-                     relative = turning.cross(arm) + spin.cross(spin.cross(arm)) + 2 * spin.cross(rate) +
+                     relative = turn.cross(arm) + spin.cross(spin.cross(arm)) + 2 * spin.cross(rate) +
                                 shape * acceleration_.segment(first, elastic);
       motion_[k] = {.displacement = pose.at(arm) - model_.receivers[k].point,
                     .velocity = pose.velocity_at(arm, rate),
@@ -107,7 +102,7 @@ void Receivers::update(std::span<const Pose> poses, const Vector& q, const Vecto
 /// Computes q̈ of the elastic modes of a body that turns under the forces on its candidates. Returns their
 /// sum and their moment about the centre, body axes.
 std::pair<Vector3d, Vector3d> Receivers::accelerate(const Bodies::Block& body, const Vector& q,
-                                                    const Vector& v) noexcept {
+                                                    const Vector& v, const Vector& force) noexcept {
   const kernels::Surface& surface = body.kernel->surface;
   const Eigen::Index first = body.first_mode + FloatingBody::rigid,
                      elastic = body.modes - FloatingBody::rigid;
@@ -116,7 +111,7 @@ std::pair<Vector3d, Vector3d> Receivers::accelerate(const Bodies::Block& body, c
           model_.omega.segment(first, elastic).array().square() * q.segment(first, elastic).array();
   Vector3d total = Vector3d::Zero(), torque = total;
   for (std::size_t i = 0; i < surface.size(); ++i) {
-    const Vector3d f = candidate_force_.segment<3>(static_cast<Eigen::Index>(3 * i));
+    const Vector3d f = force.segment<3>(static_cast<Eigen::Index>(3 * i));
     if (f.isZero(0)) continue;
     total += f;
     torque += (Eigen::Map<const Vector3d>(&surface.places()[3 * i]) - body.own_centre()).cross(f);

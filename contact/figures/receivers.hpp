@@ -3,7 +3,6 @@
 // it.
 #pragma once
 
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -34,9 +33,9 @@ class Receivers {
 
  private:
   void update(double t, const Vector& q, const Vector& v, const Vector& force) noexcept;
-  void update(std::span<const Pose> poses, const Vector& q, const Vector& v, const Vector& force) noexcept;
+  void update(const Turning& turning, const Vector& q, const Vector& v) noexcept;
   std::pair<Eigen::Vector3d, Eigen::Vector3d> accelerate(const Bodies::Block& body, const Vector& q,
-                                                         const Vector& v) noexcept;
+                                                         const Vector& v, const Vector& force) noexcept;
 
   const Model& model_;
   bool compliant_;
@@ -44,7 +43,7 @@ class Receivers {
   Vector acceleration_;  ///< (N) q̈
   // With finite rotations
   std::vector<const kernels::Receiver*> own_;  ///< of each receiver, in body axes
-  Vector candidate_force_, q_;                 ///< (rM) of a body; (N) with folded modes
+  Vector q_;                                   ///< (N) with folded modes
 };
 
 }  // namespace ricochet::contact

@@ -73,13 +73,12 @@ void ResolutionCheck::observe(const Stepper& stepper, const Vector& before) {
 double ResolutionCheck::approach(const Stepper& stepper, const Vector& rates) const {
   const std::vector<RigidMotion> speed = rigid_.rates(rates, stepper);
   const Vector& force = stepper.force();
+  const RowFrames& frames = frames_of(model_, stepper);
   double fastest = 0;
   for (const Model::PairBlock& pair : model_.pairs)
     for (int i = pair.first_point; i < pair.first_point + pair.points; ++i) {
       if (!(force(i) > 0)) continue;
-      Vector3d relative = speed[pair.a].at(model_.point_a.row(i).transpose());
-      if (pair.b >= 0) relative -= speed[pair.b].at(model_.point_b.row(i).transpose());
-      fastest = std::max(fastest, model_.normal.row(i).dot(relative));
+      fastest = std::max(fastest, frames.normal.row(i).dot(relative_at(speed, pair, i, frames)));
     }
   return fastest;
 }

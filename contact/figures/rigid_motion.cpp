@@ -20,6 +20,13 @@ Matrix3d pseudo_inverse(const Matrix3d& inertia) {
 
 }  // namespace
 
+Vector3d relative_at(const std::vector<RigidMotion>& motion, const Model::PairBlock& pair, Eigen::Index i,
+                     const RowFrames& frames) {
+  Vector3d out = motion[static_cast<std::size_t>(pair.a)].at(frames.point_a.row(i).transpose());
+  if (pair.b >= 0) out -= motion[static_cast<std::size_t>(pair.b)].at(frames.point_b.row(i).transpose());
+  return out;
+}
+
 RigidMotions::RigidMotions(const Model& model) : model_(model) {
   for (const Bodies::Block& body : model.bodies)
     bodies_.push_back({(model.omega.segment(body.first_mode, body.modes).array() == 0).count(),
@@ -80,7 +87,7 @@ Pose RigidMotions::pose(int number, const Stepper& stepper) const {
 std::vector<RigidMotion> RigidMotions::rates(const Vector& state, const Stepper& stepper) const {
   std::vector<RigidMotion> out = of(state);
   const std::span<const Pose> poses = stepper.poses();
-  for (std::size_t k = 0; k < poses.size(); ++k) out[k].turn *= turn(static_cast<int>(k), poses[k]);
+  for (std::size_t k = 0; k < poses.size(); ++k) out[k].centre = poses[k].position;
   return out;
 }
 

@@ -15,9 +15,14 @@ struct RigidMotion {
   /// `rotation` is that of rigid modes, or the spin; 0 for the displacement of a frame.
   Eigen::Vector3d linear{0, 0, 0}, rotation{0, 0, 0}, centre{0, 0, 0};
   Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();
-  /// Of a point with its initial place x.
+  /// Of a point with its initial place x; rates of bodies that turn, with its present place.
   Eigen::Vector3d at(const Eigen::Vector3d& x) const { return linear + turn * (x - centre); }
 };
+
+/// Of a minus b, of a point i of a pair, by the motion of each body. A half-space does not move.
+/// @param frames  where the point is, as RigidMotion::at takes it
+Eigen::Vector3d relative_at(const std::vector<RigidMotion>& motion, const Model::PairBlock& pair,
+                            Eigen::Index i, const RowFrames& frames);
 
 class RigidMotions {
  public:

@@ -17,14 +17,12 @@ constexpr double most_turned = 0.1;      // [rad]: smaller turns of a pattern do
 
 RotationCheck::RotationCheck(const Model& model, double wave_speed)
     : model_(model), wave_speed_(wave_speed), bodies_(model.bodies.size()) {
-  for (const Model::PairBlock& pair : model.pairs) {
-    const Eigen::Vector3d& centre = model.bodies[static_cast<std::size_t>(pair.a)].centre;
-    Body& body = bodies_[static_cast<std::size_t>(pair.a)];
-    for (int i = pair.first_point; i < pair.first_point + pair.points; ++i)
-      body.radius = std::max(body.radius, (model.point_a.row(i).transpose() - centre).norm());
-  }
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const Bodies::Block& block = model.bodies[k];
+    const std::vector<double>& places = block.kernel->surface.places();
+    for (std::size_t i = 0; i < places.size(); i += 3)
+      bodies_[k].radius = std::max(
+          bodies_[k].radius, (Eigen::Map<const Eigen::Vector3d>(&places[i]) - block.own_centre()).norm());
     const auto omega = model.omega.segment(block.first_mode, block.modes);
     for (int n = 0; n + 1 < block.modes && bodies_[k].first < 0; ++n)
       if (omega(n) > 0 && omega(n + 1) - omega(n) < nearly_equal * omega(n)) bodies_[k].first = n + 1;

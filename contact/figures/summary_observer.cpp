@@ -45,7 +45,8 @@ void SummaryObserver::observe(const Stepper& stepper) {
   if (figures_.touching()) {
     if (slipped_.size() > 0) observe_friction(*model, stepper);
     // Impulses have a flat spectrum, which steps bound and not modes.
-    if (stepper.options().scheme == Scheme::compliant) band_->observe(stepper.time(), stepper.force());
+    if (stepper.options().scheme == Scheme::compliant)
+      band_->observe(stepper.time(), stepper.force(), stepper.turning());
   }
   out_.precision = stepper.options().precision;
   out_.rotation = stepper.options().rotation;
@@ -55,7 +56,7 @@ void SummaryObserver::observe(const Stepper& stepper) {
 void SummaryObserver::observe_friction(const Model& model, const Stepper& stepper) {
   for (std::size_t p = 0; p < model.pairs.size(); ++p)
     friction_impulse_.col(static_cast<Eigen::Index>(p)) +=
-        step_ * model.friction_resultant(model.pairs[p], stepper.force());
+        step_ * model.friction_resultant(model.pairs[p], stepper.force(), frames_of(model, stepper));
   for (Eigen::Index f = 0; f < slipped_.size(); ++f) slipped_(f) += stepper.slip().speed(f) * step_;
   out_.ambiguous_steps = stepper.ambiguous_steps();
 }

@@ -53,12 +53,11 @@ VisualisationSurface::VisualisationSurface(const Model& model, int body, const S
 }
 
 /// The motion in the floating frame of the body.
-const SurfaceMotion& VisualisationSurface::in_frame(std::span<const Pose> poses, const Vector& q,
-                                                    const Vector& v, const Vector& force) {
+const SurfaceMotion& VisualisationSurface::in_frame(const Turning& turning, const Vector& q,
+                                                    const Vector& v) {
   using Places = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
   const Index rows = shape_.rows(), elastic = body_.modes - rigid_, first = body_.first_mode + rigid_;
-  Vector on_candidates;
-  candidate_forces(model_, number_, force, poses, on_candidates);
+  const Vector& on_candidates = turning.candidate_force[static_cast<std::size_t>(number_)];
   all_q_ = q;
   set_folded(model_, number_, on_candidates, all_q_);
   VectorXf deformation = shape_.rightCols(elastic) * all_q_.segment(first, elastic).cast<float>();
@@ -68,7 +67,7 @@ const SurfaceMotion& VisualisationSurface::in_frame(std::span<const Pose> poses,
   const auto places = [&](const VectorXd& x) {
     return Places(Eigen::Map<const Places>(x.data(), rows / 3, 3));
   };
-  const Pose& pose = poses[static_cast<std::size_t>(number_)];
+  const Pose& pose = turning.poses[static_cast<std::size_t>(number_)];
   const Eigen::Matrix3d A = pose.attitude.toRotationMatrix();
   const Eigen::Vector3d centre = body_.own_centre();
   const Places arm = (Eigen::Map<const Places>(view_.node.data(), rows / 3, 3).rowwise() -
@@ -84,8 +83,8 @@ const SurfaceMotion& VisualisationSurface::in_frame(std::span<const Pose> poses,
 }
 
 const SurfaceMotion& VisualisationSurface::at(double t, const Vector& q, const Vector& v, const Vector& force,
-                                              std::span<const Pose> poses) {
-  if (!poses.empty()) return in_frame(poses, q, v, force);
+                                              const Turning* turning) {
+  if (turning) return in_frame(*turning, q, v);
   const Index rows = shape_.rows(), elastic = body_.modes - rigid_;
   all_q_ = q;
   all_v_ = v;

@@ -6,7 +6,6 @@
 #pragma once
 
 #include <array>
-#include <span>
 #include <vector>
 
 #include "contact/model/model.hpp"
@@ -38,9 +37,9 @@ class VisualisationSurface {
   const kernels::View& view() const { return view_; }
 
   /// @param q, v, force  (N), (N), (m) the state of a stepper at time t
-  /// @param poses  of the bodies, with finite rotations; otherwise empty
+  /// @param turning  of the stepper; null unless rotations are finite
   const SurfaceMotion& at(double t, const Vector& q, const Vector& v, const Vector& force,
-                          std::span<const Pose> poses);
+                          const Turning* turning);
 
   /// Returns the points of the surface closest to x (·,3) [m], with the body in its initial placement.
   std::vector<SurfacePoint> closest(const Eigen::Ref<const Matrix>& x) const;
@@ -48,8 +47,7 @@ class VisualisationSurface {
  private:
   using Values = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-  const SurfaceMotion& in_frame(std::span<const Pose> poses, const Vector& q, const Vector& v,
-                                const Vector& force);
+  const SurfaceMotion& in_frame(const Turning& turning, const Vector& q, const Vector& v);
 
   const Model& model_;
   int number_;

@@ -62,7 +62,7 @@ MotionFile::MotionFile(const Model& model, const StepOptions& step, const Motion
 MotionFile::MotionFile(const Stepper& start, const Model& model, const MotionOptions& options)
     : MotionFile(model, start.options(), options) {
   frame(0, start.modal()->q, start.modal()->v, start.displacement(), start.force(), start.end_force(),
-        start.slip().states(), start.poses());
+        start.slip().states(), start.turning());
 }
 
 MotionFile::MotionFile(const Model& model, const MotionOptions& options)
@@ -71,7 +71,7 @@ MotionFile::MotionFile(const Model& model, const MotionOptions& options)
 void MotionFile::record(const Equilibrium& equilibrium) {
   const Vector rest = Vector::Zero(model_.omega.size());
   frame(equilibrium.time, equilibrium.q, rest, equilibrium.displacement, equilibrium.force, equilibrium.force,
-        equilibrium.states, {});
+        equilibrium.states, nullptr);
 }
 
 MotionFile::Patch MotionFile::patch_of(const Model::PairBlock& pair, const std::string& name) const {
@@ -126,28 +126,30 @@ void MotionFile::write_setting(const MotionOptions& options) {
 void MotionFile::record(const Stepper& stepper) {
   if (!stepper.at_sample() || stepper.steps() / stepper.options().steps_per_sample % every_ != 0) return;
   frame(stepper.time(), stepper.modal()->q, stepper.modal()->v, stepper.displacement(), stepper.force(),
-        stepper.end_force(), stepper.slip().states(), stepper.poses());
+        stepper.end_force(), stepper.slip().states(), stepper.turning());
 }
 
 void MotionFile::frame(double t, const Vector& q, const Vector& v, const Vector& u, const Vector& force,
                        const Vector& end_force, std::span<const ContactState> states,
-                       std::span<const Pose> poses) {
+                       const Turning* turning) {
   const std::string number = number_of(time_.size());
   for (std::size_t k = 0; k < surfaces_.size(); ++k) {
     const std::string group = group_of(model_.bodies[k].name);
-    const SurfaceMotion& surface = surfaces_[k].at(t, q, v, end_force, poses);
+    const SurfaceMotion& surface = surfaces_[k].at(t, q, v, end_force, turning);
     write(file_, group + "/position" + number, surface.position, "m");
     write(file_, group + "/deformation" + number, surface.deformation, "m");
     write(file_, group + "/velocity" + number, surface.velocity, "m/s");
     for (std::size_t p = 0; p < patches_.size(); ++p)
-      if (patches_[p].pair->a == static_cast<int>(k)) contact_frame(p, number, u, force, states, surface);
+      if (patches_[p].pair->a == static_cast<int>(k))
+        contact_frame(p, number, u, force, states, surface, turning);
   }
   time_.push_back(t);
 }
 
 void MotionFile::contact_frame(std::size_t pair, const std::string& number, const Vector& u,
                                const Vector& force, std::span<const ContactState> states,
-                               const SurfaceMotion& surface) {
+                               const SurfaceMotion& surface, const Turning* turning) {
+  const RowFrames& frames = turning ? turning->frames : model_;
   const Patch& patch = patches_[pair];
   const Model::PairBlock& points = *patch.pair;
   const auto own = [&](const Vector& x) -> Vector { return x.segment(points.first_point, points.points); };
@@ -157,13 +159,14 @@ void MotionFile::contact_frame(std::size_t pair, const std::string& number, cons
     for (std::size_t j = 0; j < 3; ++j)
       position.row(i) += place.weight[j] * surface.position.row(place.node[j]).cast<double>();
   }
+  if (turning && points.b >= 0) position = frames.point_a.middleRows(points.first_point, points.points);
   const Vector lambda = own(force);
   const std::string group = group_of(pair);
   write(file_, group + "/position" + number, position, "m");
   write(file_, group + "/force" + number, lambda, "N");
   write(file_, group + "/pressure" + number, Vector(lambda.cwiseQuotient(own(model_.area))), "Pa");
   write(file_, group + "/gap" + number, Vector(own(model_.gap) - own(u)), "m");
-  Matrix push = lambda.asDiagonal() * -model_.normal.middleRows(points.first_point, points.points);
+  Matrix push = lambda.asDiagonal() * -frames.normal.middleRows(points.first_point, points.points);
   if (points.first_tangential >= 0) {
     Vector state(points.points);
     for (std::size_t f = 0; f < states.size(); ++f) {
@@ -172,7 +175,7 @@ void MotionFile::contact_frame(std::size_t pair, const std::string& number, cons
       if (i < 0 || i >= points.points) continue;
       state(i) = static_cast<double>(states[f]);
       push.row(i) -= force.segment<2>(point.tangential).transpose() *
-                     model_.tangent.middleRows(point.tangential - model_.points(), 2);
+                     frames.tangent.middleRows(point.tangential - model_.points(), 2);
     }
     write(file_, group + "/state" + number, state, "1");
   }

@@ -62,9 +62,10 @@ class MotionFile {
   Patch patch_of(const Model::PairBlock& pair, const std::string& name) const;
   void write_setting(const MotionOptions& options);
   void frame(double t, const Vector& q, const Vector& v, const Vector& u, const Vector& force,
-             const Vector& end_force, std::span<const ContactState> states, std::span<const Pose> poses);
+             const Vector& end_force, std::span<const ContactState> states, const Turning* turning);
   void contact_frame(std::size_t pair, const std::string& number, const Vector& u, const Vector& force,
-                     std::span<const ContactState> states, const SurfaceMotion& surface);
+                     std::span<const ContactState> states, const SurfaceMotion& surface,
+                     const Turning* turning);
   void write_xdmf() const;
 
   const Model& model_;

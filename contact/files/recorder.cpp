@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "contact/files/rows.hpp"
-#include "contact/motion/floating_body.hpp"
+#include "contact/motion/turning.hpp"
 
 namespace ricochet::contact {
 namespace {
@@ -65,8 +65,9 @@ Recorder::Recorder(const MotionSource& source, const StepOptions& step, const Re
   if (const Model* const model = source_.modes()) add_model_rows(*model, step, options);
   if (step.scheme == Scheme::at_rest) return;
   time_->append(0);
-  bodies_row(source_.initial_state(),
-             source_.modes() ? initial_poses(*source_.modes(), step) : std::vector<Pose>(), 0, 0);
+  const std::optional<Turning> turning =
+      source_.modes() ? initial_turning(*source_.modes(), step) : std::nullopt;
+  bodies_row(source_.initial_state(), turning ? turning->poses : std::vector<Pose>(), 0, 0);
   if (persistency_) persistency_->append(0);
 }
 
@@ -94,7 +95,7 @@ void Recorder::record(const Equilibrium& equilibrium) {
     sides_row(sides_->at_rest(equilibrium));
     friction_row(model, equilibrium.displacement, equilibrium.force, equilibrium.states);
   }
-  if (snapshots_) snapshots_->append(equilibrium.time, equilibrium.q, equilibrium.force, {});
+  if (snapshots_) snapshots_->append(equilibrium.time, equilibrium.q, equilibrium.force, nullptr);
 }
 
 void Recorder::write_points(const Model& model) {
@@ -142,7 +143,10 @@ void Recorder::add_model_rows(const Model& model, const StepOptions& step, const
   if (!model.receivers.empty()) receiver_rows_.emplace(file_, model, step, options.receivers_every);
   if (step.scheme == Scheme::at_rest) return;
   energy_->append(initial_energy(model));
-  if (snapshots_) snapshots_->append(0, model.q0, Vector::Zero(model.rows()), initial_poses(model, step));
+  if (snapshots_) {
+    const std::optional<Turning> turning = initial_turning(model, step);
+    snapshots_->append(0, model.q0, Vector::Zero(model.rows()), turning ? &*turning : nullptr);
+  }
   if (receiver_rows_) receiver_rows_->record(*receivers_);
 }
 
@@ -151,12 +155,13 @@ void Recorder::record(const Stepper& stepper) {
   const double t = stepper.time();
   const Model* const model = source_.modes();
   const bool touching = (stepper.force().array() > 0).any();
-  if (model && touching) push(*model, stepper.force(), step_);
+  if (model && touching && !turns_) push(*model, stepper.force(), step_);
   if (touching && k % every_ == 0) {
     contact_row(t, stepper.displacement(), stepper.force());
     if (model) {
       sides_row(sides_->after(stepper));
-      friction_row(*model, stepper.displacement(), stepper.force(), stepper.slip().states());
+      friction_row(frames_of(*model, stepper), stepper.displacement(), stepper.force(),
+                   stepper.slip().states());
     }
   }
   if (model) sides_->pass(stepper);
@@ -171,7 +176,7 @@ void Recorder::record(const Stepper& stepper) {
   }
   if (!model) return;
   if (snapshots_ && sample % snapshot_every_ == 0)
-    snapshots_->append(t, stepper.modal()->q, stepper.end_force(), stepper.poses());
+    snapshots_->append(t, stepper.modal()->q, stepper.end_force(), stepper.turning());
   receivers_->observe(stepper);
   if (receiver_rows_) receiver_rows_->record(*receivers_);
 }
@@ -220,15 +225,16 @@ void Recorder::contact_row(double time, const Vector& u, const Vector& force) {
 }
 
 /// Forces τ on b, displacements of a relative to b, and states of all points; 0 for points without friction.
-void Recorder::friction_row(const Model& model, const Vector& w, const Vector& force,
+void Recorder::friction_row(const RowFrames& frames, const Vector& w, const Vector& force,
                             std::span<const ContactState> states) {
   if (contact_.state == nullptr) return;
+  const Model& model = *source_.modes();
   const Eigen::Index m = model.points();
   Matrix pushed = Matrix::Zero(m, 3), moved = pushed;
   Vector state = Vector::Zero(m);
   for (std::size_t f = 0; f < states.size(); ++f) {
     const auto& [point, row, law] = model.friction[f];
-    const auto tangents = model.tangent.middleRows(row - m, 2);
+    const auto tangents = frames.tangent.middleRows(row - m, 2);
     pushed.row(point) = force.segment<2>(row).transpose() * tangents;
     if (!turns_ || states[f] != ContactState::open)
       moved.row(point) = w.segment<2>(row).transpose() * tangents;

@@ -86,7 +86,7 @@ class Recorder {
   void bodies_row(const Vector& state, std::span<const Pose> poses, double from, double to);
   void contact_row(double time, const Vector& u, const Vector& force);
   void sides_row(const SidesMotion& sides);
-  void friction_row(const Model& model, const Vector& w, const Vector& force,
+  void friction_row(const RowFrames& frames, const Vector& w, const Vector& force,
                     std::span<const ContactState> states);
 
   MotionSource source_;

@@ -34,19 +34,21 @@ SnapshotRows::SnapshotRows(base::hdf5::Writer& file, const Model& model, bool tu
   }
 }
 
-void SnapshotRows::append(double time, const Vector& q, const Vector& p, std::span<const Pose> poses) {
+void SnapshotRows::append(double time, const Vector& q, const Vector& p, const Turning* turning) {
   time_.append(time);
   Vector whole = q;
-  if (poses.empty()) set_folded(model_, time, p, whole);
+  if (!turning) set_folded(model_, time, p, whole);
   for (const Model::Forcing& one : model_.forcing)
     whole.segment(one.first_mode, one.lift.size()) += one.history.at(time) * one.lift;
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const Bodies::Block& body = model_.bodies[k];
     const Body& rows = bodies_[k];
-    candidate_forces(model_, static_cast<int>(k), p, poses, force_);
-    if (!poses.empty()) {
+    if (turning) {
+      force_ = turning->candidate_force[k];
       set_folded(model_, static_cast<int>(k), force_, whole);
-      rows.pose->append(poses[k]);
+      rows.pose->append(turning->poses[k]);
+    } else {
+      candidate_forces(model_, static_cast<int>(k), p, force_);
     }
     rows.modal->append(span_of(whole.segment(body.first_mode, body.modes)));
     if (rows.force != nullptr) append_forces(rows, force_, body.kernel->surface.residual_components());

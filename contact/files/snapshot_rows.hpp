@@ -13,12 +13,11 @@
 
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "base/hdf5_writer.hpp"
 #include "contact/files/pose_rows.hpp"
-#include "contact/model/model.hpp"
+#include "contact/motion/turning.hpp"
 
 namespace ricochet::contact {
 
@@ -29,8 +28,8 @@ class SnapshotRows {
   SnapshotRows(base::hdf5::Writer& file, const Model& model, bool turns);
 
   /// @param q, p  (N), (n) modal coordinates and forces at `time` [s]; p = 0 under impulses
-  /// @param poses  of the bodies; empty unless they turn
-  void append(double time, const Vector& q, const Vector& p, std::span<const Pose> poses);
+  /// @param turning  of the stepper; null unless bodies turn
+  void append(double time, const Vector& q, const Vector& p, const Turning* turning);
 
  private:
   using Rows = base::hdf5::Rows;

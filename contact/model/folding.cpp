@@ -51,6 +51,11 @@ std::shared_ptr<const Model> fold(std::shared_ptr<const Model> model, const Step
   assert(model->folded.modes.empty());
   const auto out = std::make_shared<Model>(*model);
   Model::Folded& folded = out->folded;
+  if (model->turns) {  // loads are 0, and steps compute R themselves
+    for (const int n : modes) out->load(n) = out->q0(n) = out->v0(n) = 0;
+    folded.modes = std::move(modes);
+    return out;
+  }
   folded.B = model->B(Eigen::all, modes);
   folded.load = model->load(modes);
   folded.force.setZero(std::ssize(modes), std::ssize(model->forcing));

@@ -108,8 +108,8 @@ void add_receivers(Model& model, int k) {
     Model::Receiver out{.name = receiver.name, .body = k, .shape = {}, .flexibility = {}, .forcing = {}};
     out.point = block.rotation * Eigen::Map<const Vector3d>(receiver.point.data()) + block.translation;
     out.shape = block.rotation * matrix(receiver.shape, 3, block.modes);
-    out.flexibility = Matrix::Zero(3, P.rows());
-    if (!receiver.residual_flexibility.empty())
+    if (!model.turns) out.flexibility = Matrix::Zero(3, P.rows());
+    if (!model.turns && !receiver.residual_flexibility.empty())
       out.flexibility =
           -block.rotation * (matrix(receiver.residual_flexibility, 3, P.cols()) * P.transpose());
     if (!receiver.body_force_residual.empty())
@@ -162,7 +162,7 @@ void refuse_sag(const Model& model) {
   const Vector u = model.initial_displacement().head(model.points());
   Eigen::Index i = 0;
   const double depth = u.size() > 0 ? (u - model.gap).maxCoeff(&i) : 0;
-  if (u.size() == 0) return;
+  if (u.size() == 0 || model.turns) return;
   // 1e-9: of the displacement: above the round-off of the sum over modes. A body that lies on another one and
   // can move rigidly hardly deforms; its modal forces are then round-off of √m g.
   double weight = 0;
@@ -183,6 +183,7 @@ void refuse_sag(const Model& model) {
 }
 
 Vector Model::initial_displacement() const {
+  if (turns) return Vector::Zero(rows());
   Vector out = B * q0 + static_displacement;
   for (const Forcing& one : forcing) out += one.history.at(0) * one.displacement;
   return out;

@@ -37,8 +37,12 @@ struct ForcingRequest {
 struct Model : Bodies, Rows {
   /// (n) R_ii of the kernels, and the share of body a in it: under the patches themselves, without folded
   /// modes [m/N].
-  Vector patch_flexibility() const { return folded.modes.empty() ? Vector(R.diagonal()) : folded.R; }
+  Vector patch_flexibility() const {
+    if (turns) return patch_R;
+    return folded.modes.empty() ? Vector(R.diagonal()) : folded.R;
+  }
   Vector patch_flexibility_of_a() const {
+    if (turns) return patch_R;  // no patch bulges between two bodies that turn
     return folded.modes.empty() ? Vector(residual_of_a().diagonal()) : folded.R_a;
   }
   /// (m) springs of the points; empty if no point has one.

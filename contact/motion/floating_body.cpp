@@ -2,6 +2,7 @@
 #include "contact/motion/floating_body.hpp"
 
 #include "base/format.hpp"
+#include "contact/motion/turning.hpp"
 #include "ricochet/error.hpp"
 
 namespace ricochet::contact {
@@ -101,10 +102,12 @@ std::vector<FloatingBody> floating_bodies(const Model& model) {
   return out;
 }
 
-std::vector<Pose> initial_poses(const Model& model, const StepOptions& options) {
-  std::vector<Pose> out;
-  if (options.rotation == Rotation::finite)
-    for (const FloatingBody& body : floating_bodies(model)) out.push_back(body.pose());
+std::optional<Turning> initial_turning(const Model& model, const StepOptions& options) {
+  if (options.rotation != Rotation::finite) return std::nullopt;
+  Turning out{.poses = {}, .frames = model, .candidate_force = {}};
+  for (const FloatingBody& body : floating_bodies(model)) out.poses.push_back(body.pose());
+  for (const Selection& selection : model.selection)
+    out.candidate_force.push_back(Vector::Zero(selection.cols()));
   return out;
 }
 

@@ -11,7 +11,6 @@
 #include "contact/model/model.hpp"
 #include "contact/motion/free_rotation.hpp"
 #include "contact/motion/pose.hpp"
-#include "ricochet/step_options.hpp"
 
 namespace ricochet::contact {
 
@@ -69,7 +68,5 @@ struct FloatingBody {
 
 /// The bodies of a model at t = 0. Throws InputError as the constructor does.
 std::vector<FloatingBody> floating_bodies(const Model& model);
-/// Their poses, with finite rotations; otherwise empty.
-std::vector<Pose> initial_poses(const Model& model, const StepOptions& options);
 
 }  // namespace ricochet::contact

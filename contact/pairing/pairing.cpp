@@ -131,6 +131,54 @@ Pairing find_pairs(const PlacedBody& a, const HalfSpace& b, bool everywhere) {
   return out;
 }
 
+/// The largest number of creases of two bodies that turn which may cross at a time.
+constexpr std::size_t most_crossings = 24;
+
+/// The point of a that is x, or of b if `flips`, with what it is nearest to on the other surface.
+std::optional<Pairing::Point> nearest(const Vector3d& x, Pairing::Weights own, double area,
+                                      const SurfaceProjection& onto, bool flips) {
+  const auto y = onto.closest(x);
+  if (!y) return std::nullopt;
+  const Vector3d way = y->point - x;
+  const double length = way.norm();
+  // Beyond an edge, the way leads aside; inside, along the normal.
+  const bool inside = y->normal.dot(way) > 0.9 * length && length > 0;
+  Vector3d n = length > 0 ? Vector3d((inside ? -1 : 1) / length * way) : Vector3d(-y->normal);
+  const double gap = inside ? -length : length;
+  if (flips) return Pairing::Point{y->point, x, -n, gap, area, 0, weights_of(*y), std::move(own)};
+  return Pairing::Point{x, y->point, n, gap, area, 0, std::move(own), weights_of(*y)};
+}
+
+double mean_size(const WorldSurface& surface) {
+  double sum = 0;
+  for (const WorldSurface::Element& element : surface.element) sum += element.size;
+  return sum / static_cast<double>(std::max<std::size_t>(surface.element.size(), 1));
+}
+
+/// All points of two bodies that may touch while they turn: the candidates of the one with the finer mesh,
+/// those of the other one on its creases, and points for creases that cross.
+Pairing find_all(const SurfaceProjection& over_a, const SurfaceProjection& over_b) {
+  const WorldSurface &a = over_a.surface(), &b = over_b.surface();
+  const bool a_is_finer = mean_size(a) <= mean_size(b);
+  Pairing out;
+  const auto add = [&](const WorldSurface& from, const SurfaceProjection& onto, bool all, bool flips) {
+    for (std::size_t i = 0; i < from.node.size(); ++i)
+      if (all || from.on_crease[i])
+        if (auto point = nearest(from.crest[i], {{static_cast<int>(i), 1.0}}, from.area[i], onto, flips))
+          out.points.push_back(std::move(*point));
+  };
+  add(a, over_b, a_is_finer, false);
+  out.candidates_of_a = static_cast<int>(out.points.size());
+  add(b, over_a, !a_is_finer, true);
+  out.candidates_of_b = static_cast<int>(out.points.size()) - out.candidates_of_a;
+  for (std::size_t k = 0; k < std::min({most_crossings, a.crease.size(), b.crease.size()}); ++k) {
+    const auto [i, j] = a.crease[k].node;
+    auto point = nearest((a.node[i] + a.node[j]) / 2, {{i, 0.5}, {j, 0.5}}, 0, over_b, false);
+    if (point) out.points.push_back(std::move(*point));
+  }
+  return out;
+}
+
 const Pairing::Point& closest_pair(const Pairing& pairing) {
   return *std::min_element(pairing.points.begin(), pairing.points.end(),
                            [](const auto& p, const auto& q) { return p.gap < q.gap; });
@@ -153,7 +201,10 @@ Pairing arrange(PlacedBody a, const PairRequest& request, double round_off, Find
     if (!(*request.gap >= 0))
       throw InputError(base::format("{}: gap = {}: must not be negative.", title(request), *request.gap));
     Vector3d way = Vector3d::Zero();
-    for (const auto& point : out.points) way += point.area * point.normal;
+    if (request.everywhere)
+      way = closest_pair(out).normal;
+    else
+      for (const auto& point : out.points) way += point.area * point.normal;
     way = request.direction.value_or(way.normalized());
     Vector3d shift = Vector3d::Zero();
     // Newton's method. With a given direction, the first round is exact; otherwise, pairs change as a moves.
@@ -202,6 +253,10 @@ Pairing pair(const PlacedBody& a, const PlacedBody& b, const PairRequest& reques
   check_component(a, request.direction, request);
   check_component(b, request.direction, request);
   const SurfaceProjection over_a(surface_of(a)), onto(surface_of(b));
+  if (request.everywhere)
+    return arrange(a, request, round_off_of(over_a.surface(), onto.surface()), [&](const PlacedBody& moved) {
+      return find_all(SurfaceProjection(surface_of(moved)), onto);
+    });
   return arrange(a, request, round_off_of(over_a.surface(), onto.surface()), [&](const PlacedBody& moved) {
     return find_pairs(over_a, moved.translation - a.translation, onto, request.direction);
   });

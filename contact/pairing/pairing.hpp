@@ -43,8 +43,8 @@ struct PairRequest {
   /// [m] drops pairs whose initial gap exceeds that of the closest pair by this distance or more
   std::optional<double> zone{};
   std::optional<Friction> friction{};  ///< no value: frictionless
-  /// Keeps candidates that face away from a half-space, because the body turns, with the whole of their
-  /// bulges.
+  /// Because bodies turn: keeps candidates that face away from a half-space, with the whole of their bulges,
+  /// and takes all candidates of two bodies.
   bool everywhere = false;
   bool operator==(const PairRequest&) const = default;
 };
@@ -63,6 +63,7 @@ struct Pairing {
     Weights of_b;                  ///< W: candidates of b around y_i; empty for a half-space
   };
   std::vector<Point> points;
+  int candidates_of_a = 0, candidates_of_b = 0;  ///< between bodies that turn, as in Rows::PairBlock
   int unpaired = 0;               ///< number of candidates of a that face nothing or lie beyond reach
   int beyond_reach = 0;           ///< number of points that lie beyond reach
   std::optional<double> reach{};  ///< [m] the initial gap at which pairs were dropped, by reach or zone

@@ -230,8 +230,8 @@ std::optional<Projection> intersection(const WorldSurface& b, const Element& ele
 
 /// Weights of the point of a triangle p, p + e1, p + e2 that is closest to x.
 /// Source: Ericson, Real-Time Collision Detection, 2005, 5.1.5, by Voronoi regions.
-std::array<double, 3> closest_weights(const Vector3d& p, const Vector3d& e1, const Vector3d& e2,
-                                      const Vector3d& x) {
+std::array<double, 3> weights_in_triangle(const Vector3d& p, const Vector3d& e1, const Vector3d& e2,
+                                          const Vector3d& x) {
   const Vector3d r = x - p;
   const double d1 = e1.dot(r), l1 = e1.squaredNorm();
   const double d2 = e2.dot(r);
@@ -251,16 +251,6 @@ std::array<double, 3> closest_weights(const Vector3d& p, const Vector3d& e1, con
   }
   const double sum = va + vb + vc;
   return {va / sum, vb / sum, vc / sum};
-}
-
-/// Weights of the point on the chords of an element that is closest to x.
-std::array<double, 3> closest_weights(const WorldSurface& b, const Element& element, const Vector3d& x) {
-  const Vector3d& p = b.node[element.corner[0]];
-  if (b.corners == 1) return {1, 0, 0};
-  const Vector3d e1 = b.node[element.corner[1]] - p;
-  if (b.corners == 3) return closest_weights(p, e1, b.node[element.corner[2]] - p, x);
-  const double s = e1.squaredNorm() > 0 ? std::clamp(e1.dot(x - p) / e1.squaredNorm(), 0.0, 1.0) : 0;
-  return {1 - s, s, 0};
 }
 
 constexpr double none = std::numeric_limits<double>::max();
@@ -299,6 +289,15 @@ struct Nearest {
 
 }  // namespace
 
+std::array<double, 3> closest_weights(const WorldSurface& b, const Element& element, const Vector3d& x) {
+  const Vector3d& p = b.node[element.corner[0]];
+  if (b.corners == 1) return {1, 0, 0};
+  const Vector3d e1 = b.node[element.corner[1]] - p;
+  if (b.corners == 3) return weights_in_triangle(p, e1, b.node[element.corner[2]] - p, x);
+  const double s = e1.squaredNorm() > 0 ? std::clamp(e1.dot(x - p) / e1.squaredNorm(), 0.0, 1.0) : 0;
+  return {1 - s, s, 0};
+}
+
 double radius_of(const Element& element) {
   double bend = 0;
   for (const Vector3d& c : element.bend) bend += c.norm();
@@ -312,7 +311,7 @@ double smallest_element(const WorldSurface& surface) {
 }
 
 double square_distance(const Vector3d& x, const std::array<Vector3d, 3>& triangle) {
-  const auto w = closest_weights(triangle[0], triangle[1] - triangle[0], triangle[2] - triangle[0], x);
+  const auto w = weights_in_triangle(triangle[0], triangle[1] - triangle[0], triangle[2] - triangle[0], x);
   return (w[0] * triangle[0] + w[1] * triangle[1] + w[2] * triangle[2] - x).squaredNorm();
 }
 

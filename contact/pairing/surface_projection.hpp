@@ -72,6 +72,10 @@ double radius_of(const WorldSurface::Element& element);
 /// Size of the smallest element of a surface [m]; infinite without elements.
 double smallest_element(const WorldSurface& surface);
 
+/// Weights of the corners of an element at the point of its chords that is closest to x.
+std::array<double, 3> closest_weights(const WorldSurface& surface, const WorldSurface::Element& element,
+                                      const Eigen::Vector3d& x);
+
 /// Square of the distance of a point from a flat triangle [m²].
 double square_distance(const Eigen::Vector3d& x, const std::array<Eigen::Vector3d, 3>& triangle);
 

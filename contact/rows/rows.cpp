@@ -155,6 +155,8 @@ int list_pairs(const Placement& placement, Rows& out) {
     if (pair.pairing.beyond_reach > 0) block.reach = pair.pairing.reach;
     if (count > 0) block.initial_gap = std::ranges::min(pair.pairing.points, {}, &Pairing::Point::gap).gap;
     block.apart = pair.apart;
+    block.candidates_of_a = pair.pairing.candidates_of_a;
+    block.candidates_of_b = pair.pairing.candidates_of_b;
     if (pair.b < 0) block.obstacle = pair.request.a == bodies[pair.a].name ? pair.request.b : pair.request.a;
     points += count;
   }
@@ -207,6 +209,21 @@ double along(const Selection& P, Eigen::Index i, const double* x) noexcept {
   return sum;
 }
 
+/// Sets R_ii of points whose patches bulge.
+void set_patch_flexibility(Rows& rows, const Bodies& bodies) {
+  rows.patch_R.setZero(rows.rows());
+  for (std::size_t k = 0; k < bodies.bodies.size(); ++k) {
+    const auto& flexibility = bodies.bodies[k].kernel->surface.residual_flexibility;
+    const Selection& P = rows.static_selection[k];
+    for (Eigen::Index i = 0; i < rows.points() && !flexibility.empty(); ++i) {
+      if (!(rows.bulge(i) > 0) || P.row(i).nonZeros() == 0) continue;
+      rows.yielded.setZero();
+      add_row(P, i, Eigen::Map<const Matrix>(flexibility.data(), P.cols(), P.cols()), rows.yielded.data());
+      rows.patch_R(i) += along(P, i, rows.yielded.data());
+    }
+  }
+}
+
 }  // namespace
 
 /// The first tangent is perpendicular to the axis of the world that is closest to the tangent plane.
@@ -227,16 +244,16 @@ Vector Rows::PairBlock::part_of(const Vector& x) const {
   return out;
 }
 
-Vector3d Rows::friction_resultant(const PairBlock& pair, const Vector& force) const {
+Vector3d Rows::friction_resultant(const PairBlock& pair, const Vector& force, const RowFrames& frames) const {
   if (pair.first_tangential < 0) return Vector3d::Zero();
-  return tangent.middleRows(pair.first_tangential - points(), 2 * pair.points).transpose() *
+  return frames.tangent.middleRows(pair.first_tangential - points(), 2 * pair.points).transpose() *
          force.segment(pair.first_tangential, 2 * pair.points);
 }
 
 Vector3d Rows::resultant(const PairBlock& pair, const Vector& force) const {
   return normal.middleRows(pair.first_point, pair.points).transpose() *
              force.segment(pair.first_point, pair.points) +
-         friction_resultant(pair, force);
+         friction_resultant(pair, force, *this);
 }
 
 void use_mean_gaps(Rows& rows) {
@@ -271,10 +288,14 @@ Rows build_rows(const Placement& placement, const Bodies& bodies) {
   Rows out;
   const Eigen::Index rows = list_pairs(placement, out);
   set_points(placement, rows, out);
-  out.B.setZero(rows, bodies.omega.size());
-  out.R.setZero(rows, rows);
-  if (std::ranges::any_of(out.pairs, [](const Rows::PairBlock& pair) { return pair.b >= 0; }))
-    out.R_a.setZero(rows, rows);
+  out.turns =
+      std::ranges::any_of(placement.pairs, [](const ContactPair& pair) { return pair.request.everywhere; });
+  if (!out.turns) {
+    out.B.setZero(rows, bodies.omega.size());
+    out.R.setZero(rows, rows);
+    if (std::ranges::any_of(out.pairs, [](const Rows::PairBlock& pair) { return pair.b >= 0; }))
+      out.R_a.setZero(rows, rows);
+  }
   for (Vector* v : {&out.static_displacement, &out.static_a}) v->setZero(rows);
   Eigen::Index most = 0;
   for (std::size_t k = 0; k < placement.bodies.size(); ++k) {
@@ -289,9 +310,12 @@ Rows build_rows(const Placement& placement, const Bodies& bodies) {
   }
   out.yielded.setZero(most);
   out.body_a.resize(static_cast<std::size_t>(rows));
-  fill(out, bodies);
+  if (out.turns)
+    set_patch_flexibility(out, bodies);
+  else
+    fill(out, bodies);
   for (Eigen::Index i = 0; i < out.points(); ++i)
-    if (!(out.R(i, i) > 0)) out.gap(i) += std::exchange(out.bulge(i), 0.0);
+    if (!((out.turns ? out.patch_R(i) : out.R(i, i)) > 0)) out.gap(i) += std::exchange(out.bulge(i), 0.0);
   return out;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The rows of contact between placed bodies: paired candidates of all pairs (m), then two rows for each point
-// with friction (model.hpp). They are constant while the bodies keep their frames and their pairs.
+// with friction (model.hpp). They are constant while the bodies keep their frames and their pairs. If bodies
+// turn, the rows have no matrices here: contact/stepping/moving_points.hpp computes those of a step.
 #pragma once
 
 #include <Eigen/Dense>
@@ -18,19 +19,26 @@ namespace ricochet::contact {
 /// P (n, cM) of one body, with u = Σ_bodies P · (displacement of its candidates in its own frame).
 using Selection = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
-struct Rows {
-  Matrix B;  ///< (n,N) [kg^-1/2]
-  Matrix R;  ///< (n,n) [m/N]; zero if the kernels contain none
+/// Where the rows act, in world axes.
+struct RowFrames {
+  Matrix point_a, point_b, normal;  ///< (m,3) x̂_i and y_i [m], n_i
+  Matrix tangent{};                 ///< (2f,3) of each tangential row
+};
+
+struct Rows : RowFrames {
+  bool turns = false;  ///< whether bodies turn: B, R and R_a are then empty
+  Matrix B;            ///< (n,N) [kg^-1/2]
+  Matrix R;            ///< (n,n) [m/N]; zero if the kernels contain none
   bool has_residual = true;
   Vector gap;  ///< (m) g [m]
   /// (m) b, by which the patches of a pair bulge beyond their means [m]; empty: 0. A point with b > 0 has a
   /// spring if it has residual flexibility; the bulges of other points belong to their gaps.
   Vector bulge;
   Vector static_displacement;  ///< (n) constant part of s, due to gravity [m]
-  Matrix R_a{};     ///< (n,n) share of body a of each row in R [m/N]; empty if no pair has a second body
-  Vector static_a;  ///< (n) share of body a in static_displacement [m]
-  Vector area;      ///< (m) [m²]
-  Matrix point_a, point_b, normal;  ///< (m,3) world
+  Matrix R_a{};      ///< (n,n) share of body a of each row in R [m/N]; empty if no pair has a second body
+  Vector static_a;   ///< (n) share of body a in static_displacement [m]
+  Vector patch_R{};  ///< (n) if bodies turn: R_ii of points that bulge, at the start [m/N]
+  Vector area;       ///< (m) [m²]
   /// (m) how many smooth faces of a body meet at the point: 1 within a face, 2 on a crease, more at a corner.
   std::vector<int> faces{};
 
@@ -41,11 +49,10 @@ struct Rows {
     Friction law;
   };
   std::vector<FrictionPoint> friction{};  ///< (f) in the order of their points
-  Matrix tangent{};                       ///< (2f,3) of each tangential row, world
 
-  const Matrix& residual_of_a() const { return R_a.size() > 0 ? R_a : R; }  ///< R_a
-  Eigen::Index points() const { return gap.size(); }                        ///< m
-  Eigen::Index rows() const { return B.rows(); }                            ///< n = m + 2 f
+  const Matrix& residual_of_a() const { return R_a.size() > 0 ? R_a : R; }   ///< R_a
+  Eigen::Index points() const { return gap.size(); }                         ///< m
+  Eigen::Index rows() const { return points() + 2 * std::ssize(friction); }  ///< n
 
   /// The tangential motion of a half-space.
   struct Belt {
@@ -57,11 +64,14 @@ struct Rows {
 
   struct PairBlock {
     int first_point = 0, points = 0, unpaired = 0;
-    int a = 0, b = -1;                    ///< indices of the bodies; b = −1 for a half-space
-    std::optional<double> reach;          ///< [m] set if points beyond it were dropped
-    std::string obstacle{};               ///< name of the half-space, if b = −1
-    int first_tangential = -1;            ///< with friction: the first of the 2 · points tangential rows
-    double initial_gap = 0;               ///< g of the closest pair [m]
+    int a = 0, b = -1;            ///< indices of the bodies; b = −1 for a half-space
+    std::optional<double> reach;  ///< [m] set if points beyond it were dropped
+    std::string obstacle{};       ///< name of the half-space, if b = −1
+    int first_tangential = -1;    ///< with friction: the first of the 2 · points tangential rows
+    double initial_gap = 0;       ///< g of the closest pair [m]
+    /// Between bodies that turn: the first points are candidates of a, the next ones candidates of b; the
+    /// others are for creases that cross.
+    int candidates_of_a = 0, candidates_of_b = 0;
     std::optional<TrueDistance> apart{};  ///< of the surfaces, at the start
     /// x (n) at the rows of this pair, and 0 elsewhere.
     Vector part_of(const Vector& x) const;
@@ -77,8 +87,9 @@ struct Rows {
 
   /// Force of a pair on its body b [N]. @param force  (n)
   Eigen::Vector3d resultant(const PairBlock& pair, const Vector& force) const;
-  /// The part of it due to friction [N].
-  Eigen::Vector3d friction_resultant(const PairBlock& pair, const Vector& force) const;
+  /// The part of it due to friction [N]. @param frames  of the rows, which are elsewhere if bodies turn
+  Eigen::Vector3d friction_resultant(const PairBlock& pair, const Vector& force,
+                                     const RowFrames& frames) const;
 };
 
 /// Lists the rows of pairs, and fills them. Throws InputError if a kernel omits a paired candidate, or if a

@@ -29,11 +29,6 @@ constexpr double largest_turn = 1;
 constexpr int search_every = 16;
 
 void check(const Model& model, const StepOptions& options) {
-  if (model.bodies.size() > 1)
-    throw InputError(
-        "motion.rotation = \"finite\": bodies meet obstacles only, and several would pass through each "
-        "other. "
-        "Leave one body in the scene, or set \"linear\".");
   if (options.scheme != Scheme::compliant)
     throw InputError(
         "motion.rotation = \"finite\": needs contact.scheme = \"compliant\". Choose it, or set \"linear\".");
@@ -44,6 +39,12 @@ void check(const Model& model, const StepOptions& options) {
         one.name));
 }
 
+std::vector<Islands::Sides> sides_of(const Model& model) {
+  std::vector<Islands::Sides> out;
+  for (const Model::PairBlock& pair : model.pairs) out.push_back({pair.a, pair.b});
+  return out;
+}
+
 }  // namespace
 
 FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepOptions& options)
@@ -51,16 +52,17 @@ FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepO
       state_((check(*model, options), model), options),
       bodies_(floating_bodies(*model)),
       kept_(bodies_),
+      turning_(*initial_turning(*model, options)),
       points_(*model, *state_.system),
       travels_(bodies_.size()),
+      islands_(static_cast<int>(bodies_.size()), sides_of(*model)),
       // A moving obstacle may speed a body up; without it, the energy of a body bounds its motion.
       epoch_(model->belts.empty() ? search_every : 1),
-      stored_(bodies_.size(), 0),
+      stored_(model->pairs.size(), 0),
       before_(contact_.mean),
       over_(*state_.system) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    poses_.push_back(bodies_[k].pose());
-    const double turn = poses_[k].spin.norm() * options.step;
+    const double turn = turning_.poses[k].spin.norm() * options.step;
     if (!(turn <= largest_turn))
       throw InputError(
           base::format("bodies.{}.angular_velocity: turns the body by {:.3g} rad in a contact step, above "
@@ -69,7 +71,11 @@ FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepO
   }
   for (Vector* x : {&dq_, &modal_force_}) x->setZero(model->omega.size());
   for (Vector* x : {&rest_, &rest_force_}) x->setZero(model->rows());
+  for (std::size_t k = 0; k < bodies_.size(); ++k)
+    travels_[k].distance = std::numeric_limits<double>::infinity();  // the first call finds all feet
+  points_.watch(bodies_, travels_, contact_.mean);
   points_.place(bodies_, state_.q);
+  points_.write_frames(bodies_, turning_.frames);
   u_ = points_.all();
 }
 
@@ -170,19 +176,26 @@ void FloatingStepper::carry_forces(const StepMatrices& matrices) noexcept {
         rest_.head(std::ssize(rows)) += p * matrices.R.col(static_cast<Index>(j));
   };
   product();
+  const auto pairs = static_cast<int>(model.pairs.size());
+  islands_.separate();
+  for (int pair = 0; pair < pairs; ++pair)
+    if (contact_.mean.pairs()[static_cast<std::size_t>(pair)].carries) islands_.join(pair);
+  islands_.assign();
   bool reduced = false;
-  for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    const int body = static_cast<int>(k);
-    double now = 0;
+  for (int island = 0; island < islands_.count(); ++island) {
+    double now = 0, missing = 0;
     for (std::size_t j = 0; j < rows.size(); ++j)
-      if (points_.body_of(j) == body) now += 0.5 * end_force()(rows[j]) * rest_(static_cast<Index>(j));
-    double missing = now - stored_[k];
-    for (int pair = 0; pair < static_cast<int>(model.pairs.size()); ++pair)
-      if (model.pairs[static_cast<std::size_t>(pair)].a == body) missing = contact_.mean.draw(pair, missing);
+      if (islands_.of(points_.pair_of(j)) == island)
+        now += 0.5 * end_force()(rows[j]) * rest_(static_cast<Index>(j));
+    missing = now;
+    for (int pair = 0; pair < pairs; ++pair)
+      if (islands_.of(pair) == island) missing -= stored_[static_cast<std::size_t>(pair)];
+    for (int pair = 0; pair < pairs; ++pair)
+      if (islands_.of(pair) == island) missing = contact_.mean.draw(pair, missing);
     if (!(missing > 0)) continue;
     const double share = std::sqrt(std::max(0.0, 1 - missing / now));
-    for (int pair = 0; pair < static_cast<int>(model.pairs.size()); ++pair)
-      if (model.pairs[static_cast<std::size_t>(pair)].a == body) contact_.mean.reduce(pair, share);
+    for (int pair = 0; pair < pairs; ++pair)
+      if (islands_.of(pair) == island) contact_.mean.reduce(pair, share);
     reduced = true;
   }
   if (reduced) product();
@@ -237,8 +250,9 @@ bool FloatingStepper::commit(const Work& work, double residual) noexcept {
   if (!state_.ledger.close(now, work)) return false;
   state_.q.swap(state_.next_q);
   state_.v.swap(state_.next_v);
-  for (std::size_t k = 0; k < bodies_.size(); ++k) poses_[k] = bodies_[k].pose();
+  for (std::size_t k = 0; k < bodies_.size(); ++k) turning_.poses[k] = bodies_[k].pose();
   points_.place(bodies_, state_.q);
+  points_.write_frames(bodies_, turning_.frames);
   return true;
 }
 
@@ -247,6 +261,7 @@ StepStatus FloatingStepper::end(const StepTrial& trial) noexcept {
   next_force_.setZero();
   next_end_.setZero();
   next_u_ = points_.all();
+  double power = 0;
   std::fill(stored_.begin(), stored_.end(), 0.0);
   const std::vector<PatchSpring>& springs = state_.system->springs;
   const auto rows = points_.rows();
@@ -256,15 +271,17 @@ StepStatus FloatingStepper::end(const StepTrial& trial) noexcept {
     next_force_(row) = law_.force()(at);
     const double p = next_end_(row) = law_.end()(at);
     double yielded = law_.yielded()(at);
-    next_u_(row) -= yielded;
+    const double moved = law_.u()(at) - law_.start(at);
+    // Between bodies, tangential displacements add up from step to step.
+    next_u_(row) = row >= points() && points_.between_bodies(j) ? u_(row) + moved : next_u_(row) - yielded;
+    if (row < points()) power -= next_force_(row) * moved / options_.step;
     if (!springs.empty() && row < points() && p > 0 && springs[static_cast<std::size_t>(row)].bulge > 0)
       yielded -= springs[static_cast<std::size_t>(row)].displacement(p);
-    stored_[static_cast<std::size_t>(points_.body_of(j))] += 0.5 * p * yielded;
+    stored_[static_cast<std::size_t>(points_.pair_of(j))] += 0.5 * p * yielded;
   }
   if (trial.several) ++contact_.ambiguous;
-  const Index m = points();
-  return complete(static_cast<int>((next_end_.head(m).array() > 0).count()),
-                  -next_force_.head(m).dot((next_u_ - u_).head(m)) / options_.step, trial.violation);
+  points_.write_forces(law_.end(), turning_.candidate_force);
+  return complete(static_cast<int>((next_end_.head(points()).array() > 0).count()), power, trial.violation);
 }
 
 bool FloatingStepper::push(int number, const Vector3d& force, const Vector3d& torque) noexcept {
@@ -283,12 +300,19 @@ int FloatingStepper::cross() noexcept {
   const auto steps = static_cast<int>(options_.steps_per_sample - steps_ % options_.steps_per_sample);
   if (steps_ + steps > clear_until_) {
     double clear = std::numeric_limits<double>::infinity();
-    for (std::size_t k = 0; k < bodies_.size(); ++k) {
-      const FloatingBody& body = bodies_[k];
-      const double way = points_.clearance(static_cast<int>(k), body, elastic_energy(body)),
-                   g = body.acceleration().norm(),
-                   speed = body.velocity.norm() + body.momentum.norm() * body.inertia.largest_inverse *
-                                                      points_.radius(static_cast<int>(k));
+    for (std::size_t k = 0; k < bodies_.size(); ++k) travels_[k].energy = elastic_energy(bodies_[k]);
+    for (const Model::PairBlock& pair : state_.system->model->pairs) {
+      const double way = points_.clearance(pair, bodies_, travels_);
+      Vector3d acceleration = Vector3d::Zero();
+      double speed = 0;
+      for (const int k : {pair.a, pair.b}) {
+        if (k < 0) continue;
+        const FloatingBody& body = bodies_[static_cast<std::size_t>(k)];
+        speed +=
+            body.velocity.norm() + body.momentum.norm() * body.inertia.largest_inverse * points_.radius(k);
+        acceleration += (k == pair.a ? 1 : -1) * body.acceleration();
+      }
+      const double g = acceleration.norm();
       // The time in which speed · t + g t²/2 reaches `way`.
       const double time = way > 0 ? 2 * way / (speed + std::sqrt(speed * speed + 2 * g * way)) : 0;
       clear = std::min(clear, time);

@@ -8,9 +8,10 @@
 // momenta and modes. The work of the kick is that of the mean forces over the displacements d of
 // moving_points.hpp, so that the theorem of mean_force.hpp holds for any rotation. Two things are new:
 //
-//   - The forces of the last step keep their directions in the world while the flexibility R turns with the
-//     body, which changes the energy stored in R. The bank pays for a rise. If it cannot, the forces are
-//     reduced until the energy is that of before.
+//   - The forces of the last step keep their directions, in the world or in the body that a point meets,
+//   while
+//     R turns with the bodies and points move along them, which changes the energy stored in R. The bank of
+//     the island pays for a rise. If it cannot, the forces are reduced until the energy is that of before.
 //   - A gap may be below 0 at the start, since the drift is a rotation and the step took it for a straight
 //     line, by (ΩΔ)³ r/24. Where the bank cannot pay for pushing the point out, it may only not sink further.
 //
@@ -36,7 +37,7 @@ class FloatingStepper final : public Stepper {
   /// Elastic modes in body axes; FloatingBody::write_rates gives the rates of the rigid ones, whose
   /// displacements are 0.
   const ModalState* modal() const noexcept override { return &state_; }
-  std::span<const Pose> poses() const noexcept override { return poses_; }
+  const Turning* turning() const noexcept override { return &turning_; }
   bool push(int body, const Eigen::Vector3d& force, const Eigen::Vector3d& torque) noexcept override;
 
  private:
@@ -53,15 +54,16 @@ class FloatingStepper final : public Stepper {
 
   ModalState state_;
   std::vector<FloatingBody> bodies_, kept_;  ///< now; at the start of the step
-  std::vector<Pose> poses_;
+  Turning turning_;
   MovingPoints points_;
   std::vector<MovingPoints::Travel> travels_;
+  Islands islands_;               ///< of the forces at the start of a step
   int epoch_;                     ///< steps between two searches
   std::int64_t search_at_ = 0;    ///< step of the next one
   std::int64_t clear_until_ = 0;  ///< step before which nothing can touch
   int at_rest_ = 0;               ///< searches in a row that found the bodies at rest
   Vector rest_force_;             ///< (n) p̄ at the last search [N]
-  std::vector<double> stored_;    ///< by body, in R after the last step [J]
+  std::vector<double> stored_;    ///< by pair, in R after the last step [J]
   MeanForce before_;              ///< the forces that the step starts with
   ModeConstants over_;            ///< (N) of a flight over constants_of_ steps
   int constants_of_ = 0;

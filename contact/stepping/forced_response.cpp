@@ -20,7 +20,8 @@ ForcedResponse::ForcedResponse(const Model& model, double step)
       if (const Eigen::Index i = n - one.first_mode; i >= 0 && i < one.lift.size()) one.lift(i) = 0;
   for (Eigen::Index n = 0; n < N; ++n) whole_.push_back(mode_step(omega_(n), decay_(n), step));
   softness_ = (omega_.array() > 0).select(omega_.array().square().inverse(), 0.0);
-  rest_ = s_ + model.B * softness_.cwiseProduct(model.load);
+  rest_ = s_;
+  if (!model.turns) rest_ += model.B * softness_.cwiseProduct(model.load);
   for (const Model::Forcing& one : forcing_) {
     const auto B = model.B.middleCols(one.first_mode, one.force.size());
     const auto soft = softness_.segment(one.first_mode, one.force.size()),

@@ -1,46 +1,61 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The contact points of floating bodies: where they are, and the matrices of the rows that may touch in a
+// The contact points of bodies that turn: where they are, and the matrices of the rows that may touch in a
 // step.
 //
-// A point is a candidate of a body, fixed in its axes, that may touch a half-space. In the step from t_k,
-// with the frame (c, A) of the body, its elastic displacement w = Φq and a unit vector e of a row in world
-// axes,
+// A point is a row of a pair with all that may touch there: a candidate of a body over a half-space or over
+// the surface of another body, or a crease of a that crosses one of b. It keeps its number, so that forces,
+// slip and banks follow it while it moves. A search finds what the points meet (Foot, crossing); in between
+// they are followed from element to element.
 //
-//   U = e·(x − x_0),   x = c + A (X + w)           at t_k; x_0 at t = 0
-//   d = e·(Δv + ½Δ²g) + e'·(θ × r + Φ Δq),         θ = Δ J⁻¹π,   r = X + w,   e' = A½ᵀ e
-//   M = e'ᵀ[ ½Δ² (1/m − r̂ J⁻¹ r̂) + Φ c Φᵀ ] e',   R = e'ᵀ R_body e'   between two points of a body
+// A point has an end on each of its bodies: candidates with weights, and the arm r of one common place from
+// the centre of the body. In the step from t_k, with the frame (c, A) of a body, its elastic displacement w =
+// Φq at an end, a unit vector e of a row in world axes and e' = Aᵀe,
 //
-// U + d is û of contact/law. Only the turn e' of the rows changes from step to step: the blocks Φ c Φᵀ and
-// R_body of pairs of points are gathered once, when a point joins those that may touch.
+//   U = g − (gap at t_k) in normal rows
+//   d = Σ_ends ± [ e·(Δv + ½Δ²g) + e'·(θ × r + Φ Δq) ],   θ = Δ J⁻¹π
+//   M = Σ_ends e'ᵀ[ ½Δ² (1/m − r̂ J⁻¹ r̂) + Φ c Φᵀ ] e',   R = Σ_ends e'ᵀ R_body e'   between two points
+//
+// with the sign + on body a. U + d is û of contact/law. The blocks Φ c Φᵀ and R_body between candidates are
+// constant in body axes: they are gathered once, when a candidate joins those under points that may touch.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
 #include "contact/complementarity/reserved_matrix.hpp"
 #include "contact/law/contact_law.hpp"
+#include "contact/motion/body_surface.hpp"
 #include "contact/motion/floating_body.hpp"
+#include "contact/motion/turning.hpp"
 #include "contact/stepping/step_system.hpp"
 
 namespace ricochet::contact {
 
-/// The blocks (3k,3k) of a matrix between k points, in body axes. Entries are written once.
+/// The blocks (3k,3k) of a symmetric matrix between k candidates, in body axes. Entries are written once.
 class PointBlocks {
  public:
-  explicit PointBlocks(Eigen::Index points) : entries_(static_cast<std::size_t>(9 * points * points)) {}
+  explicit PointBlocks(Eigen::Index candidates)
+      : entries_(static_cast<std::size_t>(9 * candidates * (candidates + 1) / 2)) {}
+  /// @param j  at most i
   Eigen::Map<Eigen::Matrix3d> operator()(Eigen::Index i, Eigen::Index j) noexcept {
     return Eigen::Map<Eigen::Matrix3d>(at(i, j));
   }
-  Eigen::Map<const Eigen::Matrix3d> operator()(Eigen::Index i, Eigen::Index j) const noexcept {
-    return Eigen::Map<const Eigen::Matrix3d>(const_cast<PointBlocks*>(this)->at(i, j));
+  /// Adds a multiple of a block to `out`.
+  void add(Eigen::Index i, Eigen::Index j, double weight, Eigen::Matrix3d& out) const noexcept {
+    PointBlocks& self = const_cast<PointBlocks&>(*this);
+    if (i >= j)
+      out += weight * self(i, j);
+    else
+      out += weight * self(j, i).transpose();
   }
-  /// Makes room for points 0 … count − 1.
+  /// Makes room for candidates 0 … count − 1.
   void resize(Eigen::Index count) noexcept {
     entries_.resize(static_cast<std::size_t>(9 * count * (count + 1) / 2));
   }
 
  private:
-  /// Rows of the lower triangle follow each other, so that points are added at the end.
+  /// Rows of the lower triangle follow each other, so that candidates are added at the end.
   double* at(Eigen::Index i, Eigen::Index j) noexcept { return entries_.data() + 9 * (i * (i + 1) / 2 + j); }
 
   base::Reserved<double> entries_;
@@ -48,28 +63,28 @@ class PointBlocks {
 
 class MovingPoints {
  public:
-  /// Allocates all memory. Throws InputError if a pair or a kernel does not allow bodies that turn.
+  /// Allocates all memory. Throws InputError if a kernel does not allow bodies that turn.
   MovingPoints(const Model& model, const StepSystem& system);
 
-  /// Smallest distance that a point of the body has left, whatever the phase of its modes [m]; ∞ without
-  /// points.
-  /// @param energy  of the elastic modes and of R, at most [J]
-  double clearance(int body, const FloatingBody& state, double energy) const noexcept;
-  /// Largest distance of a point from the centre of the body [m].
-  double radius(int body) const { return bodies_[static_cast<std::size_t>(body)].radius; }
-
-  /// What a body may do in an epoch.
+  /// What a body may do in a time.
   struct Travel {
     double energy = 0;    ///< of its elastic modes and of R, at most [J]
     double distance = 0;  ///< of a point with its frame [m]
   };
-  /// Begins an epoch: watches the points that may touch in it, and those with a force. @param travels  by
-  /// body
+  /// Smallest distance that a pair has left, whatever the phase of the modes of its bodies [m]; ∞ without
+  /// points. @param energy  by body, of the elastic modes and of R, at most [J]
+  double clearance(const Model::PairBlock& pair, std::span<const FloatingBody> bodies,
+                   std::span<const Travel> energies) const noexcept;
+  /// Largest distance of a point from the centre of the body [m].
+  double radius(int body) const { return bodies_[static_cast<std::size_t>(body)].radius; }
+
+  /// Begins an epoch: finds the points that may touch in it, and watches them and those with a force.
+  /// @param travels  by body
   void watch(std::span<const FloatingBody> bodies, std::span<const Travel> travels,
              const MeanForce& forces) noexcept;
 
-  /// Computes the displacements U of all points; those of points that are not watched without the elastic
-  /// part. @param q  (N)
+  /// Computes U of all points, and where watched ones are; those that are not watched are taken without their
+  /// elastic displacement, or where they were. @param q  (N)
   void place(std::span<const FloatingBody> bodies, const Vector& q) noexcept;
   /// In the middle of a step: displacements d of the watched points. Chooses the points that may touch.
   /// @param dq  (N) of the free elastic motion
@@ -78,12 +93,12 @@ class MovingPoints {
 
   std::span<const int> rows() const { return rows_; }  ///< those of points that may touch
   /// By position among these rows
-  const Vector& at_start() const { return start_; }  ///< U [m]
+  const Vector& at_start() const { return start_; }  ///< U [m]; 0 in tangential rows between bodies
   const Vector& free() const { return free_; }       ///< U + d [m]
-  const Vector& all() const { return u_; }           ///< (n) U of all rows [m]
-  int body_of(std::size_t position) const {
-    return points_[static_cast<std::size_t>(members_[static_cast<std::size_t>(owner_[position])])].body;
-  }
+  const Vector& all() const { return u_; }           ///< (n) U of all rows [m]; likewise
+  int pair_of(std::size_t position) const { return member_at(position).pair; }
+  /// Whether the point meets another body.
+  bool between_bodies(std::size_t position) const { return member_at(position).kind != Kind::obstacle; }
   /// The matrices of a step. @param a  weight of the end in the mean; 0: S_mean is not needed
   StepMatrices matrices(std::span<const FloatingBody> bodies, double step, double a) noexcept;
 
@@ -94,61 +109,129 @@ class MovingPoints {
   /// @param modal  (N) is added to
   Load load(int body, const Vector& p, Vector& modal) const noexcept;
 
+  /// Writes where the watched points are.
+  void write_frames(std::span<const FloatingBody> bodies, RowFrames& out) const noexcept;
+  /// Writes the forces on candidates under p by position. @param out  by body (3M), 0 but for the last call's
+  void write_forces(const Vector& p, std::vector<Vector>& out) noexcept;
+
  private:
+  enum class Kind : char { obstacle, candidate_of_a, candidate_of_b, creases };
+  /// Of a point on one of its bodies.
+  struct End {
+    int body = -1;
+    int count = 0;
+    std::array<int, 3> candidate{};
+    std::array<double, 3> weight{};
+    // In the middle of a step, in the axes of the body
+    Eigen::Vector3d arm{0, 0, 0};
+    Eigen::Matrix3d direction;  ///< its rows: those of the point, with the sign of the end
+  };
   struct Point {
-    int body, candidate;
-    int tangential = -1;      ///< its first tangential row
-    Eigen::Vector3d place;    ///< X, from the centre, body axes [m]
-    Eigen::Vector3d initial;  ///< x_0, world [m]
-    Eigen::Matrix3d row;      ///< unit vectors of its rows, world: normal, tangents
-    double gap = 0;           ///< g [m]
-    double give = 0;  ///< (Σ|φ|²/ω² + tr R)^½: it moves by at most give · (2E)^½ with the energy E [m/N^½]
+    Kind kind = Kind::obstacle;
+    int pair = 0;
+    int candidate = 0;                 ///< of its own body
+    int tangential = -1;               ///< its first tangential row
+    double gap = 0;                    ///< g [m]
+    Eigen::Vector3d place{0, 0, 0};    ///< X of the candidate, from the centre, body axes [m]
+    Eigen::Vector3d initial{0, 0, 0};  ///< its place at t = 0, world [m]
+    /// Rows: normal out of a, tangents. World axes over an obstacle, otherwise in the axes of the body it
+    /// meets.
+    Eigen::Matrix3d row = Eigen::Matrix3d::Zero();
+    Foot foot{};                         ///< on the body that the candidate meets
+    std::array<int, 2> crease{-1, -1};   ///< that cross, of a and of b
+    bool open = true;                    ///< whether its sides face each other, so that it may touch
+    double distance = 0;                 ///< now, without elastic displacements [m]
+    std::array<End, 2> end{};            ///< on a and on b
+    Eigen::Vector3d place_now{0, 0, 0};  ///< of the common place, in the axes of own(), from its centre [m]
+    /// Its own body, on which its common place is fixed in a step, and that of its row vectors.
+    int own() const { return kind == Kind::candidate_of_b ? 1 : 0; }
+    int other() const { return 1 - own(); }
   };
   struct Body {
-    int number = 0;
-    std::vector<int> points{};
-    double radius = 0;
-    const kernels::Surface* surface = nullptr;
-    Eigen::Index modes = 0, elastic = 0;  ///< the elastic ones come last
-    Eigen::Index first_elastic = 0;       ///< in q
+    explicit Body(const Bodies::Block& block);
+    const kernels::Surface* surface;
+    BodySurface shape;
+    Eigen::Vector3d centre;       ///< body axes [m]
+    double radius = 0;            ///< of the surface about the centre [m]
+    Eigen::Index modes, elastic;  ///< the elastic ones come last
+    Eigen::Index first_elastic;   ///< in q
+    /// (M) (Σ|φ|²/ω² + tr R)^½: a candidate moves by at most this times (2E)^½ with the energy E [m/N^½]
+    std::vector<double> give;
+    double largest_give = 0;
+    // Of candidates, computed when they are asked for in a step
+    std::vector<Eigen::Vector3d> w, dw;     ///< (M) elastic displacement, and its free change [m]
+    std::vector<std::int64_t> w_at, dw_at;  ///< (M) for which call
+    // Of candidates under points that may touch
+    std::vector<int> joined;         ///< candidates
+    std::vector<int> number_of;      ///< (M) place among them, or −1
+    PointBlocks in_modes, residual;  ///< Φ c Φᵀ and R
+    double fastest = 0,
+           elastic_fastest = 0;  ///< free displacements in the step, of the frame and beside it [m]
+    std::vector<char> used{};    ///< (M) scratch
+
     bool yields() const { return !surface->residual_flexibility.empty(); }
+    /// (3,elastic)
+    auto shape_of(int candidate) const {
+      return Eigen::Map<const Matrix>(surface->shape.data() + 3 * candidate * modes, 3, modes)
+          .rightCols(elastic);
+    }
     /// (3,3) R between two candidates
     auto flexibility(int i, int j) const {
       const auto M = static_cast<Eigen::Index>(3 * surface->size());
       return Eigen::Map<const Matrix>(surface->residual_flexibility.data(), M, M).block<3, 3>(3 * i, 3 * j);
     }
   };
-  /// Of a watched point in a step, body axes [m].
-  struct Motion {
-    Eigen::Vector3d place, free;  ///< r, and the free displacement
-  };
 
-  /// (3,elastic)
-  auto shape_of(const Point& point) const {
-    const Body& body = bodies_[static_cast<std::size_t>(point.body)];
-    const double* const first = body.surface->shape.data() + 3 * point.candidate * body.modes;
-    return Eigen::Map<const Matrix>(first, 3, body.modes).rightCols(body.elastic);
+  const Point& member_at(std::size_t position) const {
+    return points_[static_cast<std::size_t>(members_[static_cast<std::size_t>(owner_[position])])];
   }
+  Body& body(int k) { return bodies_[static_cast<std::size_t>(k)]; }
+  const Body& body(int k) const { return bodies_[static_cast<std::size_t>(k)]; }
   int rows_of(const Point& point) const { return point.tangential < 0 ? 1 : 3; }
+  void add_points(const Model& model, int pair);
   double height(const Point& point, const FloatingBody& state) const noexcept;
+  double swing_of(const Point& point, std::span<const Travel> travels) const noexcept;
+  void find_feet(int pair, std::span<const FloatingBody> bodies, double margin,
+                 const MeanForce& forces) noexcept;
+  void find_crossings(int pair, std::span<const FloatingBody> bodies, double margin,
+                      const MeanForce& forces) noexcept;
+  void meet(Point& point, const Foot& foot, std::span<const FloatingBody> bodies) noexcept;
+  bool cross(Point& point, int of_a, int of_b, std::span<const FloatingBody> bodies) noexcept;
+  void set_row(Point& point, const Eigen::Vector3d& normal) noexcept;
+  const Eigen::Vector3d& displacement(int body, int candidate, const Vector& q) noexcept;
+  Eigen::Vector3d elastic(const End& end, const Vector& q) noexcept;
+  void place_between(int number, std::span<const FloatingBody> bodies, const Vector& q) noexcept;
+  bool has_force(int number, const MeanForce& forces) const noexcept {
+    return forces.end()(number) != 0 || forces.before()(number) != 0;
+  }
+  void watch(int number) noexcept;
   void drop_members() noexcept;
-  void join(int point) noexcept;
+  void drop_candidates(Body& body) noexcept;
+  void join(int body, int candidate) noexcept;
+  bool repeats(const Point& point) const noexcept;
   void list_rows() noexcept;
+  Eigen::Vector3d force_on(const End& end, std::size_t member, const Vector& p) const noexcept;
 
   Vector c_, folded_;  ///< (N) of a step; 1/ω² of folded modes, else 0
   bool folds_ = false;
+  std::vector<Model::PairBlock> pairs_;
   std::vector<Body> bodies_;
   std::vector<Point> points_;
+  std::vector<std::vector<int>> point_of_a_;  ///< by pair and candidate of a, or −1
   std::vector<int> watched_;
   std::vector<char> is_watched_;           ///< (m)
-  std::vector<Motion> motion_;             ///< (m), of watched points
   std::vector<int> members_;               ///< points that may touch
   std::vector<int> member_of_;             ///< (m) position among members, or −1
-  PointBlocks modes_, residual_;           ///< Φ c Φᵀ and R_body, between members
   std::vector<int> rows_, owner_, along_;  ///< row, member and direction by position
   std::vector<int> tangents_at_;           ///< position of the first tangential row of each member
+  std::int64_t calls_ = 0;                 ///< of place and advance
   Vector start_, free_, u_;
-  Eigen::Matrix3Xd direction_;  ///< e' by position
+  struct Crossing {
+    int of_a, of_b;
+    double distance;
+  };
+  std::vector<Crossing> crossings_;         ///< scratch
+  std::vector<std::array<int, 2>> forced_;  ///< body and candidate with a force in write_forces
   ReservedMatrix M_, R_, S_, S_mean_;
 };
 

@@ -56,8 +56,11 @@ void ModeConstants::set_step(Eigen::Index n, double omega, double decay, double 
 }
 
 bool conserves(const Model& model, const StepOptions& options) {
-  return options.scheme == Scheme::compliant && options.contact_step == ContactStep::conserving &&
-         !model.R.isZero(0);
+  if (options.scheme != Scheme::compliant || options.contact_step != ContactStep::conserving) return false;
+  if (!model.turns) return !model.R.isZero(0);
+  return !model.folded.modes.empty() || std::ranges::any_of(model.bodies, [](const Bodies::Block& body) {
+    return !body.kernel->surface.residual_flexibility.empty();
+  });
 }
 
 std::shared_ptr<const StepSystem> make_step_system(std::shared_ptr<const Model> shared,
@@ -66,8 +69,8 @@ std::shared_ptr<const StepSystem> make_step_system(std::shared_ptr<const Model> 
   check(model, options);
   const bool compliant = options.scheme == Scheme::compliant;
   const Eigen::Index N = model.omega.size(), m = model.points();
-  assert(model.rows() == m + 2 * std::ssize(model.friction) && model.B.cols() == N);
-  assert(model.R.rows() == model.rows() && model.R.cols() == model.rows());
+  assert(model.turns || (model.B.rows() == model.rows() && model.B.cols() == N));
+  assert(model.turns || (model.R.rows() == model.rows() && model.R.cols() == model.rows()));
   assert(model.load.size() == N && model.q0.size() == N && model.v0.size() == N && model.decay.size() == N);
   StepSystem out;
   out.model = std::move(shared);

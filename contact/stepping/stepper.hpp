@@ -7,7 +7,7 @@
 #include <span>
 
 #include "contact/law/contact_law.hpp"
-#include "contact/motion/pose.hpp"
+#include "contact/motion/turning.hpp"
 #include "contact/stepping/modal_state.hpp"
 #include "ricochet/step_options.hpp"
 #include "ricochet/step_status.hpp"
@@ -56,9 +56,11 @@ class Stepper {
 
   /// Motion and energy of the bodies; null if only the motion of the contact points is known (tables).
   virtual const ModalState* modal() const noexcept { return nullptr; }
-  /// Frames of the bodies after the step, with finite rotations; otherwise empty, and rigid modes move the
-  /// bodies.
-  virtual std::span<const Pose> poses() const noexcept { return {}; }
+  /// The bodies after the step, with finite rotations; otherwise null, and rigid modes move the bodies.
+  virtual const Turning* turning() const noexcept { return nullptr; }
+  std::span<const Pose> poses() const noexcept {
+    return turning() ? std::span<const Pose>(turning()->poses) : std::span<const Pose>();
+  }
   /// Sets a force [N] and a torque about the centre of mass [N m] on a body, world axes, which then act until
   /// they are set again. Returns false unless rotations are finite.
   virtual bool push(int /*body*/, const Eigen::Vector3d& /*force*/,
@@ -124,6 +126,11 @@ class Stepper {
   mutable Vector u_;                       ///< (n); a scheme may compute it on demand
   Vector next_force_, next_end_, next_u_;  ///< (n) of the current step: p̄, p⁺ and u⁺
 };
+
+/// Where the rows of the model act now.
+inline const RowFrames& frames_of(const Model& model, const Stepper& stepper) {
+  return stepper.turning() ? stepper.turning()->frames : model;
+}
 
 /// Returns the stepper of the scheme in `options`, and folds the model (folding.hpp). Outputs must see the
 /// folded model, too. Throws InputError for `impulse` with "difference" and ω_max Δ ≥ π, for a restitution

@@ -14,8 +14,12 @@ namespace {
 bool read_between(const Table& table, const Key& key, Pair& pair) {
   std::vector<std::string> names;
   if (!table.read(key, names)) return false;
+  pair.meets_all = names == std::vector<std::string>{"all"};
+  if (pair.meets_all) return true;
   if (names.size() != 2)
-    table.complain("between", "must name two bodies, or a body and an obstacle, as in [\"ball\", \"floor\"]");
+    table.complain(
+        "between",
+        "must name two bodies, or a body and an obstacle, as in [\"ball\", \"floor\"], or be \"all\"");
   pair.a = names[0];
   pair.b = names[1];
   return true;
@@ -74,7 +78,12 @@ const SectionOf<Pair> pair_keys{
     "[[contact.pair]]",
     "One table for each of several pairs. Keys that a pair does not give are taken from `[contact]`.",
     {{"between", Access(Type::texts, read_between, between_of), "", required(), any(),
-      "names of two bodies, or of a body and an obstacle. \"Body a\" below is the first body"},
+      "names of two bodies, or of a body and an obstacle. \"Body a\" below is the first body. In "
+      "`[contact]`, "
+      "`\"all\"`: every body may meet every other one and every obstacle; needs [finite "
+      "rotation](scene.md#bodies-that-turn)"},
+     {"touch", Access(&Pair::touch).if_changed(), "", initial, any(),
+      "false: the pair is an exception to `between = \"all\"`, and its surfaces pass through each other"},
      {"direction", direction<Pair>(&Pair::direction), "", none, any(),
       "the normal of every contact point: out of the first name in `between`, in world axes. Without it each "
       "point has the mutual normal (n_a − n_b)/|n_a − n_b|. Against an obstacle it must lie along the "
@@ -206,19 +215,44 @@ void refuse_pairs(const Table& table) {
   if (table.has("pair")) table.complain("pair", replaced_by_table);
 }
 
+/// Adds each pair of bodies, and of a body and an obstacle, that is not listed, and removes the exceptions.
+void add_all_pairs(const Scene& scene, const Pair& shared, std::vector<Pair>& pairs) {
+  const std::vector<Pair> listed = pairs;
+  const auto add = [&](const std::string& a, const std::string& b) {
+    if (std::ranges::any_of(listed, [&](const Pair& pair) { return pair.names(a) && pair.names(b); })) return;
+    Pair& pair = pairs.emplace_back(shared);
+    pair.meets_all = false;
+    pair.a = a;
+    pair.b = b;
+  };
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+    for (std::size_t j = k + 1; j < scene.bodies.size(); ++j) add(scene.bodies[k].name, scene.bodies[j].name);
+    for (const HalfSpace& obstacle : scene.obstacles) add(scene.bodies[k].name, obstacle.name);
+  }
+  std::erase_if(pairs, [](const Pair& pair) { return !pair.touch; });
+}
+
 /// Reads the pairs. Returns whether one of them gives its friction.
 bool read_pairs(const Table& table, const Scene& scene, Contact& contact) {
   Pair shared;
   read_pair(table, scene, contact, shared);
+  if (!shared.touch) table.complain("touch", "belongs to a [[contact.pair]]: move it there");
   bool has_friction = table.has("friction");
+  const bool all = shared.meets_all;
   for (const Table& entry : table.array("pair", pair_keys)) {
     Pair pair = shared;
+    pair.meets_all = false;
     read_pair(entry, scene, contact, pair);
     has_friction = has_friction || entry.has("friction");
+    if (pair.meets_all) entry.complain("between", "belongs to [contact]: name the two that may touch");
     if (pair.a.empty()) entry.complain("between", "is missing: name the two that may touch");
+    if (!pair.touch && !all)
+      entry.complain("touch", "is an exception to [contact] between = \"all\": remove the pair instead");
     contact.pairs.push_back(body_first(scene, pair));
   }
-  if (contact.pairs.empty()) {
+  if (all) {
+    add_all_pairs(scene, shared, contact.pairs);
+  } else if (contact.pairs.empty()) {
     if (shared.a.empty()) table.complain("between", "is missing: name the two that may touch");
     contact.pairs.push_back(body_first(scene, shared));
   }

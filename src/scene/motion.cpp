@@ -17,8 +17,8 @@ const SectionOf<Motion> rigid_motion_keys{
     "How free bodies move as a whole.",
     {{"rotation", choice<Motion>(&Motion::rotation, {"linear", "finite"}).if_changed(), "", initial, any(),
       "`\"linear\"`: rotations are small, and the points of a body move along their initial tangents. "
-      "`\"finite\"`: bodies turn by any angle and [hit obstacles with any part of their "
-      "surface](scene.md#bodies-that-turn); bodies do not hit each other"}}};
+      "`\"finite\"`: bodies turn by any angle and [hit each other and obstacles with any part of their "
+      "surface](scene.md#bodies-that-turn)"}}};
 
 namespace {
 
@@ -41,14 +41,16 @@ void check_contact(const Table& root, const Scene& scene) {
   const auto table = root.table("contact", contact_keys);
   if (!table) return;  // kernels alone
   refuse_choice_of_points(*table);
-  const std::vector<Table> entries = table->array("pair", pair_keys);
-  for (const Table& entry : entries) refuse_choice_of_points(entry);
-  for (std::size_t k = 0; k < contact.pairs.size(); ++k) {
-    if (scene.find_body(contact.pairs[k].b) == nullptr) continue;
-    const bool has_own = k < entries.size() && entries[k].has("between");
-    refuse(has_own ? entries[k] : *table, "between",
-           "finite rotation meets obstacles only: name a body and an obstacle");
-  }
+  for (const Table& entry : table->array("pair", pair_keys)) refuse_choice_of_points(entry);
+}
+
+/// With linear rotations, pairs are those of surfaces that face each other at the start.
+void refuse_all_pairs(const Table& root) {
+  const auto table = root.table("contact", contact_keys);
+  Pair shared;
+  if (table) pair_keys.read(*table, shared);
+  if (shared.meets_all)
+    table->complain("between", "needs [motion] rotation = \"finite\": add it, or list the pairs");
 }
 
 void check_bodies_and_loads(const Table& root, const Scene& scene) {
@@ -79,10 +81,12 @@ void check_settings(const Table& root, const Scene& scene) {
 }  // namespace
 
 void read_motion(const Table& root, Scene& scene) {
-  const auto table = root.table("motion", rigid_motion_keys);
-  if (!table) return;
-  rigid_motion_keys.read(*table, scene.motion);
-  if (!scene.motion.is_finite()) return;
+  if (const auto table = root.table("motion", rigid_motion_keys))
+    rigid_motion_keys.read(*table, scene.motion);
+  if (!scene.motion.is_finite()) {
+    refuse_all_pairs(root);
+    return;
+  }
   check_contact(root, scene);
   check_bodies_and_loads(root, scene);
   check_settings(root, scene);

@@ -25,9 +25,11 @@ struct Cloud {
   kernels::Kernel kernel;
 
   /// @param lowest  frequency of the first elastic mode [Hz]  @param flexibility  R_ii [m/N], 0: no R
-  Cloud(const Vector3d& size, double lowest, double flexibility, unsigned seed, bool elastic = true) {
+  /// @param irregular  share by which places and masses vary; 0: a box of equal masses, whose faces are flat
+  Cloud(const Vector3d& size, double lowest, double flexibility, unsigned seed, bool elastic = true,
+        double irregular = 0.2) {
     std::mt19937 random(seed);
-    std::uniform_real_distribution<double> spread(0.8, 1.2);
+    std::uniform_real_distribution<double> spread(1 - irregular, 1 + irregular);
     for (int k = 0; k < 27; ++k) {
       const Vector3d at(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
       place.push_back(0.5 * spread(random) * at.cwiseProduct(size));
@@ -88,14 +90,37 @@ struct Cloud {
         for (int n = 0; n < modes; ++n)
           kernel.surface.shape.push_back(basis(3 * k + axis, n) / std::sqrt(weight[at]));
     }
-    kernel.surface.element_corners = 1;
-    for (int i = 0; i < 26; ++i) kernel.surface.element.push_back(i);
+    for (int axis = 0; axis < 3; ++axis)
+      for (const int side : {0, 2})
+        for (int quad = 0; quad < 4; ++quad) add_quad(axis, side, quad % 2, quad / 2);
     if (!(flexibility > 0)) return;
     Eigen::MatrixXd factor(78, 78);
     for (double& x : factor.reshaped()) x = normal(random);
     const Eigen::MatrixXd R =
         flexibility * (0.5 * Eigen::MatrixXd::Identity(78, 78) + 0.5 * factor * factor.transpose() / 78);
     kernel.surface.residual_flexibility.assign(R.data(), R.data() + R.size());
+  }
+
+  /// Two triangles of a side of the lattice.
+  void add_quad(int axis, int side, int u, int v) {
+    const auto node = [&](int i, int j) {
+      std::array<int, 3> at{};
+      at[static_cast<std::size_t>(axis)] = side;
+      at[static_cast<std::size_t>((axis + 1) % 3)] = u + i;
+      at[static_cast<std::size_t>((axis + 2) % 3)] = v + j;
+      return at[0] + 3 * at[1] + 9 * at[2];
+    };
+    const int p = node(0, 0), q = node(1, 0), r = node(1, 1), s = node(0, 1);
+    for (std::array<int, 3> corner : {std::array{p, q, r}, std::array{p, r, s}}) {
+      if (side == 0) std::swap(corner[1], corner[2]);
+      const auto at = [&](std::size_t k) { return place[static_cast<std::size_t>(corner[k])]; };
+      const Vector3d normal = (at(1) - at(0)).cross(at(2) - at(0)).normalized();
+      for (const int k : corner) {
+        kernel.surface.element.push_back(k - (k > 13 ? 1 : 0));  // the mass in the middle is no candidate
+        kernel.surface.element_normal.insert(kernel.surface.element_normal.end(), normal.begin(),
+                                             normal.end());
+      }
+    }
   }
 };
 
@@ -105,6 +130,7 @@ struct Drop {
   double height = 0;  ///< of the lowest candidate [m]
   std::optional<Friction> friction{};
   Vector3d gravity{0, 0, -9.81};
+  bool turns = true;  ///< whether the model is for finite rotations
 };
 
 /// The cloud over the half-space z ≤ 0.
@@ -114,7 +140,7 @@ inline std::shared_ptr<Model> over_floor(const Cloud& cloud, const Drop& drop) {
   body.angular_velocity = drop.spin;
   PairRequest pair{"cloud", "floor", {}, drop.height, {}};
   pair.friction = drop.friction;
-  pair.everywhere = true;
+  pair.everywhere = drop.turns;
   return std::make_shared<Model>(
       build_model({body}, {{.name = "floor", .normal = Vector3d::UnitZ()}}, {pair}, drop.gravity));
 }

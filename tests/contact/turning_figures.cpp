@@ -88,11 +88,11 @@ TEST(Touches, are_the_sequences_of_steps_with_a_force_of_a_pair) {
 /// For small rotations, both descriptions agree but for the square of the angle.
 TEST(Pose, of_linear_rotations_is_that_of_finite_ones_at_small_angles) {
   const Cloud cloud({0.1, 0.08, 0.06}, 500, 0, 4);
-  const auto model = over_floor(
-      cloud,
-      {.rotation = turn(0.7, {1, 2, 3}), .velocity = {1, 0, 0}, .spin = {0.2, -0.1, 0.3}, .height = 5});
-  const auto finite = make_stepper(model, stepping(1e3)),
-             linear = make_stepper(model, stepping(1e3, Rotation::linear));
+  Drop drop{.rotation = turn(0.7, {1, 2, 3}), .velocity = {1, 0, 0}, .spin = {0.2, -0.1, 0.3}, .height = 5};
+  const auto model = over_floor(cloud, drop);
+  const auto finite = make_stepper(model, stepping(1e3));
+  drop.turns = false;
+  const auto linear = make_stepper(over_floor(cloud, drop), stepping(1e3, Rotation::linear));
   const RigidMotions motions(*model);
   const Pose start = motions.pose(0, *linear);
   for (int k = 0; k < 20; ++k) {

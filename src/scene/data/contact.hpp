@@ -14,6 +14,8 @@ namespace ricochet::scene {
 struct Pair : ricochet::Pair {
   std::optional<Vector3> along{};   ///< unit vector
   std::optional<double> spacing{};  ///< [m]
+  bool meets_all = false;           ///< while reading: stands for all pairs
+  bool touch = true;                ///< while reading: false for an exception to them
   bool names(const std::string& body) const { return a == body || b == body; }
   bool operator==(const Pair&) const = default;
 };

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "contact/motion/body_surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+
+namespace ricochet::contact {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Nearer to a crease than this share of an element, the direction to it is not known.
+constexpr double indistinct = 1e-3;
+/// Longest way of a point along the surface between two looks, in elements.
+constexpr int most_moves = 16;
+/// Sine below which segments are parallel.
+constexpr double parallel = 0.02;
+
+/// The element whose chords are nearest to x. Eigen::BVMinimize would allocate.
+struct NearestElement {
+  void search(int index) noexcept {
+    const int *volume = nullptr, *volumes = nullptr, *object = nullptr, *objects = nullptr;
+    tree.getChildren(index, volume, volumes, object, objects);
+    for (; object != objects; ++object) {
+      const auto& corner = surface.element[static_cast<std::size_t>(*object)].corner;
+      const auto node = [&](std::size_t j) { return surface.node[static_cast<std::size_t>(corner[j])]; };
+      const double square = square_distance(x, {node(0), node(1), node(2)});
+      if (square >= least) continue;
+      least = square;
+      nearest = *object;
+    }
+    std::array<std::pair<double, int>, 2> boxes;  // nearest first
+    std::size_t count = 0;
+    for (; volume != volumes; ++volume)
+      boxes[count++] = {tree.getVolume(*volume).squaredExteriorDistance(x), *volume};
+    if (count == 2 && boxes[1] < boxes[0]) std::swap(boxes[0], boxes[1]);
+    for (std::size_t k = 0; k < count; ++k)
+      if (boxes[k].first < least) search(boxes[k].second);
+  }
+
+  const WorldSurface& surface;
+  const Eigen::KdBVH<double, 3, int>& tree;
+  Vector3d x;
+  double least = std::numeric_limits<double>::infinity();
+  int nearest = -1;
+};
+
+}  // namespace
+
+BodySurface::BodySurface(const kernels::Kernel& kernel)
+    : projection_(surface_of({.name = kernel.body, .kernel = &kernel})) {
+  const WorldSurface& on = surface();
+  for (const Vector3d& x : on.node) box_.extend(x);
+  std::map<std::array<int, 2>, std::vector<std::array<int, 2>>> edges;
+  const auto at = [](int k) { return static_cast<std::size_t>(k); };
+  neighbour_.assign(on.element.size(), {-1, -1, -1});
+  crease_.assign(on.element.size(), {true, true, true});
+  std::vector<std::vector<int>> around(on.node.size());
+  for (int e = 0; e < static_cast<int>(on.element.size()) && on.corners == 3; ++e) {
+    element_size_ = std::max(element_size_, on.element[at(e)].size);
+    for (int j = 0; j < 3; ++j) {
+      const int p = on.element[at(e)].corner[at(j)], q = on.element[at(e)].corner[at((j + 1) % 3)];
+      edges[{std::min(p, q), std::max(p, q)}].push_back({e, j});
+      around[at(p)].push_back(q);
+      around[at(q)].push_back(p);
+    }
+  }
+  std::set<std::array<int, 2>> creases;
+  for (const WorldSurface::Crease& crease : on.crease) creases.insert(crease.node);
+  for (const auto& [nodes, sides] : edges) {
+    if (sides.size() != 2) continue;
+    const bool crease = creases.contains(nodes);
+    for (int k = 0; k < 2; ++k) {
+      const auto& [e, j] = sides[at(k)];
+      neighbour_[at(e)][at(j)] = sides[at(1 - k)][0];
+      crease_[at(e)][at(j)] = crease;
+    }
+  }
+  for (std::vector<int>& nodes : around) {
+    std::ranges::sort(nodes);
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    first_.push_back(static_cast<int>(around_.size()));
+    around_.insert(around_.end(), nodes.begin(), nodes.end());
+  }
+  first_.push_back(static_cast<int>(around_.size()));
+}
+
+/// Distance from a crease below which the direction to it is not known [m].
+double BodySurface::near_crease(const Foot& foot) const noexcept {
+  return indistinct * surface().element[static_cast<std::size_t>(foot.element)].size;
+}
+
+/// Over an edge that is no crease, the normal is that of the curved surface; beyond a crease, it leads to the
+/// point.
+Foot BodySurface::foot_on(int number, const Vector3d& x) const noexcept {
+  const WorldSurface& on = surface();
+  const WorldSurface::Element& element = on.element[static_cast<std::size_t>(number)];
+  Foot out{.element = number, .weight = closest_weights(on, element, x)};
+  out.point = on.at(element, out.weight);
+  for (std::size_t j = 0; j < 3; ++j) out.normal += out.weight[j] * element.normal[j];
+  out.normal.normalize();
+  bool at_crease = false;
+  for (std::size_t j = 0; j < 3; ++j)
+    at_crease = at_crease || (out.weight[(j + 2) % 3] == 0 && crease_[static_cast<std::size_t>(number)][j]);
+  const Vector3d way = x - out.point;
+  if (const double length = way.norm(); at_crease && length > near_crease(out)) {
+    // Inside, the point is nearer to a face.
+    if (const Vector3d outward = way / length; outward.dot(out.normal) > 0) out.normal = outward;
+  }
+  out.distance = out.normal.dot(way);
+  return out;
+}
+
+Foot BodySurface::closest(const Vector3d& x) const noexcept {
+  NearestElement nearest{.surface = surface(), .tree = projection_.elements(), .x = x};
+  nearest.search(projection_.elements().getRootIndex());
+  return foot_on(nearest.nearest, x);
+}
+
+Foot BodySurface::follow(const Foot& earlier, const Vector3d& x) const noexcept {
+  Foot best = foot_on(earlier.element, x);
+  double least = (x - best.point).squaredNorm();
+  for (int move = 0; move < most_moves; ++move) {
+    Foot next = best;
+    for (std::size_t j = 0; j < 3; ++j) {
+      const int beside = neighbour_[static_cast<std::size_t>(best.element)][j];
+      if (best.weight[(j + 2) % 3] > 0 || beside < 0) continue;
+      const Foot there = foot_on(beside, x);
+      const double square = (x - there.point).squaredNorm();
+      if (square >= least * (1 - 1e-12)) continue;
+      next = there;
+      least = square;
+    }
+    if (next.element == best.element) break;
+    best = next;
+  }
+  return best;
+}
+
+double BodySurface::rise(int node, const Vector3d& n) const noexcept {
+  double out = -1;
+  const Vector3d& x = surface().node[static_cast<std::size_t>(node)];
+  for (int k = first_[static_cast<std::size_t>(node)]; k < first_[static_cast<std::size_t>(node) + 1]; ++k) {
+    const Vector3d way = surface().node[static_cast<std::size_t>(around_[static_cast<std::size_t>(k)])] - x;
+    out = std::max(out, n.dot(way) / way.norm());
+  }
+  return out;
+}
+
+bool crossing(const Vector3d& p0, const Vector3d& p1, const Vector3d& q0, const Vector3d& q1, double& s,
+              double& t) noexcept {
+  const Vector3d a = p1 - p0, b = q1 - q0, r = q0 - p0;
+  const double aa = a.squaredNorm(), bb = b.squaredNorm(), ab = a.dot(b), area = aa * bb - ab * ab;
+  if (!(area > parallel * parallel * aa * bb)) return false;
+  s = (a.dot(r) * bb - b.dot(r) * ab) / area;
+  t = (a.dot(r) * ab - b.dot(r) * aa) / area;
+  return true;
+}
+
+}  // namespace ricochet::contact

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The candidate surface of a body in its own axes: a tree of its elements, built once, and their neighbours,
+// by which a point that moves along the surface is followed from element to element.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "contact/pairing/surface_projection.hpp"
+
+namespace ricochet::contact {
+
+/// Where a point is above a surface.
+struct Foot {
+  int element = -1;
+  std::array<double, 3> weight{};   ///< of the corners of the element
+  Eigen::Vector3d point{0, 0, 0};   ///< on the curved element [m]
+  Eigen::Vector3d normal{0, 0, 0};  ///< unit, out of the surface, towards the point
+  double distance = 0;              ///< along the normal [m]; negative inside
+};
+
+class BodySurface {
+ public:
+  explicit BodySurface(const kernels::Kernel& kernel);
+
+  const WorldSurface& surface() const { return projection_.surface(); }
+  const Eigen::AlignedBox3d& box() const { return box_; }
+  double element_size() const { return element_size_; }  ///< the largest [m]
+
+  /// The foot of x, by a search through the tree.
+  Foot closest(const Eigen::Vector3d& x) const noexcept;
+  /// The foot of x near an earlier one.
+  Foot follow(const Foot& earlier, const Eigen::Vector3d& x) const noexcept;
+
+  /// The foot, or on a crease, where x is too near for a direction, that on the face from which a body rises
+  /// least towards the surface. @param rise  of that body towards a direction
+  template <class Rise>
+  Foot settle(Foot foot, const Eigen::Vector3d& x, Rise rise) const noexcept {
+    const auto& at = neighbour_[static_cast<std::size_t>(foot.element)];
+    if ((x - foot.point).norm() > near_crease(foot)) return foot;
+    for (std::size_t j = 0; j < 3; ++j) {
+      if (foot.weight[(j + 2) % 3] > 0 || at[j] < 0) continue;
+      if (const Foot there = foot_on(at[j], x); rise(-there.normal) < rise(-foot.normal)) foot = there;
+    }
+    return foot;
+  }
+
+  /// Largest rise of the surface around a node towards n: its steepest edge, as a sine. A surface that
+  /// touches something at the node alone falls away from it.
+  double rise(int node, const Eigen::Vector3d& n) const noexcept;
+
+ private:
+  Foot foot_on(int element, const Eigen::Vector3d& x) const noexcept;
+  double near_crease(const Foot& foot) const noexcept;
+
+  SurfaceProjection projection_;
+  Eigen::AlignedBox3d box_;
+  double element_size_ = 0;
+  std::vector<std::array<int, 3>> neighbour_;  ///< across the edge from corner j to the next; −1: none
+  std::vector<std::array<bool, 3>> crease_;    ///< whether the surface has a crease there, or ends
+  std::vector<int> first_;                     ///< (nodes + 1) of each node's neighbours
+  std::vector<int> around_;                    ///< nodes that share an edge with it
+};
+
+/// The points of two segments that are closest to each other: their places along p0–p1 and q0–q1, of 0 to 1
+/// within them; false if the segments are parallel.
+bool crossing(const Eigen::Vector3d& p0, const Eigen::Vector3d& p1, const Eigen::Vector3d& q0,
+              const Eigen::Vector3d& q1, double& s, double& t) noexcept;
+
+}  // namespace ricochet::contact

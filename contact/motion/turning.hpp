@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "contact/model/model.hpp"
+#include "contact/motion/pose.hpp"
+#include "ricochet/step_options.hpp"
+
+namespace ricochet::contact {
+
+/// Bodies that turn by any angle: their frames, where their rows act now, and what acts on them.
+struct Turning {
+  std::vector<Pose> poses;              ///< by body
+  RowFrames frames;                     ///< of points that may touch now; of others, as they were last known
+  std::vector<Vector> candidate_force;  ///< by body (3M), in its axes, at the end of the last step [N]
+};
+
+/// At t = 0, with finite rotations; otherwise no value. Throws InputError as FloatingBody's constructor does.
+std::optional<Turning> initial_turning(const Model& model, const StepOptions& options);
+
+}  // namespace ricochet::contact
