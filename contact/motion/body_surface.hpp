@@ -3,7 +3,9 @@
 // by which a point that moves along the surface is followed from element to element.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -33,17 +35,32 @@ class BodySurface {
   /// The foot of x near an earlier one.
   Foot follow(const Foot& earlier, const Eigen::Vector3d& x) const noexcept;
 
-  /// The foot, or on a crease, where x is too near for a direction, that on the face from which a body rises
-  /// least towards the surface. @param rise  of that body towards a direction
-  template <class Rise>
-  Foot settle(Foot foot, const Eigen::Vector3d& x, Rise rise) const noexcept {
-    const auto& at = neighbour_[static_cast<std::size_t>(foot.element)];
-    if ((x - foot.point).norm() > near_crease(foot)) return foot;
-    for (std::size_t j = 0; j < 3; ++j) {
-      if (foot.weight[(j + 2) % 3] > 0 || at[j] < 0) continue;
-      if (const Foot there = foot_on(at[j], x); rise(-there.normal) < rise(-foot.normal)) foot = there;
-    }
-    return foot;
+  /// The foot, or if its normal does not suit, the nearest one that suits on the faces beside a crease that
+  /// is as near to x, to within a small share of an element. @param suits  whether a body may touch the
+  /// surface along a normal
+  template <class Suits>
+  Foot settle(const Foot& foot, const Eigen::Vector3d& x, Suits suits) const noexcept {
+    if (suits(foot.normal)) return foot;
+    constexpr std::size_t most = 16;  // elements around a node, and more
+    std::array<int, most> seen{foot.element};
+    std::size_t count = 1;
+    const double reach = (x - foot.point).norm() + near_crease(foot);
+    Foot out = foot;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < count; ++k)
+      for (const int beside : neighbour_[static_cast<std::size_t>(seen[k])]) {
+        if (beside < 0 || count == most ||
+            std::count(seen.begin(), seen.begin() + static_cast<long>(count), beside) > 0)
+          continue;
+        const Foot there = foot_on(beside, x);
+        const double distance = (x - there.point).norm();
+        if (distance > reach) continue;
+        seen[count++] = beside;
+        if (distance >= least || !suits(there.normal)) continue;
+        least = distance;
+        out = there;
+      }
+    return out;
   }
 
   /// Largest rise of the surface around a node towards n: its steepest edge, as a sine. A surface that

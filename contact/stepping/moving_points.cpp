@@ -28,6 +28,9 @@ constexpr double most_rise_at_crease = 1e-3;
 /// A candidate of b over this share of one of a is left to that one, if that one may touch b.
 constexpr double same_place = 0.98;
 
+/// Creases may cross beyond their ends by this share of their lengths, so that none slips between two.
+constexpr double beyond_end = 1e-3;
+
 /// A crossing of creases that is deeper than this share of them is on the far side of a body.
 constexpr double deepest_crossing = 0.25;
 
@@ -87,6 +90,7 @@ MovingPoints::MovingPoints(const Model& model, const StepSystem& system)
       S_mean_(model.rows()) {
   for (const int n : model.folded.modes) folded_(n) = 1 / (model.omega(n) * model.omega(n));
   folds_ = !model.folded.modes.empty();
+  bodies_.reserve(model.bodies.size());  // copies would lose the reserve of their lists
   for (const Bodies::Block& block : model.bodies) {
     Body& body = bodies_.emplace_back(block);
     const auto omega = model.omega.segment(body.first_elastic, body.elastic).transpose().array();
@@ -360,10 +364,11 @@ void MovingPoints::meet(Point& point, const Foot& foot, std::span<const Floating
   const auto rise = [&](const Vector3d& n) { return body(own).shape.rise(point.candidate, to_own * n); };
   const Vector3d x = to_own.conjugate() * point.place +
                      there.attitude.conjugate() * (state.position - there.position) + body(other).centre;
-  point.foot = body(other).shape.settle(foot, x, rise);
+  const auto suits = [&](const Vector3d& n) { return rise(-n) <= most_rise; };
+  point.foot = body(other).shape.settle(foot, x, suits);
   point.distance = point.foot.distance;
   const double deepest = -std::min(body(own).shape.element_size(), body(other).shape.element_size());
-  point.open = rise(-point.foot.normal) > most_rise || point.distance < deepest;
+  point.open = !suits(point.foot.normal) || point.distance < deepest;
   set_row(point, point.kind == Kind::candidate_of_a ? Vector3d(-point.foot.normal) : point.foot.normal);
   End& end = point.end[static_cast<std::size_t>(point.other())];
   end.count = 3;
@@ -391,7 +396,7 @@ bool MovingPoints::cross(Point& point, int of_a, int of_b, std::span<const Float
   point.crease = {of_a, of_b};
   point.open = true;
   if (!crossing(p0, p1, at_b(0), at_b(1), s, t)) return false;
-  point.open = s < 0 || s > 1 || t < 0 || t > 1;
+  point.open = std::max({-s, s - 1, -t, t - 1}) > beyond_end;
   s = std::clamp(s, 0.0, 1.0);
   t = std::clamp(t, 0.0, 1.0);
   Vector3d normal = (p1 - p0).cross(at_b(1) - at_b(0)).normalized();

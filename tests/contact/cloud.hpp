@@ -45,6 +45,18 @@ struct Cloud {
     make_kernel(lowest, flexibility, random, elastic);
   }
 
+  /// Makes the inertia so large that nothing turns the body.
+  void hold_attitude() {
+    constexpr double times = 1e14;
+    inertia *= times;
+    for (double& x : kernel.inertia) x *= times;
+    const auto modes = static_cast<std::size_t>(kernel.modes.size());
+    for (std::size_t i = 0; i < kernel.surface.shape.size(); ++i)
+      if (i % modes >= 3 && i % modes < 6) kernel.surface.shape[i] /= std::sqrt(times);
+    for (std::size_t i = 0; i < kernel.loads.rotation.size(); ++i)
+      if (i % modes >= 3 && i % modes < 6) kernel.loads.rotation[i] *= std::sqrt(times);
+  }
+
  private:
   void make_kernel(double lowest, double flexibility, std::mt19937& random, bool elastic) {
     std::normal_distribution<double> normal;

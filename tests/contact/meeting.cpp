@@ -8,6 +8,7 @@
 
 #include "contact/stepping/floating_stepper.hpp"
 #include "tests/contact/cloud.hpp"
+#include "tests/contact/heap_counter.hpp"
 #include "tests/support.hpp"
 
 namespace ricochet::contact::test {
@@ -19,6 +20,7 @@ struct Meeting {
   std::optional<Friction> friction{};
   Vector3d gravity{0, 0, 0};
   bool floor = false;
+  bool turns = true;
 };
 
 std::shared_ptr<Model> meet(const Meeting& scene) {
@@ -32,7 +34,7 @@ std::shared_ptr<Model> meet(const Meeting& scene) {
   }
   for (PairRequest& pair : pairs) {
     pair.friction = scene.friction;
-    pair.everywhere = true;
+    pair.everywhere = scene.turns;
   }
   return std::make_shared<Model>(build_model(
       bodies, {{.name = "floor", .point = {0, 0, 0}, .normal = Vector3d::UnitZ()}}, pairs, scene.gravity));
@@ -97,6 +99,109 @@ TEST(Meeting, keeps_the_balances) {
     EXPECT_LT((momentum(scene, *stepper) - p).norm(), 1e-13 * start.kinetic) << round;
     EXPECT_LT((angular_momentum(scene, *stepper) - L).norm(), 1e-12 * L.norm()) << round;
   }
+}
+
+PlacedBody at(const Vector3d& translation, const Matrix3d& rotation = Matrix3d::Identity(),
+              const Vector3d& velocity = Vector3d::Zero()) {
+  PlacedBody out;
+  out.translation = translation;
+  out.rotation = rotation;
+  out.velocity = velocity;
+  return out;
+}
+
+/// Two bars lie across each other, each on an edge. No candidate is where they meet.
+TEST(Meeting, of_edges_is_where_they_cross) {
+  const Cloud bar({0.1, 0.08, 0.06}, 2000, 1e-8, 1, true, 0);
+  const Matrix3d on_edge = turn(std::numbers::pi / 4, {1, 0, 0}),
+                 across = turn(std::numbers::pi / 2, {0, 0, 1}) * on_edge;
+  // Of the edge from the centre
+  const double lowest = (0.04 + 0.03) / std::numbers::sqrt2, aside = (0.04 - 0.03) / std::numbers::sqrt2;
+  for (const double distance : {58e-6, 10e-6}) {
+    Meeting scene{
+        .clouds = {&bar, &bar},
+        .bodies = {at({0, 0, 0}, on_edge), at({0.007, 0.003, 2 * lowest + distance}, across, {0, 0, -0.1})}};
+    auto stepper = make_stepper(meet(scene), stepping(176400));
+    const double speed = 0.1;
+    while (stepper->active() == 0) ASSERT_EQ(stepper->step(), StepStatus::ok);
+    EXPECT_NEAR(speed * stepper->time(), distance, 1e-6);  // a step is 0.6 µm
+    const Eigen::Index point =
+        std::distance(stepper->force().begin(), std::ranges::max_element(stepper->force()));
+    const RowFrames& frames = stepper->turning()->frames;
+    EXPECT_NEAR(frames.normal(point, 2), 1, 1e-12);
+    // The lower edge leads along x, and the upper one along y.
+    EXPECT_LT((frames.point_a.row(point) - Eigen::RowVector3d(0.007 + aside, aside, lowest)).norm(), 2e-6);
+  }
+}
+
+/// With inertias that are too large to turn them, bodies meet as with linear rotations.
+TEST(Meeting, without_a_turn_is_the_compliant_step) {
+  Cloud small({0.02, 0.02, 0.02}, 2000, 1e-8, 1, true, 0), large({0.1, 0.08, 0.06}, 2000, 1e-8, 2, true, 0);
+  for (Cloud* cloud : {&small, &large}) cloud->hold_attitude();
+  Meeting scene{
+      .clouds = {&small, &large},
+      .bodies = {at({0.011, 0.007, 0.04 + 1e-5}, Matrix3d::Identity(), {0.2, 0.1, -1}), at({0, 0, 0})},
+      .friction = Friction{0.3, 0.3, 0}};
+  const auto turning = meet(scene);
+  scene.turns = false;
+  const auto fixed = meet(scene);
+  auto finite = make_stepper(turning, stepping(1e5)),
+       linear = make_stepper(fixed, stepping(1e5, Rotation::linear));
+  double peak = 0, most = 0;
+  for (int k = 0; k < 60; ++k) {
+    ASSERT_EQ(finite->step(), StepStatus::ok);
+    ASSERT_EQ(linear->step(), StepStatus::ok);
+    peak = std::max(peak, linear->force().head(linear->points()).sum());
+    most = std::max(most, std::abs(finite->force().head(finite->points()).sum() -
+                                   linear->force().head(linear->points()).sum()));
+  }
+  EXPECT_GT(peak, 10);
+  // The small body slides by 0.1 mm, and the points of the linear model stay where they were.
+  EXPECT_LT(most, 1e-2 * peak);
+  EXPECT_LT((finite->modal()->v.head<6>() - linear->modal()->v.head<6>()).norm(),
+            1e-2 * linear->modal()->v.head<6>().norm());
+}
+
+/// A tower of three boxes of one size, whose corners lie on corners, comes to rest on a floor.
+TEST(Meeting, of_a_tower_is_steady) {
+  Cloud box({0.1, 0.08, 0.06}, 2000, 1e-8, 1, true, 0);
+  for (double& x : box.kernel.modes.decay_rate) x = 1000;
+  std::fill_n(box.kernel.modes.decay_rate.begin(), 6, 0.0);
+  Meeting scene{.clouds = {&box, &box, &box},
+                .bodies = {at({0, 0, 0.03 + 1e-5}), at({0, 0, 0.09 + 2e-5}), at({0, 0, 0.15 + 3e-5})},
+                .friction = Friction{0.5, 0.5, 0},
+                .gravity = {0, 0, -9.81},
+                .floor = true};
+  auto stepper = make_stepper(meet(scene), stepping(44100));
+  for (int k = 0; k < 12000; ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
+  EXPECT_EQ(stepper->active(), 27);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Pose& pose = stepper->poses()[k];
+    EXPECT_LT((pose.position - Vector3d(0, 0, 0.03 + 0.06 * static_cast<double>(k))).norm(), 1e-5);
+    EXPECT_LT(pose.spin.norm(), 1e-3);
+  }
+  double weight = 0;
+  const auto model = meet(scene);
+  const Model::PairBlock& lowest = model->pairs[0];
+  for (int i = 0; i < lowest.points; ++i) weight += stepper->force()(lowest.first_point + i);
+  EXPECT_NEAR(weight, 3 * box.mass * 9.81, 1e-3 * 3 * box.mass * 9.81);
+}
+
+TEST(Meeting, does_not_allocate) {
+  if (!RICOCHET_HEAP_COUNTED) GTEST_SKIP();
+  const Cloud one({0.1, 0.08, 0.06}, 2000, 1e-8, 1), other({0.1, 0.08, 0.06}, 2000, 1e-8, 2);
+  Meeting scene{.clouds = {&one, &other},
+                .bodies = {at({0, 0, 0}), at({0.05, 0.02, 0.12}, turn(0.4, {1, 2, 3}), {0, 0, -2})},
+                .friction = Friction{0.5, 0.5, 0}};
+  auto stepper = make_stepper(meet(scene), stepping(44100));
+  int touching = 0;
+  const long before = heap_counter::calls + heap_counter::returns;
+  for (int k = 0; k < 2000; ++k) {
+    stepper->step();
+    touching += stepper->active() > 0;
+  }
+  EXPECT_EQ(heap_counter::calls + heap_counter::returns, before);
+  EXPECT_GT(touching, 3);
 }
 
 }  // namespace
