@@ -113,10 +113,9 @@ struct Simulation::Impl {
 
   /// Elastic displacement, or its rate, of a pickup on a body that turns, in the axes of the body.
   Eigen::Vector3d elastic(const TurningPickup& pickup, const contact::Vector& modal) const noexcept {
-    constexpr int rigid_modes = contact::FloatingBody::rigid;
     const contact::Bodies::Block& body = model.bodies[pickup.body];
-    const Eigen::Index count = body.modes - rigid_modes;
-    return pickup.shape.rightCols(count) * modal.segment(body.first_mode + rigid_modes, count);
+    const Eigen::Index count = body.modes - body.frame_modes();
+    return pickup.shape.rightCols(count) * modal.segment(body.first_mode + body.frame_modes(), count);
   }
   /// Its place along its direction [m], and the rate [m/s].
   double place_of(const TurningPickup& pickup) const noexcept {

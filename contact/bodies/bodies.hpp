@@ -32,6 +32,9 @@ struct Bodies {
     Eigen::Matrix3d rotation;
     Eigen::Vector3d translation;
 
+    /// With finite rotations: the first modes, which the frame of a free body replaces.
+    int frame_modes() const { return supported ? 0 : 6; }
+
     // In the axes of the kernel
     Eigen::Vector3d own_centre() const { return rotation.transpose() * (centre - translation); }
     Eigen::Matrix3d own_inertia() const { return rotation.transpose() * inertia * rotation; }

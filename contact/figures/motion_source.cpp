@@ -95,8 +95,8 @@ double MotionSource::rigid_energy(const Stepper& stepper) const {
 
 Vector3d MotionSource::angular_momentum(int body, const Vector& state, double time,
                                         std::span<const Pose> poses) const {
-  if (poses.empty()) return places_->angular_momentum(body, state, time);
   const Bodies::Block& block = places_->bodies[static_cast<std::size_t>(body)];
+  if (poses.empty() || block.supported) return places_->angular_momentum(body, state, time);
   const Pose& pose = poses[static_cast<std::size_t>(body)];
   return inertia_of(block, pose) * pose.spin + block.mass * pose.position.cross(pose.velocity);
 }

@@ -72,14 +72,15 @@ void Receivers::update(const Turning& turning, const Vector& q, const Vector& v)
     const Bodies::Block& body = model_.bodies[static_cast<std::size_t>(number)];
     const Pose& pose = turning.poses[static_cast<std::size_t>(number)];
     const Vector& force = turning.candidate_force[static_cast<std::size_t>(number)];
-    const Eigen::Index first = body.first_mode + FloatingBody::rigid,
-                       elastic = body.modes - FloatingBody::rigid;
+    const Eigen::Index first = body.first_mode + body.frame_modes(),
+                       elastic = body.modes - body.frame_modes();
     set_folded(model_, number, force, q_);
     // All in the axes of the body from here on
     const auto [total, torque] = accelerate(body, q, v, force);
     const Vector3d spin = pose.attitude.conjugate() * pose.spin;
     const Eigen::Matrix3d inertia = body.own_inertia();
-    const Vector3d turn = inertia.inverse() * (torque - spin.cross(inertia * spin));
+    Vector3d turn = Vector3d::Zero();
+    if (!body.supported) turn = inertia.inverse() * (torque - spin.cross(inertia * spin));
     for (std::size_t k = 0; k < model_.receivers.size(); ++k) {
       if (!is_own(model_.receivers[k])) continue;
       const kernels::Receiver& own = *own_[k];
@@ -88,13 +89,15 @@ void Receivers::update(const Turning& turning, const Vector& q, const Vector& v)
       Vector3d w = shape * q_.segment(first, elastic);
       if (!own.residual_flexibility.empty())
         w += Eigen::Map<const Matrix>(own.residual_flexibility.data(), 3, force.size()) * force;
+      if (body.supported) w += body.rotation.transpose() * model_.receivers[k].constant;
       const Vector3d rate = shape * v.segment(first, elastic),
                      arm = Eigen::Map<const Vector3d>(own.point.data()) - body.own_centre() + w,
                      relative = turn.cross(arm) + spin.cross(spin.cross(arm)) + 2 * spin.cross(rate) +
                                 shape * acceleration_.segment(first, elastic);
       motion_[k] = {.displacement = pose.at(arm) - model_.receivers[k].point,
                     .velocity = pose.velocity_at(arm, rate),
-                    .acceleration = model_.gravity + pose.attitude * Vector3d(total / body.mass + relative)};
+                    .acceleration = pose.attitude * relative};
+      if (!body.supported) motion_[k].acceleration += model_.gravity + pose.attitude * total / body.mass;
     }
   }
 }
@@ -104,10 +107,10 @@ void Receivers::update(const Turning& turning, const Vector& q, const Vector& v)
 std::pair<Vector3d, Vector3d> Receivers::accelerate(const Bodies::Block& body, const Vector& q,
                                                     const Vector& v, const Vector& force) noexcept {
   const kernels::Surface& surface = body.kernel->surface;
-  const Eigen::Index first = body.first_mode + FloatingBody::rigid,
-                     elastic = body.modes - FloatingBody::rigid;
+  const Eigen::Index first = body.first_mode + body.frame_modes(), elastic = body.modes - body.frame_modes();
   auto modal = acceleration_.segment(first, elastic);
-  modal = -2 * model_.decay.segment(first, elastic).array() * v.segment(first, elastic).array() -
+  modal = model_.load.segment(first, elastic).array() -
+          2 * model_.decay.segment(first, elastic).array() * v.segment(first, elastic).array() -
           model_.omega.segment(first, elastic).array().square() * q.segment(first, elastic).array();
   Vector3d total = Vector3d::Zero(), torque = total;
   for (std::size_t i = 0; i < surface.size(); ++i) {

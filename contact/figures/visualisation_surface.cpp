@@ -60,7 +60,8 @@ const SurfaceMotion& VisualisationSurface::in_frame(const Turning& turning, cons
   const Vector& on_candidates = turning.candidate_force[static_cast<std::size_t>(number_)];
   all_q_ = q;
   set_folded(model_, number_, on_candidates, all_q_);
-  VectorXf deformation = shape_.rightCols(elastic) * all_q_.segment(first, elastic).cast<float>();
+  VectorXf deformation = body_.supported ? constant_ : VectorXf::Zero(rows);
+  deformation.noalias() += shape_.rightCols(elastic) * all_q_.segment(first, elastic).cast<float>();
   if (const auto correction = columns_of(view_.residual_flexibility, rows); correction.cols() > 0)
     deformation.noalias() += correction * on_candidates.cast<float>();
   const VectorXf rate = shape_.rightCols(elastic) * v.segment(first, elastic).cast<float>();

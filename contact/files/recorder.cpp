@@ -155,7 +155,7 @@ void Recorder::record(const Stepper& stepper) {
   const double t = stepper.time();
   const Model* const model = source_.modes();
   const bool touching = (stepper.force().array() > 0).any();
-  if (model && touching && !turns_) push(*model, stepper.force(), step_);
+  if (model && touching) push(frames_of(*model, stepper), stepper.force(), step_);
   if (touching && k % every_ == 0) {
     contact_row(t, stepper.displacement(), stepper.force());
     if (model) {
@@ -182,9 +182,10 @@ void Recorder::record(const Stepper& stepper) {
 }
 
 /// Adds the impulses that `force` (n) exerts on the bodies in `duration` [s].
-void Recorder::push(const Model& model, const Vector& force, double duration) {
+void Recorder::push(const RowFrames& frames, const Vector& force, double duration) {
+  const Model& model = *source_.modes();
   for (const Model::PairBlock& pair : model.pairs) {
-    const Vector3d impulse = duration * model.resultant(pair, force);
+    const Vector3d impulse = duration * model.resultant(pair, force, frames);
     bodies_[pair.a].contact_impulse -= impulse;
     if (pair.b >= 0) bodies_[pair.b].contact_impulse += impulse;
   }

@@ -82,7 +82,7 @@ class Recorder {
   void write_points(const Model& model);
   void write_place(const Bodies::Block& body, std::size_t number, const RecorderOptions& options);
   void add_model_rows(const Model& model, const StepOptions& step, const RecorderOptions& options);
-  void push(const Model& model, const Vector& force, double duration);
+  void push(const RowFrames& frames, const Vector& force, double duration);
   void bodies_row(const Vector& state, std::span<const Pose> poses, double from, double to);
   void contact_row(double time, const Vector& u, const Vector& force);
   void sides_row(const SidesMotion& sides);

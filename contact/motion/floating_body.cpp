@@ -18,12 +18,13 @@ constexpr double of_contact = 0.25, of_flight = 2e-3;
 void check(const Model& model, const Bodies::Block& block) {
   const auto own = model.omega.segment(block.first_mode, block.modes);
   const Eigen::Index rigid = (own.array() == 0).count();
-  if (block.supported)
-    throw InputError(base::format(
-        "bodies.{}: is supported, but motion.rotation = \"finite\" moves free bodies. Leave its support out, "
-        "or set \"linear\".",
-        block.name));
-  if (rigid != FloatingBody::rigid)
+  if (block.supported && rigid > 0)
+    throw InputError(
+        base::format("bodies.{}: its supports leave it {} rigid motions, but motion.rotation = \"finite\" "
+                     "moves bodies that "
+                     "are free or held in all ways. Add supports, leave them out, or set \"linear\".",
+                     block.name, rigid));
+  if (rigid != block.frame_modes())
     throw InputError(
         base::format("bodies.{}: its kernel has {} rigid modes, but motion.rotation = \"finite\" needs the "
                      "six of a solid. Give a solid mesh, or set \"linear\".",
@@ -49,20 +50,22 @@ void add(const Vector3d& x, Vector3d& sum, Vector3d& carry) {
 FloatingBody::FloatingBody(const Model& model, const Bodies::Block& block)
     : first_mode(block.first_mode),
       modes(block.modes),
+      frame_modes(block.frame_modes()),
       mass(block.mass),
+      inverse_mass(block.supported ? 0 : 1 / block.mass),
       centre(block.own_centre()),
-      gravity(model.gravity),
-      inertia(Inertia::of(block.own_inertia())),
+      gravity(block.supported ? Vector3d::Zero() : model.gravity),
+      inertia(block.supported ? Inertia::infinite() : Inertia::of(block.own_inertia())),
       start(block.centre),
       position(start),
       attitude(block.rotation) {
   check(model, block);
-  const auto momentum_of = block.momentum.leftCols<rigid>();
-  Eigen::Matrix<double, 3, rigid> about = block.angular_momentum.leftCols<rigid>();
-  for (int n = 0; n < rigid; ++n) about.col(n) -= block.centre.cross(Vector3d(momentum_of.col(n)));
+  const auto momentum_of = block.momentum.leftCols(frame_modes);
+  Eigen::Matrix<double, 3, Eigen::Dynamic> about = block.angular_momentum.leftCols(frame_modes);
+  for (int n = 0; n < frame_modes; ++n) about.col(n) -= block.centre.cross(Vector3d(momentum_of.col(n)));
   linear = momentum_of.transpose();
   spin = about.transpose();
-  const auto own = model.v0.segment<rigid>(first_mode);
+  const auto own = model.v0.segment(first_mode, frame_modes);
   velocity = momentum_of * own / mass;
   momentum = about * own;
 }
@@ -85,7 +88,8 @@ void FloatingBody::fly(double time) noexcept {
 
 double FloatingBody::kick(const Vector3d& load, const Vector3d& moment, double step) noexcept {
   const Vector3d velocity_before = velocity, momentum_before = momentum;
-  add(step * (acceleration() + attitude * load / mass), velocity, velocity_carry);
+  if (inverse_mass == 0) return 0;
+  add(step * (acceleration() + attitude * load * inverse_mass), velocity, velocity_carry);
   momentum += step * (torque + attitude * moment);
   if (push.isZero(0) && torque.isZero(0)) return 0;
   return 0.5 * step *
@@ -93,7 +97,7 @@ double FloatingBody::kick(const Vector3d& load, const Vector3d& moment, double s
 }
 
 void FloatingBody::write_rates(Vector& rates) const noexcept {
-  rates.segment<rigid>(first_mode).noalias() = linear * velocity + spin * (attitude * own_spin());
+  rates.segment(first_mode, frame_modes).noalias() = linear * velocity + spin * (attitude * own_spin());
 }
 
 std::vector<FloatingBody> floating_bodies(const Model& model) {

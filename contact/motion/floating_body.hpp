@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A free body in its floating frame: the motion of its frame, beside its elastic modes in body axes.
+// A body in its floating frame: the motion of its frame, beside its elastic modes in body axes.
 //
 // Elastic modes of a free body carry neither momentum nor angular momentum about its centre of mass, so the
-// frame carries all of both.
+// frame carries all of both. The frame of a supported body does not move, as if its mass were infinite.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -16,13 +16,16 @@ namespace ricochet::contact {
 
 struct FloatingBody {
   // Constants. Body axes are those of the kernel.
-  int first_mode = 0, modes = 0;  ///< the first six are rigid
-  double mass = 0;
+  int first_mode = 0, modes = 0;
+  int frame_modes = 0;               ///< the first modes, which are rigid; 0 if the body is supported
+  double mass = 0;                   ///< [kg]
+  double inverse_mass = 0;           ///< of the frame [1/kg]
   Eigen::Vector3d centre{0, 0, 0};   ///< of mass, body axes [m]
-  Eigen::Vector3d gravity{0, 0, 0};  ///< [m/s²]
+  Eigen::Vector3d gravity{0, 0, 0};  ///< by which the frame falls [m/s²]
   Inertia inertia;
-  Eigen::Vector3d start{0, 0, 0};            ///< the centre at t = 0 [m]
-  Eigen::Matrix<double, 6, 3> linear, spin;  ///< rigid rates for a unit velocity, for a unit spin
+  Eigen::Vector3d start{0, 0, 0};  ///< the centre at t = 0 [m]
+  /// (frame_modes,3) rigid rates for a unit velocity, for a unit spin
+  Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 6, 3> linear, spin;
 
   // State, world axes
   Eigen::Vector3d position{0, 0, 0};  ///< of the centre [m]
@@ -34,19 +37,18 @@ struct FloatingBody {
   Eigen::Vector3d push{0, 0, 0};    ///< force [N]
   Eigen::Vector3d torque{0, 0, 0};  ///< [N m]
 
-  /// Throws InputError unless the body moves freely in all six ways, undamped as a whole.
+  /// Throws InputError unless the body moves freely in all six ways, undamped as a whole, or not at all.
   FloatingBody(const Model& model, const Bodies::Block& block);
 
-  static constexpr int rigid = 6;
-  int elastic() const { return modes - rigid; }
-  Eigen::Index first_elastic() const { return first_mode + rigid; }
+  int elastic() const { return modes - frame_modes; }
+  Eigen::Index first_elastic() const { return first_mode + frame_modes; }
 
   /// Angular velocity in body axes [rad/s].
   Eigen::Vector3d own_spin() const { return own_spin(momentum); }
   Eigen::Vector3d own_spin(const Eigen::Vector3d& angular_momentum) const {
     return inertia.inverse * (attitude.conjugate() * angular_momentum);
   }
-  Eigen::Vector3d acceleration() const { return gravity + push / mass; }  ///< without contact [m/s²]
+  Eigen::Vector3d acceleration() const { return gravity + inverse_mass * push; }  ///< without contact [m/s²]
   Pose pose() const { return {position, attitude, velocity, attitude * own_spin()}; }
   double kinetic() const;  ///< [J]
   /// Work of gravity since t = 0 [J].

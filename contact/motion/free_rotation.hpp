@@ -20,6 +20,9 @@ struct Inertia {
   Eigen::Matrix3d inverse;  ///< J⁻¹
   double largest_inverse;   ///< largest eigenvalue of J⁻¹: |Ω| is at most this times |L|
 
+  /// Of a body that nothing turns.
+  static Inertia infinite() { return {Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Zero(), 0}; }
+
   /// @param tensor  positive definite
   static Inertia of(const Eigen::Matrix3d& tensor);
 };

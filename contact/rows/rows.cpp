@@ -250,10 +250,10 @@ Vector3d Rows::friction_resultant(const PairBlock& pair, const Vector& force, co
          force.segment(pair.first_tangential, 2 * pair.points);
 }
 
-Vector3d Rows::resultant(const PairBlock& pair, const Vector& force) const {
-  return normal.middleRows(pair.first_point, pair.points).transpose() *
+Vector3d Rows::resultant(const PairBlock& pair, const Vector& force, const RowFrames& frames) const {
+  return frames.normal.middleRows(pair.first_point, pair.points).transpose() *
              force.segment(pair.first_point, pair.points) +
-         friction_resultant(pair, force, *this);
+         friction_resultant(pair, force, frames);
 }
 
 void use_mean_gaps(Rows& rows) {

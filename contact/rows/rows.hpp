@@ -85,9 +85,10 @@ struct Rows : RowFrames {
   std::vector<int> body_a{};
   Vector yielded{};
 
-  /// Force of a pair on its body b [N]. @param force  (n)
-  Eigen::Vector3d resultant(const PairBlock& pair, const Vector& force) const;
-  /// The part of it due to friction [N]. @param frames  of the rows, which are elsewhere if bodies turn
+  /// Force of a pair on its body b [N]. @param force  (n) @param frames  of the rows, which move if bodies
+  /// turn
+  Eigen::Vector3d resultant(const PairBlock& pair, const Vector& force, const RowFrames& frames) const;
+  /// The part of it due to friction [N].
   Eigen::Vector3d friction_resultant(const PairBlock& pair, const Vector& force,
                                      const RowFrames& frames) const;
 };

@@ -85,6 +85,13 @@ double FloatingStepper::elastic_energy(const FloatingBody& body) const noexcept 
   return 0.5 * (of(state_.v).square() + of(state_.system->stiffness) * of(state_.q).square()).sum();
 }
 
+/// Of the elastic modes under the loads at t = 0, four times: q differs from its static value by at most that
+/// of its vibration, whose energy the elastic energy overestimates by no more [J].
+double FloatingStepper::static_energy(const FloatingBody& body) const noexcept {
+  const auto of = [&](const Vector& x) { return x.segment(body.first_elastic(), body.elastic()).array(); };
+  return 2 * (of(state_.system->stiffness) * of(state_.system->q0).square()).sum();
+}
+
 StepStatus FloatingStepper::step() noexcept {
   if (at_rest_ >= searches_at_rest) {
     contact_.persistency = 0;
@@ -110,8 +117,8 @@ StepStatus FloatingStepper::step() noexcept {
   };
   for (FloatingBody& body : bodies_) body.drift(0.5 * options_.step);
   contact_.slip.begin(system.model->belts, steps_ + 1);
-  dq_.array() =
-      system.b.array() * state_.v.array() - system.c.array() * system.stiffness.array() * state_.q.array();
+  dq_.array() = system.b.array() * state_.v.array() +
+                system.c.array() * (system.load.array() - system.stiffness.array() * state_.q.array());
   points_.advance(bodies_, dq_, options_.step, contact_.mean);
   law_.hold(points_.rows());
   law_.change_matrices();
@@ -135,7 +142,8 @@ void FloatingStepper::look_for_rest() noexcept {
                (contact_.force - rest_force_).norm() <= resting * contact_.force.norm();
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const FloatingBody& body = bodies_[k];
-    const double fall = body.mass * body.acceleration().norm() * points_.radius(static_cast<int>(k)),
+    const double fall =
+                     body.mass * state_.system->model->gravity.norm() * points_.radius(static_cast<int>(k)),
                  kinetic = body.kinetic() +
                            0.5 * state_.v.segment(body.first_elastic(), body.elastic()).squaredNorm();
     rests = rests && body.torque.isZero(0) && kinetic <= resting * resting * fall;
@@ -151,14 +159,15 @@ void FloatingStepper::search() noexcept {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const FloatingBody& body = bodies_[k];
     // A torque from outside may speed the body up beyond its energy, as moving obstacles may.
+    // The static energy of a supported body swings in addition.
     const double energy = (body.torque.isZero(0) ? slack : 2) *
                           (body.kinetic() + elastic_energy(body) + state_.energy().residual),
                  g = body.acceleration().norm(),
-                 speed = std::sqrt(2 * energy / body.mass) +
+                 speed = std::sqrt(2 * energy * body.inverse_mass) +
                          points_.radius(static_cast<int>(k)) *
                              std::sqrt(2 * energy * body.inertia.largest_inverse),
                  distance = time * speed + 0.5 * time * time * g;
-    travels_[k] = {energy + body.mass * g * distance, distance};
+    travels_[k] = {energy + body.mass * g * distance + static_energy(body), distance};
   }
   points_.watch(bodies_, travels_, contact_.mean);
   points_.place(bodies_, state_.q);
@@ -228,7 +237,8 @@ double FloatingStepper::move_modes(const ModeConstants& over) noexcept {
   double dissipated = 0;
   for (const FloatingBody& body : bodies_)
     for (Index n = body.first_elastic(); n < body.first_elastic() + body.elastic(); ++n) {
-      const double q = state_.q(n), v = state_.v(n), g = modal_force_(n) - state_.system->stiffness(n) * q;
+      const double q = state_.q(n), v = state_.v(n),
+                   g = state_.system->load(n) + modal_force_(n) - state_.system->stiffness(n) * q;
       dissipated += over.damp_ss(n) * g * g + over.damp_sr(n) * g * v + over.damp_rr(n) * v * v;
       state_.next_q(n) = q + over.b(n) * v + over.c(n) * g;
       state_.next_v(n) = over.e(n) * v + over.h(n) * g;
@@ -240,12 +250,13 @@ double FloatingStepper::move_modes(const ModeConstants& over) noexcept {
 bool FloatingStepper::commit(const Work& work, double residual) noexcept {
   Energy now{.residual = residual};
   for (const FloatingBody& body : bodies_) {
-    state_.next_q.segment<FloatingBody::rigid>(body.first_mode).setZero();
+    state_.next_q.segment(body.first_mode, body.frame_modes).setZero();
     body.write_rates(state_.next_v);
     const auto of = [&](const Vector& x) { return x.segment(body.first_elastic(), body.elastic()).array(); };
     now.kinetic += body.kinetic() + 0.5 * of(state_.next_v).square().sum();
     now.strain += 0.5 * (of(state_.system->stiffness) * of(state_.next_q).square()).sum();
-    now.loads += body.work_of_gravity();
+    now.loads += body.work_of_gravity() +
+                 (of(state_.system->load) * (of(state_.next_q) - of(state_.system->q0))).sum();
   }
   if (!state_.ledger.close(now, work)) return false;
   state_.q.swap(state_.next_q);
@@ -300,7 +311,8 @@ int FloatingStepper::cross() noexcept {
   const auto steps = static_cast<int>(options_.steps_per_sample - steps_ % options_.steps_per_sample);
   if (steps_ + steps > clear_until_) {
     double clear = std::numeric_limits<double>::infinity();
-    for (std::size_t k = 0; k < bodies_.size(); ++k) travels_[k].energy = elastic_energy(bodies_[k]);
+    for (std::size_t k = 0; k < bodies_.size(); ++k)
+      travels_[k].energy = elastic_energy(bodies_[k]) + static_energy(bodies_[k]);
     for (const Model::PairBlock& pair : state_.system->model->pairs) {
       const double way = points_.clearance(pair, bodies_, travels_);
       Vector3d acceleration = Vector3d::Zero();

@@ -51,6 +51,7 @@ class FloatingStepper final : public Stepper {
   void look_for_rest() noexcept;
   StepStatus end(const StepTrial& trial) noexcept;
   double elastic_energy(const FloatingBody& body) const noexcept;
+  double static_energy(const FloatingBody& body) const noexcept;
 
   ModalState state_;
   std::vector<FloatingBody> bodies_, kept_;  ///< now; at the start of the step

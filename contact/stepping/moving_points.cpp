@@ -60,16 +60,21 @@ Matrix3d attitude_of(std::span<const FloatingBody> bodies, int k) {
 
 }  // namespace
 
-MovingPoints::Body::Body(const Bodies::Block& block)
+MovingPoints::Body::Body(const Bodies::Block& block, const Vector3d& gravity)
     : surface(&block.kernel->surface),
       shape(*block.kernel),
       centre(block.own_centre()),
       modes(block.modes),
-      elastic(block.modes - FloatingBody::rigid),
-      first_elastic(block.first_mode + FloatingBody::rigid),
+      elastic(block.modes - block.frame_modes()),
+      first_elastic(block.first_mode + block.frame_modes()),
       in_modes(static_cast<Index>(block.kernel->surface.size())),
       residual(static_cast<Index>(block.kernel->surface.size())) {
   const std::size_t M = surface->size();
+  if (const std::vector<double>& settling = block.kernel->loads.body_force_residual;
+      block.supported && !settling.empty())
+    for (std::size_t i = 0; i < M; ++i)
+      settled.push_back(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(&settling[9 * i]) *
+                        (block.rotation.transpose() * gravity));
   for (std::vector<Vector3d>* x : {&w, &dw}) x->assign(M, Vector3d::Zero());
   for (std::vector<std::int64_t>* x : {&w_at, &dw_at}) x->assign(M, -1);
   number_of.assign(M, -1);
@@ -92,7 +97,7 @@ MovingPoints::MovingPoints(const Model& model, const StepSystem& system)
   folds_ = !model.folded.modes.empty();
   bodies_.reserve(model.bodies.size());  // copies would lose the reserve of their lists
   for (const Bodies::Block& block : model.bodies) {
-    Body& body = bodies_.emplace_back(block);
+    Body& body = bodies_.emplace_back(block, model.gravity);
     const auto omega = model.omega.segment(body.first_elastic, body.elastic).transpose().array();
     for (int i = 0; i < static_cast<int>(body.surface->size()); ++i) {
       double give = (body.shape_of(i).colwise().squaredNorm().array() / omega.square()).sum();
@@ -465,8 +470,10 @@ void MovingPoints::drop_candidates(Body& of) noexcept {
 const Vector3d& MovingPoints::displacement(int number, int candidate, const Vector& q) noexcept {
   Body& of = body(number);
   const auto i = static_cast<std::size_t>(candidate);
-  if (of.w_at[i] != calls_)
+  if (of.w_at[i] != calls_) {
     of.w[i].noalias() = of.shape_of(candidate) * q.segment(of.first_elastic, of.elastic);
+    if (!of.settled.empty()) of.w[i] += of.settled[i];
+  }
   of.w_at[i] = calls_;
   return of.w[i];
 }
@@ -690,7 +697,7 @@ StepMatrices MovingPoints::matrices(std::span<const FloatingBody> bodies, double
           const FloatingBody& state = bodies[static_cast<std::size_t>(here.body)];
           Matrix3d modes = -share * cross_matrix(here.arm) * state.inertia.inverse * cross_matrix(there.arm),
                    residual = Matrix3d::Zero();
-          modes.diagonal().array() += share / state.mass;
+          modes.diagonal().array() += share * state.inverse_mass;
           for (std::size_t i = 0; i < static_cast<std::size_t>(here.count); ++i)
             for (std::size_t j = 0; j < static_cast<std::size_t>(there.count); ++j) {
               const double weight = here.weight[i] * there.weight[j];

@@ -148,7 +148,7 @@ class MovingPoints {
     int other() const { return 1 - own(); }
   };
   struct Body {
-    explicit Body(const Bodies::Block& block);
+    Body(const Bodies::Block& block, const Eigen::Vector3d& gravity);
     const kernels::Surface* surface;
     BodySurface shape;
     Eigen::Vector3d centre;       ///< body axes [m]
@@ -158,6 +158,8 @@ class MovingPoints {
     /// (M) (Σ|φ|²/ω² + tr R)^½: a candidate moves by at most this times (2E)^½ with the energy E [m/N^½]
     std::vector<double> give;
     double largest_give = 0;
+    std::vector<Eigen::Vector3d>
+        settled;  ///< (M) static displacement by gravity beyond the modes, or empty [m]
     // Of candidates, computed when they are asked for in a step
     std::vector<Eigen::Vector3d> w, dw;     ///< (M) elastic displacement, and its free change [m]
     std::vector<std::int64_t> w_at, dw_at;  ///< (M) for which call

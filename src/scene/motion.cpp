@@ -54,10 +54,6 @@ void refuse_all_pairs(const Table& root) {
 }
 
 void check_bodies_and_loads(const Table& root, const Scene& scene) {
-  for (const Body& body : scene.bodies)
-    if (!body.support.empty())
-      refuse(root, fmt::format("bodies.{}.support", body.name),
-             "with finite rotation, every body is free: leave it out");
   for (const LoadKind& kind : load_kinds)
     if (!(scene.loads.*kind.list).empty())
       refuse(root, fmt::format("loads.{}", kind.name),

@@ -45,6 +45,13 @@ struct Cloud {
     make_kernel(lowest, flexibility, random, elastic);
   }
 
+  /// Holds the body by springs, so that it has no rigid modes.
+  void support() {
+    kernel.supported = true;
+    for (std::size_t n = 0; n < 6; ++n)
+      kernel.modes.angular_frequency[n] = 300 * (1 + static_cast<double>(n));
+  }
+
   /// Makes the inertia so large that nothing turns the body.
   void hold_attitude() {
     constexpr double times = 1e14;

@@ -395,7 +395,7 @@ TEST(Floating, tumbling_keeps_the_balances) {
       const Energy& ledger = stepper->modal()->energy();
       ASSERT_LE(ledger.total(), energy + 1e-12 * scale) << scene << " " << k;
       ASSERT_NEAR(ledger.ledger(), energy, 1e-11 * scale) << scene << " " << k;
-      const Vector3d push = -model->resultant(model->pairs[0], stepper->force()),
+      const Vector3d push = -model->resultant(model->pairs[0], stepper->force(), *model),
                      weight = cloud.mass * drop.gravity;
       const Vector3d after = momentum(cloud, now), impulse = (push + weight) / rate;
       // Round-off; the forces on a body that rests balance its weight to 1e-9 of a step's impulse.

@@ -70,7 +70,7 @@ TEST(FrictionEquilibrium, of_a_block_on_an_incline_carries_its_weight_by_frictio
     const double angle = 0.3;
     const Model model = on_incline(kernel, angle, 1.01 * std::tan(angle), gap);
     const Equilibrium at_rest = find_equilibrium(model);
-    const Vector3d push = model.resultant(model.pairs[0], at_rest.force);  // on the floor
+    const Vector3d push = model.resultant(model.pairs[0], at_rest.force, model);  // on the floor
     EXPECT_LT((push - mass * model.gravity).norm(), 1e-9 * mass * gravity);
     const double level = mass * gravity * std::cos(angle) / 4;
     const double lean = mass * gravity * std::sin(angle) * height / half / 4;

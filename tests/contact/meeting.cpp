@@ -162,6 +162,36 @@ TEST(Meeting, without_a_turn_is_the_compliant_step) {
             1e-2 * linear->modal()->v.head<6>().norm());
 }
 
+/// A box falls on a body that springs hold under gravity.
+TEST(Meeting, of_a_supported_body_without_a_turn_is_the_compliant_step) {
+  Cloud small({0.02, 0.02, 0.02}, 2000, 1e-8, 1, true, 0), large({0.1, 0.08, 0.06}, 2000, 1e-8, 2, true, 0);
+  small.hold_attitude();
+  large.support();
+  Meeting scene{.clouds = {&small, &large},
+                .bodies = {at({0.011, 0.007, 0.04 + 1e-4}, Matrix3d::Identity(), {0, 0, -0.3}),
+                           at({0, 0, 0}, turn(std::numbers::pi, {0, 0, 1}))},
+                .gravity = {0, 0, -9.81}};
+  const auto turning = meet(scene);
+  scene.turns = false;
+  const auto fixed = meet(scene);
+  auto finite = make_stepper(turning, stepping(1e5)),
+       linear = make_stepper(fixed, stepping(1e5, Rotation::linear));
+  const auto sum = [](const Stepper& stepper) { return stepper.force().head(stepper.points()).sum(); };
+  double peak = 0, most = 0;
+  for (int k = 0; k < 3000; ++k) {
+    ASSERT_EQ(finite->step(), StepStatus::ok);
+    ASSERT_EQ(linear->step(), StepStatus::ok);
+    peak = std::max(peak, sum(*linear));
+    most = std::max(most, std::abs(sum(*finite) - sum(*linear)));
+  }
+  EXPECT_GT(peak, 10);
+  EXPECT_LT(most, 1e-3 * peak);  // the supported body turns a little, and its faces with it
+  EXPECT_EQ(finite->turning()->poses[1].position, Vector3d(turning->bodies[1].centre));
+  const Energy energy = finite->modal()->energy();
+  EXPECT_NEAR(energy.ledger(), initial_energy(*turning).ledger(), 1e-11 * energy.kinetic);
+  EXPECT_NEAR(energy.total(), linear->modal()->energy().total(), 1e-3 * std::abs(energy.total()));
+}
+
 /// A tower of three boxes of one size, whose corners lie on corners, comes to rest on a floor.
 TEST(Meeting, of_a_tower_is_steady) {
   Cloud box({0.1, 0.08, 0.06}, 2000, 1e-8, 1, true, 0);
