@@ -12,9 +12,15 @@ namespace {
 
 constexpr double number = sizeof(double);
 
+/// Rows of bodies that turn which touch at once: more than those of a face of a body that is meshed to
+/// tumble.
+constexpr double rows_of_turning_bodies = 600;
+constexpr double bytes_of_moving_point = 700, vectors_of_rows = 30;
+
 }  // namespace
 
 double model_bytes(const ModelSize& size) {
+  if (size.turns) return 0;
   const auto n = static_cast<double>(size.rows), N = static_cast<double>(size.modes);
   return number * (n * N + (size.two_sided ? 2 : 1) * n * n);
 }
@@ -27,6 +33,11 @@ double stepper_bytes(const ModelSize& size, const StepOptions& options) {
   const bool blocks = compliant && options.block != 1 && size.points > 0;
   // The factor of the active set of two solvers, and with friction three more matrices of the points that
   // touch.
+  if (size.turns) {
+    const double at_once = std::min(n, rows_of_turning_bodies);
+    return bytes_of_moving_point * m +
+           number * (vectors_of_rows * n + (4 + 2 * (rubs ? 5 : 1)) * at_once * at_once);
+  }
   const double touching = blocks ? near : n;
   const double solvers = 2 * (rubs ? 5 : 1) * number * touching * touching;
   if (!compliant) return number * (m * m + near * near) + solvers;

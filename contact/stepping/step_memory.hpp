@@ -14,6 +14,7 @@ struct ModelSize {
   std::size_t pairs = 1;  ///< if there are several, islands hold the matrices of their rows once more
   bool has_residual = false;
   bool two_sided = false;  ///< whether a pair has a second body
+  bool turns = false;      ///< whether bodies turn, so that the model has no matrices
 };
 
 /// Memory of a model [bytes]: of B, R and, if a pair has two bodies, R_a.

@@ -58,7 +58,7 @@ double approach_of(const scene::Scene& scene, const KernelPointers& kernels,
 
 contact::ModelSize size_of(const scene::Scene& scene, const KernelPointers& kernels,
                            const contact::Placement& placement) {
-  contact::ModelSize out{.pairs = 0, .has_residual = true};
+  contact::ModelSize out{.pairs = 0, .has_residual = true, .turns = scene.motion.is_finite()};
   for (const kernels::Kernel* kernel : kernels) {
     out.modes += static_cast<Eigen::Index>(kernel->modes.size());
     out.has_residual = out.has_residual && !kernel->surface.residual_flexibility.empty();

@@ -268,17 +268,11 @@ class Refusals(ProgramTest):
         with self.assertRaisesRegex(ricochet.InputError, "rayleigh's alpha"):
             ricochet.Simulation(simulated)
 
-    def test_of_a_second_body(self):
-        block = TEXT.partition("[bodies.block]")[2].partition("[obstacles.floor]")[0]
-        second = (
-            f'{TEXT}[bodies.other]\n{block}[[contact.pair]]\nbetween = ["other", "floor"]\n[[contact.pair]]\n'
-        )
-        scene = self.write("two.toml", second)
-        self.succeed(kernel(scene, self.out))
-        self.refused(contact(scene, self.out), "two.toml", "Leave one body in the scene")
-
-    def test_of_a_support(self):
-        self.refused(kernel(self.scene, self.out, 'bodies.block.support.foot="z"'), "every body is free")
+    def test_of_a_support_that_leaves_motions(self):
+        hinged = 'bodies.block.support.foot="z"'
+        self.succeed(kernel(self.scene, self.out, hinged))
+        at_rest = "bodies.block.velocity=[0,0,0]", "bodies.block.angular_velocity=[0,0,0]"
+        self.refused(contact(self.scene, self.out, hinged, *at_rest), "supports leave it 3 rigid motions")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Bodies that turn by any angle and meet, from mesh to files: a brick strikes a beam that stands on a floor, and a clamped beam. Laws of
+mechanics, and the geometry of boxes, judge what the results say."""
+
+import unittest
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+import ricochet
+from programs import ProgramTest, impact
+
+DENSITY, GRAVITY = 1200.0, 9.81
+SIZES = {"brick": np.array([0.05, 0.03, 0.02]), "beam": np.array([0.12, 0.03, 0.03])}
+MATERIAL = f"material = {{ young = 2e8, poisson = 0.35, density = {DENSITY} }}\ndamping = {{ ratio = 0.02 }}"
+BODY = """
+[bodies.{name}]
+mesh = "{name}.geo"
+contact = "all"
+order = 1
+{material}
+"""
+SCENE = (
+    BODY.format(name="beam", material=MATERIAL)
+    + "translate = [0, 0, 0.0151]\n"
+    + BODY.format(name="brick", material=MATERIAL)
+    + """rotate_deg = [25, 35, 10]
+translate = [0.02, 0.004, 0.07]
+velocity = [0, 0, -1.5]
+angular_velocity = [0, 10, 20]
+[obstacles.floor]
+normal = [0, 0, 1]
+[contact]
+between = "all"
+friction = 0.3
+[modes]
+up_to_hz = 8000
+[motion]
+rotation = "finite"
+[time]
+rate_hz = 48000
+duration = 0.08
+"""
+)
+ROUND_OFF = 1e-11  # of 4000 steps, relative to the largest value
+
+
+def geometry(size):
+    """A box about the origin. Its end is a physical surface."""
+    x, y, z = size
+    return f"""SetFactory("OpenCASCADE");
+Box(1) = {{{-x / 2}, {-y / 2}, {-z / 2}, {x}, {y}, {z}}};
+Mesh.MeshSizeMax = {min(size)};
+Physical Volume("body") = {{1}};
+Physical Surface("end") = {{1}};
+"""
+
+
+def inside(result, one, other, frame):
+    """How deep the corners of one box are within the other one."""
+    body, there = result.bodies[one], result.bodies[other]
+    corners = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T * SIZES[one] / 2
+    world = Rotation.from_quat(np.roll(body.attitude[frame], -1)).apply(corners) + body.position[frame]
+    own = Rotation.from_quat(np.roll(there.attitude[frame], -1)).inv().apply(world - there.position[frame])
+    return np.max(np.min(SIZES[other] / 2 - np.abs(own), axis=1))
+
+
+class Meets(ProgramTest):
+    @classmethod
+    def setUpClass(cls):
+        cls.made = cls.shared_folder()
+        for name, size in SIZES.items():
+            (cls.made / f"{name}.geo").write_text(geometry(size))
+        cls.scene, cls.out = cls.made / "meets.toml", cls.made / "out"
+        cls.scene.write_text(SCENE)
+
+    def test_of_two_bodies_keeps_their_momentum_and_their_shapes_apart(self):
+        apart = ["bodies.beam.translate=[0,0,0]", 'contact.pair=[{between=["beam","floor"],touch=false},'
+                 '{between=["brick","floor"],touch=false}]']  # fmt: skip
+        result = impact(self.scene, self.out, *apart)
+        momentum = sum(body.momentum for body in result.bodies.values())
+        spin = sum(body.angular_momentum for body in result.bodies.values())
+        largest = np.max(np.abs(result.bodies["brick"].momentum))
+        self.assertLess(np.max(np.abs(momentum - momentum[0])), ROUND_OFF * largest)
+        self.assertLess(np.max(np.abs(spin - spin[0])), ROUND_OFF * np.max(np.abs(spin)))
+        change = np.linalg.norm(result.bodies["brick"].momentum[-1] - result.bodies["brick"].momentum[0])
+        self.assertGreater(change, 0.1 * largest)
+        (touch, *_) = result.summary["touches"]
+        self.assertEqual(set(touch["bodies"]), {"beam", "brick"})
+        # An impact of some newtons presses corners by micrometres; unnoticed bodies would overlap by millimetres.
+        deepest = max(
+            inside(result, *pair, frame)
+            for pair in (("brick", "beam"), ("beam", "brick"))
+            for frame in range(0, len(result.time), 20)
+        )
+        self.assertLess(deepest, 2e-4)
+        self.assertLess(result.summary["energy_drift"], 1e-10)
+
+    def test_of_a_brick_that_falls_on_a_beam_on_the_floor(self):
+        result = impact(self.scene, self.out, f"loads.gravity=[0,0,{-GRAVITY}]", "time.duration=0.15")
+        pairs = {frozenset(touch["bodies"]) for touch in result.summary["touches"]}
+        self.assertLessEqual({frozenset(("beam", "floor")), frozenset(("beam", "brick"))}, pairs)
+        lowest = min(np.min(body.position[:, 2]) for body in result.bodies.values())
+        self.assertGreater(lowest, 0.0095)  # half of the thinnest side, but for its compression
+        energy = result.energy
+        total = energy["total"] + energy["damping"] + energy["contact"] + energy["friction"]
+        scale = np.max(np.abs(energy["kinetic"]))
+        self.assertLess(np.ptp(total), ROUND_OFF * scale)
+        self.assertGreaterEqual(np.min(energy["contact"]), -ROUND_OFF * scale)
+
+    def test_of_a_clamped_beam_holds_what_strikes_it(self):
+        held = ['bodies.beam.support.end="xyz"', 'contact.pair=[{between=["beam","floor"],touch=false},'
+                '{between=["brick","floor"],touch=false}]']  # fmt: skip
+        result = impact(self.scene, self.out, *held)
+        beam, brick = result.bodies["beam"], result.bodies["brick"]
+        self.assertEqual(np.ptp(beam.position, axis=0).tolist(), [0, 0, 0])
+        # What the brick loses passes through the support, or stays in the beam.
+        taken = np.sum(beam.reaction, axis=0) * (result.time[1] - result.time[0])
+        lost = brick.momentum[0] - brick.momentum[-1]
+        balance = lost + taken - (beam.momentum[-1] - beam.momentum[0])
+        self.assertLess(np.linalg.norm(balance), 1e-9 * np.linalg.norm(lost))
+
+    def test_of_bodies_that_overlap_is_refused_with_the_depth(self):
+        scene = ricochet.Scene(self.scene).changed({"bodies.brick.translate": [0.02, 0.004, 0.035]})
+        with self.assertRaisesRegex(ricochet.InputError, "overlap by"):
+            ricochet.kernels(scene, 1, self.out)
+            ricochet.Simulation(scene)
+
+
+if __name__ == "__main__":
+    unittest.main()
