@@ -60,6 +60,7 @@ struct Simulation::Impl {
         rigid(model),
         points(points_of(model)) {
     for (const Body& body : scene.bodies) kernels.push_back(body.kernel);
+    touching.reserve(points.size());
     for (const TurningPickup& pickup : turning) pickups_at_start.push_back(place_of(pickup));
   }
 
@@ -85,6 +86,18 @@ struct Simulation::Impl {
     for (const contact::Model::FrictionPoint& point : model.friction)
       tangential_force.row(point.point).noalias() =
           rubbing.segment<2>(point.tangential - m).transpose() * tangent.middleRows<2>(point.tangential - m);
+  }
+
+  std::span<const Touching> find_touching() noexcept {
+    touching.clear();
+    const contact::RowFrames& frames = contact::frames_of(model, *stepper);
+    for (Eigen::Index i = 0; i < force.size(); ++i) {
+      if (!(force(i) > 0)) continue;
+      const Vector3d pushed = force(i) * frames.normal.row(i) + tangential_force.row(i);
+      touching.push_back({static_cast<std::size_t>(i), array(frames.point_a.row(i)),
+                          array(frames.normal.row(i)), array(pushed)});
+    }
+    return touching;
   }
 
   /// Writes row k from the last sample.
@@ -172,6 +185,7 @@ struct Simulation::Impl {
   std::vector<double> pickups_at_start;
   contact::RigidMotions rigid;
   std::vector<ContactPoint> points;
+  std::vector<Touching> touching;
 };
 
 struct Simulation::State::Impl {
@@ -230,6 +244,7 @@ std::span<const double> Simulation::displacement() const noexcept {
 std::span<const double> Simulation::tangential_force() const noexcept {
   return {impl_->tangential_force.data(), static_cast<std::size_t>(impl_->tangential_force.size())};
 }
+std::span<const Touching> Simulation::contacts() noexcept { return impl_->find_touching(); }
 int Simulation::active() const noexcept { return impl_->stepper->active(); }
 
 std::size_t Simulation::pickups() const noexcept { return static_cast<std::size_t>(impl_->pickups.rows()); }

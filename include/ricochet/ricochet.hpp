@@ -47,6 +47,14 @@ struct ContactPoint {
   double area = 0;             ///< of the patch of a [m²]
 };
 
+/// A point that touches.
+struct Touching {
+  std::size_t point = 0;  ///< index into Simulation::points()
+  Vector3 place{};        ///< on body a, now; with linear rotations, at the start [m]
+  Vector3 normal{};       ///< unit, out of a, likewise
+  Vector3 force{};  ///< on body b, or on the obstacle: of contact and friction, the mean over the step [N]
+};
+
 /// Where a body is, and how it moves as a whole, in world axes.
 struct BodyMotion {
   Vector3 position{};                          ///< of its centre of mass [m]
@@ -100,6 +108,8 @@ class Simulation {
   /// the normal. 0 for points without friction.
   std::span<const double> tangential_force() const noexcept;
   int active() const noexcept;  ///< points in contact at the end of the last step
+  /// The points with a force in the last step. Valid until the next call.
+  std::span<const Touching> contacts() noexcept;
 
   std::size_t pickups() const noexcept;  ///< p
   /// Motion of the modes at the end of the last step, with the motion that supports give them and without the

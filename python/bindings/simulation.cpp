@@ -89,6 +89,17 @@ class Stepper {
 
   void step() { check(simulation_.step()); }
 
+  /// Names, number of the point, place, normal and force of each point that touches.
+  py::list contacts() {
+    py::list out;
+    for (const Touching& one : simulation_.contacts()) {
+      const scene::Pair& pair = scene_.contact.pairs[simulation_.points()[one.point].pair];
+      out.append(
+          py::make_tuple(pair.a, pair.b, one.point, copy(one.place), copy(one.normal), copy(one.force)));
+    }
+    return out;
+  }
+
  private:
   void check(StepStatus status) { impact::check(status, scene_, simulation_.time()); }
 
@@ -215,6 +226,7 @@ void bind_simulation(py::module_& module) {
     return py::make_tuple(copy(motion.position), copy(motion.attitude), copy(motion.velocity),
                           copy(motion.spin));
   });
+  stepper.def("contacts", &Stepper::contacts);
   stepper.def("push", [](Stepper& self, std::size_t body, const Vector3& force, const Vector3& torque) {
     return self.simulation().push(body, force, torque);
   });

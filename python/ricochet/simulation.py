@@ -42,6 +42,17 @@ class BodyMotion:
 
 
 @dataclass(frozen=True)
+class Contact:
+    """A point that touches, in world axes. With linear rotations, it is where it was at the start."""
+
+    between: tuple[str, str]  #: names of the bodies, or of a body and an obstacle
+    point: int  #: number of the contact point, from 0
+    place: Floats  #: (3) on the first body [m]
+    normal: Floats  #: (3) unit, out of the first body
+    force: Floats  #: (3) of contact and friction on the second one, the mean over the last step [N]
+
+
+@dataclass(frozen=True)
 class Block:
     """Rows for n steps, with m contact points and p pickups."""
 
@@ -192,6 +203,14 @@ class Simulation:
     def body_motion(self, body: str) -> BodyMotion:
         """Where a body is, and how it moves as a whole, at the end of the last step."""
         return BodyMotion(*self._core.body_motion(self.scene.bodies.index(body)))
+
+    @property
+    def contacts(self) -> list[Contact]:
+        """The points with a force in the last step."""
+        return [
+            Contact((a, b), point, place, normal, force)
+            for a, b, point, place, normal, force in self._core.contacts()
+        ]
 
     def push(
         self, body: str, force: Sequence[float] = (0, 0, 0), torque: Sequence[float] = (0, 0, 0)

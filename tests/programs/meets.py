@@ -120,6 +120,31 @@ class Meets(ProgramTest):
         balance = lost + taken - (beam.momentum[-1] - beam.momentum[0])
         self.assertLess(np.linalg.norm(balance), 1e-9 * np.linalg.norm(lost))
 
+    def test_of_a_simulation_names_what_touches(self):
+        scene = ricochet.Scene(self.scene).changed({"loads.gravity": [0, 0, -GRAVITY]})
+        ricochet.kernels(scene, 1, self.out)
+        simulation = ricochet.Simulation(scene)
+        mass = {name: DENSITY * np.prod(size) for name, size in SIZES.items()}
+        pushed, met = {name: np.zeros(3) for name in SIZES}, set()
+        for _ in range(2000):
+            simulation.step()
+            for contact in simulation.contacts:
+                met.add(frozenset(contact.between))
+                self.assertGreater(contact.force @ contact.normal, 0)
+                first, second = contact.between
+                pushed[first] -= contact.force / 48000
+                if second != "floor":
+                    pushed[second] += contact.force / 48000
+                else:
+                    self.assertLess(abs(contact.place[2]), 1e-4)
+        self.assertEqual(met, {frozenset(("beam", "floor")), frozenset(("beam", "brick"))})
+        start = {"beam": np.zeros(3), "brick": np.array([0, 0, -1.5])}
+        for name in SIZES:
+            gained = (
+                simulation.mean_velocity(name) - start[name] - np.array([0, 0, -GRAVITY]) * simulation.time
+            )
+            self.assertLess(np.linalg.norm(mass[name] * gained - pushed[name]), 1e-3 * mass[name])
+
     def test_of_bodies_that_overlap_is_refused_with_the_depth(self):
         scene = ricochet.Scene(self.scene).changed({"bodies.brick.translate": [0.02, 0.004, 0.035]})
         with self.assertRaisesRegex(ricochet.InputError, "overlap by"):
