@@ -12,8 +12,10 @@ namespace ricochet::contact {
 
 /// Bodies that turn by any angle: their frames, where their rows act now, and what acts on them.
 struct Turning {
-  std::vector<Pose> poses;              ///< by body
-  RowFrames frames;                     ///< of points that may touch now; of others, as they were last known
+  std::vector<Pose> poses;  ///< by body
+  /// Of points that may touch: places now, and the directions along which the forces of the last step acted.
+  /// Of others, as they were last known.
+  RowFrames frames;
   std::vector<Vector> candidate_force;  ///< by body (3M), in its axes, at the end of the last step [N]
 };
 

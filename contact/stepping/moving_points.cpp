@@ -591,6 +591,7 @@ void MovingPoints::advance(std::span<const FloatingBody> bodies, const Vector& d
     if (point.kind != Kind::obstacle)
       in_world = point.row *
                  attitude_of(bodies, point.end[static_cast<std::size_t>(point.other())].body).transpose();
+    point.acting = in_world;
     const Vector3d common = state.position + state.attitude * point.place_now;
     Vector3d d = Vector3d::Zero();
     double sign = 1;
@@ -764,6 +765,7 @@ void MovingPoints::write_frames(std::span<const FloatingBody> bodies, RowFrames&
                    y = x + (point.own() == 0 ? 1 : -1) * (point.gap - u_(i)) * rows.row(0).transpose();
     out.point_a.row(i) = (point.own() == 0 ? x : y).transpose();
     out.point_b.row(i) = (point.own() == 0 ? y : x).transpose();
+    if (member_of_[static_cast<std::size_t>(i)] >= 0) rows = point.acting;
     out.normal.row(i) = rows.row(0);
     if (point.tangential >= 0)
       out.tangent.middleRows<2>(point.tangential - static_cast<Index>(points_.size())) = rows.bottomRows<2>();

@@ -109,7 +109,9 @@ class MovingPoints {
   /// @param modal  (N) is added to
   Load load(int body, const Vector& p, Vector& modal) const noexcept;
 
-  /// Writes where the watched points are.
+  /// Writes where the watched points are, and the directions of their rows: of those that might touch in the
+  /// last step, in its middle, along which the forces acted; they may have passed to another face or crease
+  /// since.
   void write_frames(std::span<const FloatingBody> bodies, RowFrames& out) const noexcept;
   /// Writes the forces on candidates under p by position. @param out  by body (3M), 0 but for the last call's
   void write_forces(const Vector& p, std::vector<Vector>& out) noexcept;
@@ -143,6 +145,7 @@ class MovingPoints {
     double distance = 0;                 ///< now, without elastic displacements [m]
     std::array<End, 2> end{};            ///< on a and on b
     Eigen::Vector3d place_now{0, 0, 0};  ///< of the common place, in the axes of own(), from its centre [m]
+    Eigen::Matrix3d acting = Eigen::Matrix3d::Zero();  ///< its rows in the middle of the step, world axes
     /// Its own body, on which its common place is fixed in a step, and that of its row vectors.
     int own() const { return kind == Kind::candidate_of_b ? 1 : 0; }
     int other() const { return 1 - own(); }

@@ -85,6 +85,32 @@ TEST(Touches, are_the_sequences_of_steps_with_a_force_of_a_pair) {
   }
 }
 
+/// Points pass from face to face and from crease to crease while they press.
+TEST(Touches, of_bodies_that_turn_have_the_impulses_that_change_their_momenta) {
+  const Cloud one({0.1, 0.08, 0.06}, 2000, 1e-8, 5), other({0.1, 0.08, 0.06}, 2000, 1e-8, 7);
+  std::vector<PlacedBody> bodies{
+      {.name = "one", .kernel = &one.kernel, .rotation = turn(0.9, {1, 2, 0})},
+      {.name = "other", .kernel = &other.kernel, .translation = {0.12, 0.01, 0.02}}};
+  bodies[0].velocity = {3, 0, 0};
+  bodies[0].angular_velocity = {20, -10, 30};
+  bodies[1].angular_velocity = {-10, 25, 15};
+  PairRequest pair{"one", "other", {}, {}, {}};
+  pair.everywhere = true;
+  const auto model = std::make_shared<Model>(build_model(bodies, {}, {pair}, Vector3d::Zero()));
+  const auto stepper = make_stepper(model, stepping(1e5));
+  FigureObserver observer(*model, 1e-5);
+  const Vector3d before = stepper->poses()[1].velocity;
+  for (int k = 0; k < 4000; ++k) {
+    ASSERT_EQ(stepper->step(), StepStatus::ok);
+    observer.observe(*stepper);
+  }
+  Vector3d impulse = Vector3d::Zero();
+  for (const Touch& touch : observer.figures().touches) impulse += touch.impulse;
+  const Vector3d gained = other.mass * (stepper->poses()[1].velocity - before);
+  ASSERT_GT(gained.norm(), 0.1);
+  EXPECT_LT((impulse - gained).norm(), 1e-12 * gained.norm());
+}
+
 /// For small rotations, both descriptions agree but for the square of the angle.
 TEST(Pose, of_linear_rotations_is_that_of_finite_ones_at_small_angles) {
   const Cloud cloud({0.1, 0.08, 0.06}, 500, 0, 4);
