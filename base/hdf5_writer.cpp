@@ -199,7 +199,7 @@ void Writer::write_strings(const std::string& dataset, const std::vector<std::st
     fail_to_write(path_, dataset);
 }
 
-Rows& Writer::rows(const std::string& dataset, const Shape& row, const std::string& unit, bool packed) {
+Rows& Writer::rows(const std::string& dataset, const Shape& row, const std::string& unit) {
   constexpr std::size_t kLongestBlock = 1024;
   const std::size_t row_bytes = std::max<std::size_t>(count_of(row), 1) * sizeof(double);
   const std::size_t block = std::clamp<std::size_t>(kBlockBytes / row_bytes, 1, kLongestBlock);
@@ -216,7 +216,7 @@ Rows& Writer::rows(const std::string& dataset, const Shape& row, const std::stri
     const Id space(H5Screate_simple(rank, size.data(), limit.data()));
     const Id creation = properties(H5P_DATASET_CREATE);
     H5Pset_chunk(creation.get(), rank, chunk.data());
-    if (packed || !temporary_) {
+    if (!temporary_) {
       H5Pset_shuffle(creation.get());
       H5Pset_deflate(creation.get(), kDeflate);
     }

@@ -77,8 +77,7 @@ class Writer {
   void write_strings(const std::string& dataset, const std::vector<std::string>& values);
 
   /// Creates an empty dataset of shape (0, row...) that grows. The reference is valid until `commit`.
-  /// @param packed  whether it is compressed, as long rows with few nonzero values should be
-  Rows& rows(const std::string& dataset, const Shape& row, const std::string& unit, bool packed = false);
+  Rows& rows(const std::string& dataset, const Shape& row, const std::string& unit);
 
   /// Write an attribute of "/", or of a group or dataset that exists.
   void attribute(const std::string& object, const std::string& name, const std::string& value);

@@ -76,13 +76,6 @@ void ContactSides::displacement(double time, const Vector& q, const Vector& p, V
 
 const SidesMotion& ContactSides::after(const Stepper& stepper) noexcept {
   time_ = stepper.time();
-  if (!stepper.poses().empty()) {  // all meet obstacles, which do not move along their normals
-    motion_.displacement_a = stepper.displacement().head(model_.points());
-    motion_.velocity_a = (motion_.displacement_a - before_a_) / options_.step;
-    motion_.displacement_b.setZero();
-    motion_.velocity_b.setZero();
-    return motion_;
-  }
   const ModalState& state = *stepper.modal();
   displacement(time_, state.q, stepper.end_force(), motion_.displacement_a, motion_.displacement_b);
   if (options_.scheme == Scheme::impulse) {
@@ -103,10 +96,6 @@ const SidesMotion& ContactSides::after(const Stepper& stepper) noexcept {
 
 void ContactSides::pass(const Stepper& stepper) noexcept {
   if (options_.scheme == Scheme::impulse) return;
-  if (!stepper.poses().empty()) {
-    before_a_ = stepper.displacement().head(model_.points());
-    return;
-  }
   before_.time = stepper.time();
   before_.q = stepper.modal()->q;
   before_.p = stepper.end_force();

@@ -31,12 +31,12 @@ double least_bytes(const MotionSource& source, const RecorderOptions& options, s
 Recorder::Recorder(const MotionSource& source, const StepOptions& step, const RecorderOptions& options)
     : source_(source),
       step_(step.step),
-      turns_(step.rotation == Rotation::finite),
+      turns_(source.modes() && step.rotation == Rotation::finite),
       every_(options.every),
       snapshot_every_(options.snapshot_every),
       file_(options.path) {
   file_.attribute("/", "format", "ricochet-result");
-  file_.attribute("/", "version", 1);
+  file_.attribute("/", "version", turns_ ? 2 : 1);
   file_.attribute("/", "title", options.title);
   file_.attribute("/", "scene", options.scene);
   file_.attribute("/", "created_by", options.created_by);
@@ -45,8 +45,11 @@ Recorder::Recorder(const MotionSource& source, const StepOptions& step, const Re
   file_.attribute("/contact", "step", step_ * static_cast<double>(every_));
   if (source_.area().size() > 0) file_.write<double>("/contact/area", flat(source_.area()), {m}, "m^2");
   time_ = &file_.rows("/time", {}, "s");
-  contact_ = {&file_.rows("/contact/time", {}, "s"), &file_.rows("/contact/force", {m}, "N", turns_),
-              &file_.rows("/contact/gap", {m}, "m", turns_)};
+  if (turns_)
+    entries_.emplace(file_, *source_.modes());
+  else
+    contact_ = {&file_.rows("/contact/time", {}, "s"), &file_.rows("/contact/force", {m}, "N"),
+                &file_.rows("/contact/gap", {m}, "m")};
   for (const MotionSource::Body& body : source_.bodies()) {
     const std::string group = "/bodies/" + body.name;
     file_.group(group);
@@ -93,7 +96,7 @@ void Recorder::record(const Equilibrium& equilibrium) {
   if (equilibrium.active > 0) {
     contact_row(equilibrium.time, equilibrium.displacement, equilibrium.force);
     sides_row(sides_->at_rest(equilibrium));
-    friction_row(model, equilibrium.displacement, equilibrium.force, equilibrium.states);
+    friction_row(equilibrium.displacement, equilibrium.force, equilibrium.states);
   }
   if (snapshots_) snapshots_->append(equilibrium.time, equilibrium.q, equilibrium.force, nullptr);
 }
@@ -119,16 +122,18 @@ void Recorder::write_place(const Bodies::Block& body, std::size_t number, const 
 /// Adds the rows of quantities that only modes give, also for t = 0.
 void Recorder::add_model_rows(const Model& model, const StepOptions& step, const RecorderOptions& options) {
   const auto m = static_cast<std::size_t>(model.points());
-  sides_.emplace(model, step);
   receivers_.emplace(model, step);
-  contact_.displacement_a = &file_.rows("/contact/displacement_a", {m}, "m", turns_);
-  contact_.displacement_b = &file_.rows("/contact/displacement_b", {m}, "m", turns_);
-  contact_.velocity_a = &file_.rows("/contact/velocity_a", {m}, "m/s", turns_);
-  contact_.velocity_b = &file_.rows("/contact/velocity_b", {m}, "m/s", turns_);
-  if (!model.friction.empty()) {
-    contact_.tangential_force = &file_.rows("/contact/tangential_force", {m, 3}, "N", turns_);
-    contact_.tangential_displacement = &file_.rows("/contact/tangential_displacement", {m, 3}, "m", turns_);
-    contact_.state = &file_.rows("/contact/state", {m}, "1", turns_);
+  if (!turns_) {
+    sides_.emplace(model, step);
+    contact_.displacement_a = &file_.rows("/contact/displacement_a", {m}, "m");
+    contact_.displacement_b = &file_.rows("/contact/displacement_b", {m}, "m");
+    contact_.velocity_a = &file_.rows("/contact/velocity_a", {m}, "m/s");
+    contact_.velocity_b = &file_.rows("/contact/velocity_b", {m}, "m/s");
+  }
+  if (!turns_ && !model.friction.empty()) {
+    contact_.tangential_force = &file_.rows("/contact/tangential_force", {m, 3}, "N");
+    contact_.tangential_displacement = &file_.rows("/contact/tangential_displacement", {m, 3}, "m");
+    contact_.state = &file_.rows("/contact/state", {m}, "1");
   }
   energy_.emplace(file_);
   if (snapshot_every_ > 0) snapshots_.emplace(file_, model, turns_);
@@ -157,14 +162,16 @@ void Recorder::record(const Stepper& stepper) {
   const bool touching = (stepper.force().array() > 0).any();
   if (model && touching) push(frames_of(*model, stepper), stepper.force(), step_);
   if (touching && k % every_ == 0) {
-    contact_row(t, stepper.displacement(), stepper.force());
-    if (model) {
+    if (entries_)
+      entries_->append(stepper);
+    else
+      contact_row(t, stepper.displacement(), stepper.force());
+    if (sides_) {
       sides_row(sides_->after(stepper));
-      friction_row(frames_of(*model, stepper), stepper.displacement(), stepper.force(),
-                   stepper.slip().states());
+      friction_row(stepper.displacement(), stepper.force(), stepper.slip().states());
     }
   }
-  if (model) sides_->pass(stepper);
+  if (sides_) sides_->pass(stepper);
   if (!stepper.at_sample()) return;
   const std::int64_t sample = k / stepper.options().steps_per_sample;
   if (sample % every_ == 0) {
@@ -226,8 +233,7 @@ void Recorder::contact_row(double time, const Vector& u, const Vector& force) {
 }
 
 /// Forces τ on b, displacements of a relative to b, and states of all points; 0 for points without friction.
-void Recorder::friction_row(const RowFrames& frames, const Vector& w, const Vector& force,
-                            std::span<const ContactState> states) {
+void Recorder::friction_row(const Vector& w, const Vector& force, std::span<const ContactState> states) {
   if (contact_.state == nullptr) return;
   const Model& model = *source_.modes();
   const Eigen::Index m = model.points();
@@ -235,10 +241,9 @@ void Recorder::friction_row(const RowFrames& frames, const Vector& w, const Vect
   Vector state = Vector::Zero(m);
   for (std::size_t f = 0; f < states.size(); ++f) {
     const auto& [point, row, law] = model.friction[f];
-    const auto tangents = frames.tangent.middleRows(row - m, 2);
+    const auto tangents = model.tangent.middleRows(row - m, 2);
     pushed.row(point) = force.segment<2>(row).transpose() * tangents;
-    if (!turns_ || states[f] != ContactState::open)
-      moved.row(point) = w.segment<2>(row).transpose() * tangents;
+    moved.row(point) = w.segment<2>(row).transpose() * tangents;
     state(point) = static_cast<double>(states[f]);
   }
   contact_.tangential_force->append(std::span<const double>(pushed.data(), pushed.size()));

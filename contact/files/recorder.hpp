@@ -19,6 +19,7 @@
 #include "contact/figures/motion_source.hpp"
 #include "contact/figures/receivers.hpp"
 #include "contact/files/energy_rows.hpp"
+#include "contact/files/entry_rows.hpp"
 #include "contact/files/pose_rows.hpp"
 #include "contact/files/receiver_rows.hpp"
 #include "contact/files/snapshot_rows.hpp"
@@ -73,7 +74,7 @@ class Recorder {
     Eigen::Vector3d contact_impulse = Eigen::Vector3d::Zero();  ///< on this body, since the last row [N s]
   };
   struct ContactRows {
-    Rows *time, *force, *gap;
+    Rows *time = nullptr, *force = nullptr, *gap = nullptr;
     Rows *displacement_a = nullptr, *displacement_b = nullptr, *velocity_a = nullptr, *velocity_b = nullptr;
     // with friction
     Rows *tangential_force = nullptr, *tangential_displacement = nullptr, *state = nullptr;
@@ -86,19 +87,19 @@ class Recorder {
   void bodies_row(const Vector& state, std::span<const Pose> poses, double from, double to);
   void contact_row(double time, const Vector& u, const Vector& force);
   void sides_row(const SidesMotion& sides);
-  void friction_row(const RowFrames& frames, const Vector& w, const Vector& force,
-                    std::span<const ContactState> states);
+  void friction_row(const Vector& w, const Vector& force, std::span<const ContactState> states);
 
   MotionSource source_;
   double step_;
-  bool turns_;  ///< whether rotations are finite: any candidate may touch, and few do
+  bool turns_;  ///< whether rotations are finite
   std::int64_t every_, snapshot_every_, last_row_ = 0;
   base::hdf5::Writer file_;
   std::optional<ContactSides> sides_;
   std::optional<Receivers> receivers_;
   Rows* time_;
   Rows* persistency_ = nullptr;
-  ContactRows contact_{};
+  std::optional<EntryRows> entries_;  ///< of bodies that turn
+  ContactRows contact_{};             ///< of others
   std::optional<EnergyRows> energy_;
   std::vector<BodyRows> bodies_;
   std::optional<ReceiverRows> receiver_rows_;

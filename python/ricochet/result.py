@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ricochet.arrays import Floats
+from ricochet.contacts import Contacts, Entries, Ints
 from ricochet.errors import InputError
 from ricochet.result_file import File
 
@@ -229,14 +230,102 @@ class Result(_Data):
         return float(self._file.attribute("/contact", "step") or every_row)
 
     @cached_property
+    def has_entries(self) -> bool:
+        """Whether a contact row has entries for the points that carry a force, and no value for the others."""
+        return bool(self._file.attribute("/", "version") == 2)
+
+    @property
+    def _shape(self) -> tuple[int, int]:
+        """k and m"""
+        return len(self.contact_time), len(self.initial_gap)
+
+    @cached_property
+    def _entry(self) -> tuple[Ints, Ints]:
+        """(e) contact row and contact point of each entry"""
+        k, m = self._shape
+        point = self._read("contact/point", None)
+        edges = np.append(self._read("contact/first", k), len(point))
+        known = np.all((point >= 0) & (point < m) & (point == np.floor(point)))
+        if not known or np.any(edges != np.floor(edges)) or np.any(np.diff(edges) < 0) or edges[0] != 0:
+            raise InputError(f"{self.path}: names contact points that do not exist. Compute it again.")
+        return np.repeat(np.arange(k), np.diff(edges).astype(np.int64)), point.astype(np.int64)
+
+    def _entries(self, name: str, *more: int) -> Entries:
+        row, point = self._entry
+        return Entries(row, point, self._read(f"contact/{name}", len(row), *more), self._shape)
+
+    def _dense(self, name: str, *more: int) -> Floats:
+        """Reads a dataset with a row for each contact row and point."""
+        return self._read(f"contact/{name}", *self._shape, *more)
+
+    @cached_property
+    def contacts(self) -> Contacts:
+        """The points that carry a force in each contact row, or stick or slip, with where they are. For results of
+        bodies with finite rotations this takes much less memory than `force`, of which most is 0."""
+        if self.has_entries:
+            row, point = self._entry
+            place, normal = self._entries("place", 3).values, self._entries("normal_now", 3).values
+        else:
+            pressed = self.force != 0
+            row, point = np.nonzero(pressed | (self.state != OPEN) if self.has_friction else pressed)
+            place, normal = self.point_a[point], self.normal[point]
+
+        def of(name: str, *more: int) -> Floats:
+            if self.has_entries:
+                return np.asarray(self._entries(name, *more).values)
+            return np.asarray(getattr(self, name)[row, point])
+
+        friction: dict[str, Any] = {}
+        if self.has_friction:
+            for name in ("tangential_force", "tangential_displacement"):
+                friction[name] = of(name, 3)
+            friction["state"] = self.states.values if self.has_entries else self.state[row, point]
+        used, place_of = np.unique(point, return_inverse=True)
+        sides = np.array([self.sides_names(i) for i in used], dtype=np.str_).reshape(-1, 2)[place_of]
+        return Contacts(
+            row,
+            point,
+            self.contact_time[row],
+            sides[:, 0],
+            sides[:, 1],
+            place,
+            normal,
+            of("force"),
+            of("gap"),
+            **friction,
+        )
+
+    @cached_property
+    def sides(self) -> list[tuple[str, str]]:
+        """Names of the two sides of each pair, in the order of the scene."""
+        if self.has_entries:
+            a, b = (self._file.texts(f"/contact/side_{side}") for side in "ab")
+            return list(zip(a, b))
+        contact = self.scene.get("contact", {})
+        between = [pair.get("between", []) for pair in contact.get("pair", [contact])]
+        return [(names[0], names[1]) if len(names) == 2 else ("side a", "side b") for names in between]
+
+    def sides_names(self, i: int) -> tuple[str, str]:
+        """Names of the two sides of contact point i. Files of earlier versions do not hold its pair if there are
+        several."""
+        if len(self.sides) == 1:
+            return self.sides[0]
+        return self.sides[self.pair[i] - 1] if self.pair is not None else ("side a", "side b")
+
+    @cached_property
+    def forces(self) -> Entries:
+        """`force` of the points that carry one."""
+        return self._entries("force") if self.has_entries else Entries.of(self.force)
+
+    @cached_property
     def force(self) -> Floats:
         """(k,m) compressive force λ ≥ 0 [N], constant over the step that ends at the time of the row"""
-        return self._read("contact/force", len(self.contact_time), len(self.initial_gap))
+        return self.forces.dense() if self.has_entries else self._dense("force")
 
     @cached_property
     def total_force(self) -> Floats:
         """(K) Σ λ [N], the mean over the time since the previous row; 0 where nothing touches"""
-        return self._over_time(self.force.sum(axis=1))
+        return self._over_time(self.forces.per_row())
 
     def _over_time(self, values: Floats) -> Floats:
         """Converts contact rows (k,…) to rows of state (K,…): the mean since the previous row. Contact rows after the last row
@@ -255,33 +344,30 @@ class Result(_Data):
         exist."""
         return self._file.has("/contact/state")
 
-    def _of_friction(self, name: str, *more: int) -> Floats:
-        """Reads a dataset with a row for each contact row and point."""
+    def _of_friction(self, name: str) -> None:
+        """Raises InputError without friction."""
         if not self.has_friction:
             raise InputError(
                 f"{self.path}: this run has no friction, and hence no {name}. Set contact.friction in the scene."
             )
-        return self._read(f"contact/{name}", len(self.contact_time), len(self.initial_gap), *more)
 
     @cached_property
-    def tangential_force(self) -> Floats:
-        """(k,m,3) force of friction on the second body of the pair [N], constant over the step that ends at
-        the time of the row. The first body feels the opposite. 0 at points without friction. Raises
-        InputError if no pair has friction."""
-        return self._of_friction("tangential_force", 3)
+    def frictions(self) -> Entries:
+        """`tangential_force` of the points that carry one."""
+        self._of_friction("tangential_force")
+        if self.has_entries:
+            return self._entries("tangential_force", 3)
+        return Entries.of(self.tangential_force)
 
     @cached_property
-    def tangential_displacement(self) -> Floats:
-        """(k,m,3) displacement of the first body relative to the second one along the contact [m], at the
-        time of the row and without the motion of moving obstacles. 0 at points without friction. Raises
-        InputError if no pair has friction."""
-        return self._of_friction("tangential_displacement", 3)
+    def states(self) -> Entries:
+        """`state` of the points that are not open, or that carry a force."""
+        self._of_friction("state")
+        if not self.has_entries:
+            return Entries.of(self.state)
+        return self._entries("state").map(self._checked_states)
 
-    @cached_property
-    def state(self) -> NDArray[np.int8]:
-        """(k,m) `OPEN` (0), `STICK` (1) or `SLIP` (2), at the time of the row; 0 at points without friction.
-        Raises InputError if no pair has friction."""
-        found = self._of_friction("state")
+    def _checked_states(self, found: Floats) -> NDArray[np.int8]:
         if not np.isin(found, (OPEN, STICK, SLIP)).all():
             raise InputError(
                 f'{self.path}: dataset "contact/state" holds values other than 0, 1 and 2. Compute it again.'
@@ -289,10 +375,37 @@ class Result(_Data):
         return found.astype(np.int8)
 
     @cached_property
+    def tangential_force(self) -> Floats:
+        """(k,m,3) force of friction on the second body of the pair [N], constant over the step that ends at
+        the time of the row. The first body feels the opposite. 0 at points without friction. Raises
+        InputError if no pair has friction."""
+        self._of_friction("tangential_force")
+        return self.frictions.dense() if self.has_entries else self._dense("tangential_force", 3)
+
+    @cached_property
+    def tangential_displacement(self) -> Floats:
+        """(k,m,3) displacement of the first body relative to the second one along the contact [m], at the
+        time of the row and without the motion of moving obstacles. 0 at points without friction, and with finite
+        rotations at open points. Raises InputError if no pair has friction."""
+        self._of_friction("tangential_displacement")
+        if self.has_entries:
+            return self._entries("tangential_displacement", 3).dense()
+        return self._dense("tangential_displacement", 3)
+
+    @cached_property
+    def state(self) -> NDArray[np.int8]:
+        """(k,m) `OPEN` (0), `STICK` (1) or `SLIP` (2), at the time of the row; 0 at points without friction.
+        Raises InputError if no pair has friction."""
+        self._of_friction("state")
+        if self.has_entries:
+            return self.states.dense()
+        return self._checked_states(self._dense("state"))
+
+    @cached_property
     def total_tangential_force(self) -> Floats:
         """(K,3) Σ τ, the force of friction on the second bodies [N], the mean over the time since the
         previous row; 0 where nothing touches. Raises InputError if no pair has friction."""
-        return self._over_time(self.tangential_force.sum(axis=1))
+        return self._over_time(self.frictions.per_row())
 
     @property
     def friction(self) -> FrictionFigures | None:
@@ -310,8 +423,8 @@ class Result(_Data):
 
     @cached_property
     def gap(self) -> Floats:
-        """(k,m) [m]; negative values are penetration"""
-        return self._read("contact/gap", len(self.contact_time), len(self.initial_gap))
+        """(k,m) [m]; negative values are penetration. With finite rotations, NaN at points without a force."""
+        return self._entries("gap").dense(np.nan) if self.has_entries else self._dense("gap")
 
     @cached_property
     def initial_gap(self) -> Floats:

@@ -13,7 +13,10 @@ from numpy.typing import NDArray
 from ricochet.errors import InputError
 
 
-NEWEST = {"ricochet-kernel": 2}  # version that is read, of each kind of file; otherwise 1
+NEWEST = {
+    "ricochet-kernel": 2,
+    "ricochet-result": 2,
+}  # newest version that is read, of each kind of file; otherwise 1
 
 
 def is_there(path: Path) -> bool:
@@ -90,6 +93,13 @@ class File:
             return sorted(self.file[group]) if isinstance(self.file.get(group), h5py.Group) else []
         except RuntimeError:  # links that form a circle
             return []
+
+    def texts(self, name: str) -> list[str]:
+        """The values of a dataset (·) of texts."""
+        data = self._dataset(name, (None,))
+        if data.dtype.kind != "S":
+            raise InputError(f'{self.path}: dataset "{name}" holds other than texts. Compute it again.')
+        return [value.decode(errors="replace") for value in data[:]]
 
     def array(self, name: str, *shape: int | None) -> NDArray[Any]:
         """The values of a dataset, floats or integers. None in `shape` stands for a dimension of any

@@ -160,7 +160,7 @@ class Tumble(PageTest):
         self.assertGreater(len(pressed), 0)
         start = Rotation.from_matrix(result.bodies["bracket"].rotation)
         exact = position[k] + (turn[k] * start.inv()).apply(result.point_a[pressed] - position[0])
-        carried = touched(result, self.surfaces(), k)
+        carried = touched(result, self.surfaces(), k, result.episodes[0])
         away = np.linalg.norm(carried[:, None] - exact, axis=2).min(axis=0)
         self.assertLess(away.max(), SINGLE)
         self.opened_at(900, 600)

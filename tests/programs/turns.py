@@ -14,6 +14,9 @@ import ricochet
 import scenes
 from motion import read_xdmf
 from programs import ProgramTest, contact, impact, kernel
+from report_test import data_of, unpacked
+from ricochet.pictures import figures
+from ricochet.pictures.loaded_result import LoadedResult
 
 DENSITY, YOUNG, GRAVITY = 2.0, 1e5, np.array([0.5, 0, -9.81])
 RATE = 8000.0  # Hz
@@ -163,6 +166,39 @@ class Turns(ProgramTest):
         gained[self.rows - 1] += self.push.sum(axis=1) * STEP
         self.near(np.diff(body.momentum, axis=0), gained, ROUND_OFF)
 
+    def test_the_points_that_press_lie_on_the_floor_and_on_the_block(self):
+        contacts = self.result.contacts
+        self.assertEqual(set(zip(contacts.a, contacts.b)), {("block", "floor")})
+        self.assertTrue(((contacts.force > 0) | (contacts.state > 0)).all())
+        np.testing.assert_array_equal(contacts.time, self.result.contact_time[contacts.row])
+        np.testing.assert_allclose(contacts.normal, np.tile([0, 0, -1], (len(contacts), 1)), atol=ROUND_OFF)
+        self.near(contacts.place[:, 2], contacts.gap, ROUND_OFF, 1)
+        self.near(
+            contacts.gap[contacts.state > 0], 0, 1e-7, 1
+        )  # closed but for the square of the turn in a step
+        sample = self.rows[contacts.row]
+        modal = np.einsum("ejn,en->ej", self.trace[contacts.point], self.result.snapshots["block"][sample])
+        arm = self.point[contacts.point] - self.centre + modal
+        on_block = self.body.position[sample] + turn_of(self.body.attitude[sample]).apply(arm)
+        self.near(contacts.place[:, :2], on_block[:, :2], ROUND_OFF, 1)
+        # The static part moves them along the normal.
+        static = self.deformation - np.einsum("vjn,sn->svj", self.shape, self.result.snapshots["block"])
+        bound = np.linalg.norm(static, axis=2).max(axis=1)[sample] + ROUND_OFF
+        self.assertLess(np.max(np.abs(contacts.place[:, 2] - on_block[:, 2]) / bound), 1)
+
+    def test_the_arrays_by_point_hold_the_points_that_press(self):
+        result, contacts = self.result, self.result.contacts
+        at = contacts.row, contacts.point
+        pressed = np.zeros(result.force.shape, bool)
+        pressed[at] = True
+        np.testing.assert_array_equal(np.isnan(result.gap), ~pressed)
+        for name, others in (("force", 0), ("tangential_force", 0), ("state", 0), ("gap", np.nan)):
+            np.testing.assert_array_equal(getattr(result, name)[at], getattr(contacts, name))
+            np.testing.assert_array_equal(getattr(result, name)[~pressed], others)
+        total = np.zeros(len(result.time))
+        total[self.rows] = result.force.sum(axis=1)
+        self.near(result.total_force, total, ROUND_OFF)
+
     def test_angular_momentum_changes_by_contact_alone(self):
         body, own = self.body, self.spin_momentum
         self.near(body.angular_momentum, np.cross(body.position, body.momentum) + own, ROUND_OFF)
@@ -251,6 +287,124 @@ class Turns(ProgramTest):
             simulation.step()
             again.append(seen())
         np.testing.assert_array_equal(again, rows[half:])
+
+
+class Meeting(ProgramTest):
+    """Two blocks that turn meet each other in flight."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.made = cls.shared_folder()
+        (cls.made / "block.geo").write_text(scenes.skewed_block(0.8))
+        common = f'mesh = "block.geo"\norder = 2\ncontact = "all"\nmaterial = {{ density = {DENSITY}, young = {YOUNG}, poisson = 0.3 }}\n'
+        bodies = {
+            "first": common
+            + "rotate_deg = [20, -30, 10]\nvelocity = [2, 0, 0]\nangular_velocity = [3, 2, -4]",
+            "second": common + "translate = [1.8, 0.2, 0.1]\nangular_velocity = [-1, 3, 2]",
+        }
+        more = '[motion]\nrotation = "finite"\n[output]\nview = true\nsnapshot_every = 1'
+        text = scenes.scene(
+            bodies,
+            "count = 20",
+            "friction = 0.3",
+            f"rate_hz = {RATE}\nduration = 0.6",
+            title="Meeting",
+            more=more,
+        )
+        (cls.made / "meeting.toml").write_text(text)
+        cls.result = impact(cls.made / "meeting.toml", cls.made / "out")
+        cls.rows = np.searchsorted(cls.result.time, cls.result.contact_time - STEP / 2)
+
+    @functools.cached_property
+    def impulse(self):
+        """(e,3) on the second body"""
+        contacts = self.result.contacts
+        return STEP * (contacts.force[:, None] * contacts.normal + contacts.tangential_force)
+
+    def gains(self, values):
+        """(K−1,3) sums over the points in each step"""
+        out = np.zeros((len(self.result.time) - 1, 3))
+        np.add.at(out, self.rows[self.result.contacts.row] - 1, values)
+        return out
+
+    def test_names_both_and_pushes_them_apart(self):
+        contacts = self.result.contacts
+        self.assertGreater(len(self.rows), 20)
+        self.assertEqual(set(zip(contacts.a, contacts.b)), {("first", "second")})
+        np.testing.assert_allclose(np.linalg.norm(contacts.normal, axis=1), 1, rtol=1e-12)
+        for name, sign in (("first", -1), ("second", 1)):
+            momentum = self.result.bodies[name].momentum
+            found, wanted = np.cumsum(sign * self.gains(self.impulse), axis=0), momentum[1:] - momentum[0]
+            np.testing.assert_allclose(found, wanted, rtol=0, atol=ROUND_OFF * np.abs(wanted).max())
+
+    def test_places_have_the_arms_of_the_angular_momentum(self):
+        contacts = self.result.contacts
+        for name, sign, place in (
+            ("first", -1, contacts.place),
+            ("second", 1, contacts.place + contacts.gap[:, None] * contacts.normal),
+        ):
+            spin = self.result.bodies[name].angular_momentum
+            found = np.cumsum(sign * self.gains(np.cross(place, self.impulse)), axis=0)
+            wanted = spin[1:] - spin[0]
+            # Forces act in the middle of the step, 6e-5 s before these places, and without the static part.
+            np.testing.assert_allclose(found, wanted, rtol=0, atol=5e-3 * np.abs(wanted).max())
+
+    def test_spikes_of_the_page_stand_where_the_bodies_touch(self):
+        result, contacts = self.result, self.result.contacts
+        motion = data_of(ricochet.report(result, self.made / "page.html"))["motion"]
+        points, time = motion["points"], unpacked(motion["time"])
+        offset, force = (unpacked(points[name]).astype(float) for name in ("offset", "force"))
+        self.assertEqual(points["left_out"], 0)
+        seen = 0
+        for k, (first, stop) in enumerate(zip(points["first"], points["first"][1:])):
+            some = np.flatnonzero(np.abs(contacts.time - time[k]) < STEP / 2)
+            self.assertEqual(stop - first, len(some))
+            seen += len(some)
+            np.testing.assert_allclose(
+                force[first:stop], contacts.force[some], atol=1e-4 * contacts.force.max()
+            )
+            for p, e in zip(range(first, stop), some):
+                body, node = points["anchor"][p]
+                poses = motion["bodies"][body]["poses"]
+                turn = turn_of(unpacked(poses["turn"])[k].astype(float))
+                start = unpacked(motion["bodies"][body]["node"])[node] + offset[p]
+                found = unpacked(poses["position"])[k] + turn.apply(start - poses["centre"])
+                np.testing.assert_allclose(found, contacts.place[e], atol=4 * SINGLE)
+        self.assertGreater(seen, 20)
+
+    def test_pictures_show_the_surfaces_where_they_meet(self):
+        shown = LoadedResult(self.result.path)
+        i = shown.strongest
+        place, speed, *_ = shown.along_normal(i)
+        (when, first), (_, second) = place["first"], place["second"]
+        contacts = self.result.contacts
+        here = contacts.point == i
+        known = ~np.isnan(first)
+        np.testing.assert_array_equal(when[known], contacts.time[here])
+        self.assertLess(np.abs(first - second)[known].max(), contacts.gap[here].max() + 1e-12)
+        drawn = dict(figures(shown, self.made / "out", lambda _: None))
+        self.assertEqual(list(drawn), ["contact", "friction", "snapshots", "energy"])
+
+    def test_a_low_pass_keeps_the_impulse(self):
+        shown = LoadedResult(self.result.path, 2000)
+        self.assertLess(shown.forces.values.max(), self.result.force.max())
+        self.near_sum(shown.force.sum(), self.result.force.sum())
+        self.near_sum(shown.forces.values.sum(), self.result.contacts.force.sum())
+
+    def near_sum(self, found, wanted):
+        self.assertLess(abs(found / wanted - 1), 0.02)  # the window moves some beyond the last row
+
+    def test_entries_of_points_that_do_not_exist_are_refused(self):
+        whole = self.result.path.read_bytes()
+        copy = self.folder / "copy.result.h5"
+        for name, value in (("point", -1), ("point", 1e9), ("point", 0.5), ("first", 7), ("first", 1e12)):
+            copy.write_bytes(whole)
+            with h5py.File(copy, "r+") as file:
+                file[f"contact/{name}"][1] = value
+                if name == "first":
+                    file["contact/first"][0] = value
+            with self.assertRaisesRegex(ricochet.InputError, "names contact points that do not exist"):
+                ricochet.Result(copy).forces
 
 
 class Refusals(ProgramTest):

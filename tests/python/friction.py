@@ -26,6 +26,7 @@ from ricochet.pictures.contact import contact_picture, state_strip
 from ricochet.pictures.energy import energy_picture
 from ricochet.pictures.friction import friction_picture, parts
 from ricochet.pictures.grid import Grid
+from ricochet.contacts import Entries
 from ricochet.pictures.loaded_result import LoadedResult
 from ricochet.pictures.style import STATE, STYLE
 from ricochet.result import OPEN, SLIP, STICK
@@ -248,7 +249,7 @@ class Histories(FrictionTest):
         grid = Grid(history, history.rubbing, 80, 1000)
         self.assertEqual((grid.columns, len(grid.order), grid.left_out), (80, m, 0))
         np.testing.assert_array_equal(
-            grid.largest(history.state), history.state.reshape(80, k // 80, m).max(axis=1)[:, grid.order]
+            grid.largest(history.states), history.state.reshape(80, k // 80, m).max(axis=1)[:, grid.order]
         )
         few = Grid(history, history.rubbing, 80, 10)
         self.assertEqual((len(few.order), few.left_out), (10, m - 10))
@@ -387,7 +388,9 @@ class Pictures(FrictionTest):
 
     def test_of_the_contact_mark_touches_of_one_step_apart(self):
         rows = types.SimpleNamespace(
-            state=np.full((6, 1), SLIP), spacing=1.0, contact_time=np.array([1.0, 2, 3, 7, 9, 20])
+            states=Entries.of(np.full((6, 1), SLIP)),
+            spacing=1.0,
+            contact_time=np.array([1.0, 2, 3, 7, 9, 20]),
         )
         ax = Figure().add_subplot()
         state_strip(rows, ax, 0, 10)

@@ -69,7 +69,7 @@ def colour_of(result: LoadedResult, name: str) -> int | str:
 
 def force_chart(result: LoadedResult, i: int) -> Chart:
     count = len(result.initial_gap)
-    total, one = result.as_steps(result.force.sum(axis=1)), result.as_steps(result.force[:, i])
+    total, one = (result.as_steps(force) for force in (result.forces.per_row(), result.forces.of_point(i)))
     name = f"sum of {count} points" if count > 1 else "force"
     lines = [line(name, "force", *total, style="steps filled")]
     if count > 1:
@@ -100,7 +100,7 @@ def friction_charts(result: LoadedResult) -> list[Chart]:
     a, b = result.sides_names(i)
     lines = []
     for value, name in STATES.items():
-        here = result.state[:, i] == value
+        here = result.states.of_point(i) == value
         x, y = parts(result, moved, here), parts(result, force, here)
         if not np.isnan(y).all():
             lines.append(line(TOLD[value], name, x, y))
@@ -178,9 +178,9 @@ def spectrum_chart(result: LoadedResult) -> Chart:
 
 def pressure_chart(result: LoadedResult) -> Chart:
     """The pressure of each point in the step with the largest force."""
-    row = int(np.argmax(result.force.sum(axis=1)))
+    row = int(np.argmax(result.forces.per_row()))
     order, where, what = result.positions()
-    pressure = (result.force[row] / result.area)[order]
+    pressure = result.pressures.of_row(row)[order]
     pressing = pressure > 0
     far = 1.6 * np.abs(where[pressing]).max()
     near = np.abs(where) <= max(far, np.abs(where).min())  # points farther away are open
@@ -189,7 +189,7 @@ def pressure_chart(result: LoadedResult) -> Chart:
     )
     kinds = [("pressure", "force", near)]
     if result.has_friction:  # colours by state; points without friction keep the colour of forces
-        state, rubs = result.state[row][order], result.rubbing[order]
+        state, rubs = result.states.of_row(row)[order], result.rubbing[order]
         kinds = [(TOLD[value], name, near & rubs & (state == value)) for value, name in STATES.items()]
         kinds.append(("without friction", "force", near & ~rubs & pressing))
     lines = [line(name, colour, where[at], pressure[at], "dots") for name, colour, at in kinds if at.any()]
@@ -200,13 +200,13 @@ def pressure_chart(result: LoadedResult) -> Chart:
 def force_map(result: LoadedResult) -> dict[str, Any]:
     """The force by point and time: the maximum in each cell. Points that never touch are omitted."""
     grid = Grid(result, result.impulse() > 0, COLUMNS, ROWS, by_impulse=True)
-    return map_of(grid) | {"force": packed(grid.largest(result.force), "u2")}
+    return map_of(grid) | {"force": packed(grid.largest(result.forces), "u2")}
 
 
 def state_map(result: LoadedResult) -> dict[str, Any]:
     """The state by point and time: slip if a point slips in any step of a cell, open if it is open in all."""
     grid = Grid(result, result.rubbing, COLUMNS, ROWS)
-    return map_of(grid) | {"state": packed(grid.largest(result.state), "u1")}
+    return map_of(grid) | {"state": packed(grid.largest(result.states), "u1")}
 
 
 def map_of(grid: Grid) -> dict[str, Any]:

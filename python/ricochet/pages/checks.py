@@ -19,8 +19,8 @@ def peak_of(result: LoadedResult) -> dict[str, Any] | None:
     of the rows."""
     if len(result.contact_time) == 0:
         return None
-    row = int(np.argmax(result.force.sum(axis=1)))
-    points = int(np.count_nonzero(result.force[row]))
+    row = int(np.argmax(result.forces.per_row()))
+    points = int(np.count_nonzero(result.forces.of_row(row)))
     bodies = [materials(body).values() for body in result.scene.get("bodies", {}).values()]
     rods = bool(bodies) and all(
         "area" in part for parts in bodies for part in parts
@@ -42,12 +42,12 @@ class Check(NamedTuple):
 def checks_of(result: LoadedResult, summary: dict[str, Any]) -> list[dict[str, Any]]:
     """The checks of an impact whose figures exist, with "value" and "ok", which is None if there is no bound."""
     compliant = result.scene.get("contact", {}).get("scheme", "compliant") == "compliant" and bool(
-        result.sides
+        result.energy
     )
     deepest = lost = None
     if compliant:
-        moved = np.abs(result.sides["displacement_a"] - result.sides["displacement_b"]).max(initial=0)
-        deepest = PENETRATION.get(str(summary.get("precision")), PENETRATION["double"]) * float(moved)
+        share = PENETRATION.get(str(summary.get("precision")), PENETRATION["double"])
+        deepest = share * result.largest_motion()
         accuracy = result.scene.get("accuracy")
         lost = accuracy if isinstance(accuracy, float) else LOST
     checks = (

@@ -221,7 +221,7 @@ def forces_at(result: LoadedResult, times: Array, points: Array) -> Array:
     """(S,p) force at these points and times; 0 if the result has no contact row for a time."""
     row, near = rows_at(result, times)
     out = np.zeros((len(times), len(points)))
-    out[near] = result.force[row[near]][:, points]
+    out[near] = result.forces.of_rows(row[near], points)
     return out
 
 
@@ -229,8 +229,66 @@ def states_at(result: LoadedResult, times: Array, points: Array) -> Array:
     """(S,p) states at these points and times; open if the result has no contact row for a time."""
     row, near = rows_at(result, times)
     out = np.zeros((len(times), len(points)), dtype=np.uint8)
-    out[near] = result.state[row[near]][:, points]
+    out[near] = result.states.of_rows(row[near], points)
     return out
+
+
+@dataclass
+class Spikes:
+    """Contact points whose forces a page draws."""
+
+    data: dict[str, Any]
+    place: Array  # (p,3) where they are at the start, or would be if they moved with their body [m]
+
+
+def spikes_at(
+    result: LoadedResult, times: Array, points: NDArray[np.int64], places: Sequence[Array]
+) -> Spikes:
+    """Points that stay where they are on their body."""
+    anchor, offset = nearest(result.point_a[points], places)
+    data = {
+        "anchor": anchor.tolist(),
+        "offset": packed(offset),
+        "normal": packed(result.normal[points]),
+        "force": packed(forces_at(result, times, points), "u2"),
+        "state": packed(states_at(result, times, points), "u1") if result.has_friction else None,
+    }
+    return Spikes(data, result.point_a[points])
+
+
+def moving_spikes(
+    result: LoadedResult,
+    surfaces: dict[str, MovingSurface],
+    chosen: Array,
+    time: Array,
+    points: NDArray[np.int64],
+    places: Sequence[Array],
+) -> Spikes:
+    """Points that move over the bodies: those of each snapshot in `chosen`, of which "first" has the number of the first
+    one, and at last the number of all."""
+    contacts, names = result.contacts, list(surfaces)
+    shown = np.flatnonzero(np.isin(contacts.point, points))
+    row, near = rows_at(result, time[chosen])
+    edges = np.searchsorted(contacts.row[shown], [row, row + near])
+    some = [shown[first:stop] for first, stop in edges.T]
+    entry = np.concatenate([*some, np.zeros(0, int)])
+    snapshot = np.repeat(chosen, [len(one) for one in some])
+    anchor, offset = np.zeros((len(entry), 2), int), np.zeros((len(entry), 3))
+    place = contacts.place[entry]
+    for number, (e, k) in enumerate(zip(entry, snapshot)):
+        body = names.index(contacts.a[e] if contacts.a[e] in surfaces else contacts.b[e])
+        place[number] = surfaces[names[body]].at_start(place[number], k)
+        (found,), offset[number] = nearest(place[[number]], [places[body]])
+        anchor[number] = body, found[1]
+    data = {
+        "first": np.cumsum([0, *(len(one) for one in some)]).tolist(),
+        "anchor": anchor.tolist(),
+        "offset": packed(offset),
+        "normal": packed(contacts.normal[entry]),
+        "force": packed(contacts.force[entry], "u2"),
+        "state": None if contacts.state is None else packed(contacts.state[entry], "u1"),
+    }
+    return Spikes(data, place)
 
 
 def of_rest(bodies: Sequence[dict[str, Any]], view: View) -> dict[str, Any]:
@@ -263,11 +321,14 @@ def motion_of(result: LoadedResult, folder: Path, scene: dict[str, Any]) -> dict
     box = everything.min(axis=0), everything.max(axis=0)
     points = np.sort(np.argsort(result.impulse())[::-1][:POINTS])
     points = points[result.impulse()[points] > 0]
-    anchor, offset = nearest(result.point_a[points], places)
+    if result.has_entries:
+        spikes = moving_spikes(result, surfaces, chosen, time, points, places)
+    else:
+        spikes = spikes_at(result, time[chosen], points, places)
     planes = normals_of(scene)
     view = clearest(
         [(body.place, body.element) for body in bodies],
-        result.point_a[points],
+        spikes.place,
         tilted=True,
         up=upward(scene),
         normals=list(planes.values()),
@@ -302,12 +363,8 @@ def motion_of(result: LoadedResult, folder: Path, scene: dict[str, Any]) -> dict
         "static": bool(result.file.names("/static")),
         "coordinates": sum(surface.modes for surface in surfaces.values()),
         "missed": max(body.missed for body in bodies) / largest if largest else 0.0,
-        "points": {
-            "anchor": anchor.tolist(),
-            "offset": packed(offset),
-            "normal": packed(result.normal[points]),
-            "force": packed(forces_at(result, time[chosen], points), "u2"),
-            "state": packed(states_at(result, time[chosen], points), "u1") if result.has_friction else None,
+        "points": spikes.data
+        | {
             "left_out": int(np.count_nonzero(result.impulse())) - len(points),
         },
     }

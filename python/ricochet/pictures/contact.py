@@ -40,13 +40,13 @@ def force_panel(result: LoadedResult, ax: Axes, i: int) -> None:
     impulse."""
     start, end = result.window()
     ms, time_unit = prefixed(end, "s")
-    when, here = result.as_steps(result.force[:, i])
-    _, total = result.as_steps(result.force.sum(axis=1))
+    when, here = result.as_steps(result.forces.of_point(i))
+    _, total = result.as_steps(result.forces.per_row())
     scale, unit = prefixed(largest_of(total), "N")
     ax.fill_between(when * ms, here * scale, step="pre", color=NORMAL, alpha=0.25, linewidth=0)
     ax.step(when * ms, here * scale, color=NORMAL, linewidth=1.4, label="force at the point")
     if result.has_friction:
-        _, rubs = result.as_steps(np.linalg.norm(result.tangential_force[:, i], axis=1))
+        _, rubs = result.as_steps(np.linalg.norm(result.frictions.of_point(i), axis=1))
         ax.step(when * ms, rubs * scale, color=FRICTION, linewidth=1.4, label="friction at the point")
         state_strip(result, ax, i, ms)
         ax.margins(y=0.12)  # the forces stay below the strip
@@ -66,7 +66,7 @@ def below(result: LoadedResult) -> str:
 
 def state_strip(result: LoadedResult, ax: Axes, i: int, ms: float) -> None:
     """Draws at the upper edge when point i sticks and when it slips."""
-    state, half = result.state[:, i], 0.5 * result.spacing
+    state, half = result.states.of_point(i), 0.5 * result.spacing
     for value, name in [(STICK, "the point sticks"), (SLIP, "the point slips")]:
         padded = np.concatenate([[False], state == value, [False]])
         breaks = np.diff(padded.astype(int))

@@ -103,7 +103,7 @@ def rows_of(grid: Grid) -> str:
 
 def pressure_map(figure: Figure, result: LoadedResult, grid: Grid, ax: Axes) -> None:
     ms, _ = prefixed(result.window()[1], "s")
-    pressure = grid.largest(result.force / result.area).T
+    pressure = grid.largest(result.pressures).T
     factor, unit = prefixed(largest_of(pressure), "Pa")
     shown = np.where(pressure > 0, pressure * factor, np.nan)
     extent = (grid.start * ms, grid.end * ms, 0, len(grid.order))
@@ -120,7 +120,7 @@ def state_map(result: LoadedResult, grid: Grid, ax: Axes, several: bool) -> None
     is open only if it is open in all."""
     ms, time_unit = prefixed(result.window()[1], "s")
     ax.imshow(
-        grid.largest(result.state).T,
+        grid.largest(result.states).T,
         origin="lower",
         aspect="auto",
         interpolation="nearest",
@@ -145,10 +145,9 @@ def loop_panel(result: LoadedResult, ax: Axes) -> None:
     moved, force = result.loop(i)
     (m, moved_unit), (n, force_unit) = prefixed(largest_of(moved), "m"), prefixed(largest_of(force), "N")
     ax.axhline(0, color=GREY, linewidth=0.6)
+    states = result.states.of_point(i)
     for state in (OPEN, STICK, SLIP):
-        x, y = parts(result, moved, result.state[:, i] == state), parts(
-            result, force, result.state[:, i] == state
-        )
+        x, y = (parts(result, values, states == state) for values in (moved, force))
         ax.plot(x * m, y * n, color=STATE[state], linewidth=1.4, solid_capstyle="round")
     a, b = result.sides_names(i)
     if len(a + b) > 24:
@@ -177,13 +176,12 @@ def moment_panel(result: LoadedResult, ax: Axes) -> None:
     row = result.mixed_row()
     ms, time_unit = prefixed(result.window()[1], "s")
     at = f"at {result.contact_time[row] * ms:.4g} {time_unit}"
-    used = np.flatnonzero(result.rubbing)
     order, where, what = result.positions()
     if what.startswith("position"):
         inside = result.rubbing[order]
         profile(result, ax, row, order[inside], where[inside], at, what)
     else:
-        patch(result, ax, row, used, at)
+        patch(result, ax, row, at)
 
 
 def dots(ax: Axes, x: Array, y: Array, state: Array, size: float) -> None:
@@ -195,26 +193,27 @@ def dots(ax: Axes, x: Array, y: Array, state: Array, size: float) -> None:
 
 def profile(result: LoadedResult, ax: Axes, row: int, order: Array, where: Array, at: str, what: str) -> None:
     """A contact along a line: friction of each point and its bound, over the position."""
-    force = np.linalg.norm(result.tangential_force[row, order], axis=1)
-    normal = result.force[row, order]
+    force = np.linalg.norm(result.frictions.of_row(row)[order], axis=1)
+    normal = result.forces.of_row(row)[order]
     m, place_unit = prefixed(largest_of(where), "m")
     limits = [coefficient * normal for coefficient, _ in bounds(result)]
     n, unit = prefixed(largest_of(force, *limits), "N")
     for limit, dashes in zip(limits, [(4, 1.5), (1, 1.2)]):
         ax.plot(where * m, limit * n, color="black", linewidth=1, linestyle=(0, dashes))
     ax.plot(where * m, force * n, color=FRICTION, linewidth=1.2)
-    dots(ax, where * m, force * n, result.state[row, order], 14)
+    dots(ax, where * m, force * n, result.states.of_row(row)[order], 14)
     ax.set(xlabel=f"{what} ({place_unit})", ylabel=f"friction |τ| ({unit})", ylim=(0, None))
     ax.set_title(f"Friction by point {at}", fontsize=9.5)
 
 
-def patch(result: LoadedResult, ax: Axes, row: int, used: Array, at: str) -> None:
+def patch(result: LoadedResult, ax: Axes, row: int, at: str) -> None:
     """A contact over an area: its points in their plane, with arrows of friction."""
+    used, place, normals = result.touching(row)
     weight = result.impulse()[used]
-    place = result.point_a[used] - weight @ result.point_a[used] / weight.sum()
-    normal = weight @ result.normal[used]
+    place = place - weight @ place / weight.sum()
+    normal = weight @ normals
     normal = normal / (np.linalg.norm(normal) or 1)
-    push = result.tangential_force[row, used]
+    push = result.frictions.of_row(row)[used]
     # The first axis is the direction in which friction acts most.
     _, axes = np.linalg.eigh(push.T @ push)
     first = axes[:, 2] - (axes[:, 2] @ normal) * normal
@@ -226,10 +225,10 @@ def patch(result: LoadedResult, ax: Axes, row: int, used: Array, at: str) -> Non
     n, unit = prefixed(largest_of(np.linalg.norm(push, axis=1)), "N")
     x, y = at_plane.T * m
     size = float(np.clip(7000 / len(used), 2, 70))
-    dots(ax, x, y, result.state[row, used], size)
+    dots(ax, x, y, result.states.of_row(row)[used], size)
     longest = float(np.linalg.norm(arrows, axis=1).max())
     if longest > 0:
-        span = max(np.ptp(x), np.ptp(y))
+        span = max(np.ptp(x), np.ptp(y)) or 0.1  # the width of axes around one point
         every = -(-len(used) // 120)
         scale = longest / (
             span * min(0.12, 1.6 * np.sqrt(every / len(used)))

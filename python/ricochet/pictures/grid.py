@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ricochet.arrays import Array
+from ricochet.contacts import Entries
 from ricochet.pictures.loaded_result import LoadedResult
 
 
@@ -34,8 +35,11 @@ class Grid:
         column = ((t - t[0] + 0.5 * step) / (t[-1] - t[0] + step) * self.columns).astype(int)
         self.column = np.minimum(column, self.columns - 1)
 
-    def largest(self, values: Array) -> Array:
+    def largest(self, found: Entries) -> Array:
         """(columns, rows) the largest value in each cell of values (k,m) ≥ 0; 0 in cells without a row."""
-        cells = np.zeros((self.columns, len(self.order)), dtype=values.dtype)
-        np.maximum.at(cells, self.column, values[:, self.order])
+        cells = np.zeros((self.columns, len(self.order)), dtype=found.values.dtype)
+        place = np.full(found.shape[1], -1)
+        place[self.order] = np.arange(len(self.order))
+        shown = found.only(place[found.point] >= 0)
+        np.maximum.at(cells, (self.column[shown.row], place[shown.point]), shown.values)
         return cells

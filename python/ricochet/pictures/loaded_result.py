@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ricochet.arrays import Array
+from ricochet.contacts import Entries
 from ricochet.errors import InputError
 from ricochet.pictures.normal_axis import NormalAxis, normal_axis
-from ricochet.result import SLIP, STICK, Result
+from ricochet.result import OPEN, SLIP, STICK, Result
 
 Curve = tuple[Array, Array]  # times [s] and values, NaN between episodes
 Curves = dict[str, Curve]  # by name of a side or a body
@@ -36,7 +37,7 @@ def low_passed(force: Array, time: Array, spacing: float, hertz: float) -> Array
 
 
 class LoadedResult(Result):
-    """A result whose arrays are read at once. A run with sampled responses has no `energy` and no `sides`."""
+    """A result whose arrays are read at once. A run with sampled responses has no `energy`."""
 
     LABELS = {
         "kinetic": "kinetic",
@@ -62,19 +63,36 @@ class LoadedResult(Result):
                 "time.rate_hz times time.duration."
             )
         self.velocity = {name: body.velocity for name, body in self.bodies.items()}
-        self.sides: dict[str, Array] = {}
+        self.motions: dict[str, Array] = {}  # of the sides along the normals, without finite rotations
         if self.energy:
-            shape = (len(self.contact_time), len(self.initial_gap))
-            for name in ("displacement_a", "displacement_b", "velocity_a", "velocity_b"):
-                self.sides[name] = self._read(f"contact/{name}", *shape)
             self.point_a, self.normal  # reading checks the arrays and raises InputError for damaged ones
-        self.force, self.gap
-        if self.has_friction:
-            self.tangential_force, self.tangential_displacement, self.state
+        if self.has_entries:
+            self.contacts
+        else:
+            if self.energy:
+                for name in ("displacement_a", "displacement_b", "velocity_a", "velocity_b"):
+                    self.motions[name] = self._dense(name)
+            self.force, self.gap
+            if self.has_friction:
+                self.tangential_force, self.tangential_displacement, self.state
         self.spacing = self.contact_step
         self.episodes = self._episodes()
-        if low_pass:
+        if low_pass and self.has_entries:
+            self.forces = self._low_passed_forces(low_pass)
+        elif low_pass:
             self.force = low_passed(self.force, self.contact_time, self.spacing, low_pass)
+
+    def _low_passed_forces(self, hertz: float) -> Entries:
+        """The forces under `low_passed`, point by point, because only few touch at a time."""
+        rows, points, values = list[Any](), list[Any](), list[Any]()
+        for i in np.unique(self.forces.point):
+            one = low_passed(self.forces.of_point(i)[:, None], self.contact_time, self.spacing, hertz)[:, 0]
+            rows.append(np.flatnonzero(one))
+            points.append(np.full(len(rows[-1]), i))
+            values.append(one[rows[-1]])
+        row, point, value = (np.concatenate([*parts, []]) for parts in (rows, points, values))
+        order = np.argsort(row, kind="stable")
+        return Entries(row[order].astype(int), point[order].astype(int), value[order], self.forces.shape)
 
     def _episodes(self) -> list[tuple[int, int]]:
         """Index ranges (first, last + 1) of contact rows without a pause between them."""
@@ -95,7 +113,7 @@ class LoadedResult(Result):
 
     def impulse(self) -> Array:
         """(m) impulse of each contact point, divided by the step [N]"""
-        return np.asarray(self.force.sum(axis=0))
+        return self.forces.per_point()
 
     @property
     def strongest(self) -> int:
@@ -143,7 +161,7 @@ class LoadedResult(Result):
     @cached_property
     def rubbing(self) -> NDArray[np.bool_]:
         """(m) points that have stuck or slipped. Points without friction never do."""
-        return np.asarray((self.state > 0).any(axis=0))
+        return self.states.per_point() > 0
 
     @cached_property
     def coefficients(self) -> tuple[float, float] | None:
@@ -159,27 +177,41 @@ class LoadedResult(Result):
 
     def tangential_totals(self) -> tuple[Array, Array, Array]:
         """(k) each: Σ λ of the points with friction, |Σ τ|, and Σ |τ| [N]"""
-        normal = self.force[:, self.rubbing].sum(axis=1)
-        resultant = np.linalg.norm(self.tangential_force.sum(axis=1), axis=1)
-        return normal, resultant, np.linalg.norm(self.tangential_force, axis=2).sum(axis=1)
+        normal = self.forces.only(self.rubbing[self.forces.point]).per_row()
+        resultant = np.linalg.norm(self.frictions.per_row(), axis=1)
+        return normal, resultant, self.frictions.norms().per_row()
 
     @property
     def roughest(self) -> int:
         """The contact point with the largest impulse of friction."""
-        return int(np.argmax(np.linalg.norm(self.tangential_force, axis=2).sum(axis=0)))
+        return int(np.argmax(self.frictions.norms().per_point()))
+
+    @property
+    def pressures(self) -> Entries:
+        """Of the points that carry a force [Pa]; where two creases cross, a point has no area."""
+        on_patches = self.forces.only(self.area[self.forces.point] > 0)
+        return on_patches.map(lambda force: force / self.area[on_patches.point])
 
     def loop(self, i: int) -> tuple[Array, Array]:
         """(k) each: tangential displacement [m] and force of friction [N] at point i, along the direction in
         which friction acts most."""
-        force = self.tangential_force[:, i]
+        force = self.frictions.of_point(i)
         _, axes = np.linalg.eigh(force.T @ force)
         along = axes[:, 2] * np.sign(axes[np.argmax(np.abs(axes[:, 2])), 2])
-        return self.tangential_displacement[:, i] @ along, force @ along
+        return self._moved(i) @ along, force @ along
+
+    def _moved(self, i: int) -> Array:
+        """(k,3) tangential displacement of point i [m]; with finite rotations, NaN where it is open"""
+        if not self.has_entries:
+            return self.tangential_displacement[:, i]
+        moved = self._entries("tangential_displacement", 3).only(self.states.values != OPEN)
+        return moved.of_point(i, np.nan)
 
     def mixed_row(self) -> int:
         """The contact row in which most points stick while others slip; among equal ones, that with the
         largest friction."""
-        fewer = np.minimum((self.state == STICK).sum(axis=1), (self.state == SLIP).sum(axis=1))
+        stick, slip = (self.states.only(self.states.values == value).counts() for value in (STICK, SLIP))
+        fewer = np.minimum(stick, slip)
         _, resultant, _ = self.tangential_totals()
         return int(np.argmax(np.where(fewer == fewer.max(), resultant, -1)))
 
@@ -205,14 +237,20 @@ class LoadedResult(Result):
         the centre of mass of each body. Positions are relative to the initial surface of the side
         `axis(i).origin`, so the sides touch where their lines meet.
         """
-        axis, gap, names = self.axis(i), self.initial_gap[i], self.sides_names(i)
-        n = axis.sign * self.normal[i]
-        starts = {names[0]: 0.0, names[1]: axis.sign * gap}
+        axis, names = self.axis(i), self.sides_names(i)
+        n = axis.sign * self.normal_of(i)
         place, speed, mean_place, mean_speed = Curves(), Curves(), Curves(), Curves()
-        for side, name in zip("ab", names):
-            start = starts[name] - starts[axis.origin]
-            place[name] = self.broken(start + axis.sign * self.sides["displacement_" + side][:, i])
-            speed[name] = self.broken(axis.sign * self.sides["velocity_" + side][:, i])
+        if self.has_entries:
+            starts = dict(zip(names, (self.point_a[i] @ n, self.point_b[i] @ n)))
+            for name, at in zip(names, self._places(i)):
+                place[name] = self.broken(at @ n - starts[axis.origin])
+                speed[name] = self.broken(self._rates(at @ n))
+        else:
+            starts = {names[0]: 0.0, names[1]: axis.sign * self.initial_gap[i]}
+            for side, name in zip("ab", names):
+                start = starts[name] - starts[axis.origin]
+                place[name] = self.broken(start + axis.sign * self.motions["displacement_" + side][:, i])
+                speed[name] = self.broken(axis.sign * self.motions["velocity_" + side][:, i])
         for body, v in self.velocity.items():
             along = v @ n
             path = np.concatenate([[0], np.cumsum(0.5 * (along[1:] + along[:-1]) * np.diff(self.time))])
@@ -223,22 +261,63 @@ class LoadedResult(Result):
     def axis(self, i: int) -> NormalAxis:
         """The axis of the motion at point i."""
         masses = {name: body.mass for name, body in self.bodies.items()}
-        return normal_axis(self.sides_names(i), self.normal[i], self.scene, masses)
+        return normal_axis(self.sides_names(i), self.normal_of(i), self.scene, masses)
+
+    def normal_of(self, i: int) -> Array:
+        """(3) the normal of point i; with finite rotations, its mean where the point carries a force"""
+        if not self.has_entries:
+            return self.normal[i]
+        here = self.contacts.point == i
+        mean = self.contacts.force[here] @ self.contacts.normal[here]
+        size = np.linalg.norm(mean)
+        return mean / size if size > 0 else self.normal[i]
+
+    def _places(self, i: int) -> tuple[Array, Array]:
+        """(k,3) each: where the two sides of point i are in a result with entries [m]; NaN where they are not
+        known"""
+        found = self.contacts
+        of_b = found.place + found.gap[:, None] * found.normal
+        shape = len(self.contact_time), len(self.initial_gap)
+        a, b = (Entries(found.row, found.point, at, shape).of_point(i, np.nan) for at in (found.place, of_b))
+        return a, b
+
+    def places_in(self, first: int, stop: int) -> Array:
+        """(·,3) where each point that touches in some rows first touches in them [m]; none without entries"""
+        if not self.has_entries:
+            return np.zeros((0, 3))
+        inside = (self.contacts.row >= first) & (self.contacts.row < stop)
+        _, some = np.unique(self.contacts.point[inside], return_index=True)
+        return np.asarray(self.contacts.place[inside][some])
+
+    def _rates(self, values: Array) -> Array:
+        """(k) mean rates since the row before; NaN after a pause"""
+        steps = np.diff(self.contact_time)
+        rates = np.where(steps < 1.5 * self.spacing, np.diff(values) / steps, np.nan)
+        return np.append(np.full(min(len(values), 1), np.nan), rates)
+
+    def largest_motion(self) -> float:
+        """The largest change of the gap of a point while something touches; with finite rotations, of a point with a
+        force [m]"""
+        if self.has_entries:
+            moved = self.initial_gap[self.contacts.point] - self.contacts.gap
+        else:
+            moved = self.motions["displacement_a"] - self.motions["displacement_b"]
+        return float(np.abs(moved).max(initial=0))
+
+    def touching(self, row: int) -> tuple[NDArray[np.int64], Array, Array]:
+        """(p) points with friction in a contact row, (p,3) their places [m] and (p,3) normals: with finite
+        rotations, of those that carry a force; otherwise of all that stick or slip in the run, at the start
+        """
+        if not self.has_entries:
+            used = np.flatnonzero(self.rubbing)
+            return used, self.point_a[used], self.normal[used]
+        some = np.flatnonzero((self.contacts.row == row) & self.rubbing[self.contacts.point])
+        return self.contacts.point[some], self.contacts.place[some], self.contacts.normal[some]
 
     @property
     def velocities(self) -> str:
         """Which velocity the rows of the contact hold."""
+        if self.has_entries:
+            return "means since the row before"
         impulses = self.scene.get("contact", {}).get("scheme") == "impulse"
         return "taken just after the impulses" if impulses else "means over the steps"
-
-    def sides_names(self, i: int) -> tuple[str, str]:
-        """Names of the two sides of point i. Files of earlier versions do not hold its pair if there are
-        several."""
-        contact = self.scene.get("contact", {})
-        pairs = contact.get("pair", [contact])
-        if len(pairs) == 1:
-            pair = pairs[0]
-        else:
-            pair = pairs[self.pair[i] - 1] if self.pair is not None else {}
-        between = pair.get("between", [])
-        return (between[0], between[1]) if len(between) == 2 else ("side a", "side b")

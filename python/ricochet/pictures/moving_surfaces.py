@@ -94,6 +94,13 @@ class MovingSurface:
         rotation, translation = self.placement(k)
         return np.asarray((points - self.translation) @ self.rotation @ rotation.T + translation)
 
+    def at_start(self, points: Array, k: int) -> Array:
+        """(·,3) places at snapshot k, moved back with the body to the initial placement [m]; inverse of `carried`."""
+        if self.poses is None:
+            return points
+        rotation, translation = self.placement(k)
+        return np.asarray((points - translation) @ rotation @ self.rotation.T + self.translation)
+
     def reach(self) -> Array:
         """(2,3) corners of a box around the body at all poses, without its deformation [m]."""
         assert self.poses is not None

@@ -23,7 +23,8 @@ FLOOR, GHOST = "#dedbd3", "#8a8a8a"
 
 def snapshots_picture(result: LoadedResult, surfaces: dict[str, MovingSurface], time: Array) -> Figure | None:
     """Draws the contact with the largest impulse. Returns None if there is no snapshot of it."""
-    impulse_of = [result.force[first:stop].sum() for first, stop in result.episodes]
+    total = result.forces.per_row()
+    impulse_of = [total[first:stop].sum() for first, stop in result.episodes]
     longest = int(np.argmax(impulse_of))
     start, end = result.spans()[longest]
     half = result.spacing / 2
@@ -40,7 +41,7 @@ def snapshots_picture(result: LoadedResult, surfaces: dict[str, MovingSurface], 
     first = {body: surface.at(during[0]) for body, surface in surfaces.items()}
     view = clearest(
         [(first[body], surface.element) for body, surface in surfaces.items()],
-        touched(result, surfaces, during[0]),
+        touched(result, surfaces, during[0], result.episodes[longest]),
         tilted=bool(planes) and solid,  # otherwise the upper side of a floor is not seen
         up=upward(scene),
         normals=list(planes.values()),
@@ -133,8 +134,13 @@ def drawn_path(surfaces: dict[str, MovingSurface], during: NDArray[np.int64], am
     return np.concatenate(parts, axis=1)
 
 
-def touched(result: LoadedResult, surfaces: dict[str, MovingSurface], k: int) -> Array:
-    """(·,3) the contact points that touch in the run, at the poses of snapshot k [m]."""
+def touched(
+    result: LoadedResult, surfaces: dict[str, MovingSurface], k: int, episode: tuple[int, int]
+) -> Array:
+    """(·,3) where points touch [m]: with finite rotations, in an episode; otherwise in the run, at the poses of
+    snapshot k."""
+    if len(found := result.places_in(*episode)):
+        return found
     points = result.point_a.copy()
     for i in np.flatnonzero(result.impulse() > 0):
         body = next((name for name in result.sides_names(i) if name in surfaces), None)
@@ -231,7 +237,7 @@ class Forces:
 
     def __init__(self, result: LoadedResult, rows: list[int]) -> None:
         order, where, what = result.positions()
-        self.force = result.force[rows]
+        self.force = result.forces.of_rows(np.array(rows), np.arange(len(order)))
         self.scale, self.unit = prefixed(largest_of(self.force), "N")
         self.top = 1.08 * largest_of(self.force) * self.scale or 1
         numbers = np.arange(1, len(order) + 1)

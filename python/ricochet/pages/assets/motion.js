@@ -14,8 +14,8 @@ class Motion {
     this.time = unpack(data.time);
     this.bodies = data.bodies.map((body, k) => new MovingSurface(body, run.bodies.findIndex(other => other.name === body.name)));
     this.obstacles = data.obstacles.map(obstacle => new MovingSurface(obstacle));
-    const {anchor, offset, normal, force, state} = data.points;
-    this.points = {anchor, offset: unpack(offset), normal: unpack(normal), force: unpack(force), state: state && unpack(state)};
+    const {first, anchor, offset, normal, force, state} = data.points;
+    this.points = {first, anchor, offset: unpack(offset), normal: unpack(normal), force: unpack(force), state: state && unpack(state)};
     this.forceMost = extent(this.points.force)[1];
     const touched = run.episodes.length > 0, whole = [this.time[0], this.time[this.time.length - 1]];
     const window = touched ? [run.episodes[0][0], run.episodes.at(-1)[1]] : whole;
@@ -185,24 +185,31 @@ class Motion {
     return this.most[this.colour] ??= Math.max(...this.sampled(60).flatMap(k => this.bodies.map(body => inMost(body, this.time[k])))) || 1;
   }
 
+  /** The points of snapshot k as [from, to, shift]: the force of point p is number p + shift. With finite rotations each snapshot has
+   *  points of its own, between two numbers in `first`; otherwise all have the same. */
+  pointsAt(k) {
+    const {first, anchor} = this.points;
+    return first ? [first[k], first[k + 1], 0] : [0, anchor.length, k * anchor.length];
+  }
+
   /** Makes spikes into both bodies at each point, or at each point in a state if one is given. Their lengths are proportional
    *  to the force. A halo is a little larger. */
   makeSpikes(k, wanted, halo = false) {
-    const {anchor, offset, normal, force, state} = this.points, count = anchor.length, place = [], element = [];
+    const {anchor, offset, normal, force, state} = this.points, [from, to, shift] = this.pointsAt(k), place = [], element = [];
     const longest = 0.16 * Math.max(...this.spans.slice(0, 2));
     const rows = this.bodies.map(body => body.poses && body.pose(...this.placed).rows);
-    for (let p = 0; p < count; ++p) {
-      const length = longest * force[k * count + p] / this.forceMost;
-      if (!(length > 0) || (wanted !== undefined && state[k * count + p] !== wanted)) continue;
+    for (let p = from; p < to; ++p) {
+      const length = longest * force[p + shift] / this.forceMost;
+      if (!(length > 0) || (wanted !== undefined && state[p + shift] !== wanted)) continue;
       const [b, v] = anchor[p], n = normal.subarray(3 * p, 3 * p + 3);
       const away = offset.subarray(3 * p, 3 * p + 3), turned = rows[b] ? product(rows[b], away) : away;
-      const from = this.bodies[b].place.slice(3 * v, 3 * v + 3).map((x, i) => x + turned[i]);
+      const base = this.bodies[b].place.slice(3 * v, 3 * v + 3).map((x, i) => x + turned[i]);
       const seed = unit([0, 1, 2].reduce((a, i) => Math.abs(n[i]) < Math.abs(n[a]) ? i : a, 0));
       const one = seed.map((x, i) => x - dot(seed, n) * n[i]), two = cross(n, one);
       const width = Math.min(0.07 * length, 0.006 * this.size) + (halo ? 0.0022 * this.size : 0);
       for (const way of [1, -1]) {
         const first = place.length / 3;
-        const corner = (s, t, r) => place.push(...from.map((x, i) => x + width * (s * one[i] + t * two[i]) + r * n[i]));
+        const corner = (s, t, r) => place.push(...base.map((x, i) => x + width * (s * one[i] + t * two[i]) + r * n[i]));
         for (const [s, t] of [[1, 0], [0, 1], [-1, 0], [0, -1]]) corner(s, t, 0);
         corner(0, 0, way * (halo ? 1.06 : 1) * length);
         for (let s = 0; s < 4; ++s) element.push(first + s, first + (s + 1) % 4, first + 4);

@@ -193,10 +193,9 @@ class Player {
 
 /** The time at which the force of the drawn points is largest. */
 function peakTime(motion) {
-  const {force, anchor} = motion.points, count = anchor.length;
   let best = 0, most = 0;
-  for (let k = 0; k < motion.time.length && count; ++k) {
-    const sum = force.subarray(k * count, (k + 1) * count).reduce((a, b) => a + b, 0);
+  for (let k = 0; k < motion.time.length && motion.points.anchor.length; ++k) {
+    const [from, to, shift] = motion.pointsAt(k), sum = motion.points.force.subarray(from + shift, to + shift).reduce((a, b) => a + b, 0);
     if (sum > most) { most = sum; best = k; }
   }
   return motion.time[best];
