@@ -31,6 +31,9 @@ constexpr double same_place = 0.98;
 /// Creases may cross beyond their ends by this share of their lengths, so that none slips between two.
 constexpr double beyond_end = 1e-3;
 
+/// A point begins to touch at a depth of at most this share of an element.
+constexpr double near_surface = 1e-3;
+
 /// A crossing of creases that is deeper than this share of them is on the far side of a body.
 constexpr double deepest_crossing = 0.25;
 
@@ -574,7 +577,9 @@ void MovingPoints::advance(std::span<const FloatingBody> bodies, const Vector& d
     for (const End& end : point.end)
       if (end.body >= 0) fastest += body(end.body).fastest + body(end.body).elastic_fastest;
     if (!pressed && !(point.gap - u_(i) < approaches * fastest)) continue;
-    if (!pressed && (point.open || repeats(point))) continue;
+    if (!pressed && point.kind != Kind::obstacle &&
+        (point.open || repeats(point) || u_(i) - point.gap > deepest_start(point, approaches * fastest)))
+      continue;
     member_of_[static_cast<std::size_t>(i)] = static_cast<int>(members_.size());
     members_.push_back(i);
   }
@@ -616,6 +621,14 @@ void MovingPoints::advance(std::span<const FloatingBody> bodies, const Vector& d
       free_(at) = start_(at) + d(along);
     }
   }
+}
+
+/// Largest depth at which a point may begin to touch. One that is deeper has come in where nothing could stop
+/// it, as at an edge that is hollow: it would be thrown out. @param approach  in a step, at most
+double MovingPoints::deepest_start(const Point& point, double approach) const noexcept {
+  double element = std::numeric_limits<double>::infinity();
+  for (const End& end : point.end) element = std::min(element, body(end.body).shape.element_size());
+  return std::max(approach, near_surface * element);
 }
 
 /// Whether a candidate of b lies over one of a that may touch b, too.

@@ -214,6 +214,7 @@ class MovingPoints {
   void drop_candidates(Body& body) noexcept;
   void join(int body, int candidate) noexcept;
   bool repeats(const Point& point) const noexcept;
+  double deepest_start(const Point& point, double approach) const noexcept;
   void list_rows() noexcept;
   Eigen::Vector3d force_on(const End& end, std::size_t member, const Vector& p) const noexcept;
 
