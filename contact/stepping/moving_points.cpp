@@ -57,6 +57,11 @@ void check(const Model& model, const Rows::PairBlock& pair) {
   }
 }
 
+/// From the centre of `there`, in its axes, to the end of an arm of another body, in the axes of that one.
+Vector3d seen_from(const FloatingBody& there, const FloatingBody& other, const Vector3d& arm) {
+  return there.attitude.conjugate() * (other.position + other.attitude * arm - there.position);
+}
+
 Matrix3d attitude_of(std::span<const FloatingBody> bodies, int k) {
   return bodies[static_cast<std::size_t>(k)].attitude.toRotationMatrix();
 }
@@ -208,9 +213,7 @@ double MovingPoints::clearance(const Model::PairBlock& pair, std::span<const Flo
               other = point.end[static_cast<std::size_t>(point.other())].body;
     const FloatingBody &state = bodies[static_cast<std::size_t>(own)],
                        &there = bodies[static_cast<std::size_t>(other)];
-    const Vector3d x =
-        there.attitude.conjugate() * (state.position + state.attitude * point.place - there.position) +
-        body(other).centre;
+    const Vector3d x = seen_from(there, state, point.place) + body(other).centre;
     if (body(other).shape.box().exteriorDistance(x) >= least) continue;
     least = std::min(least, std::abs(body(other).shape.closest(x).distance));
   }
@@ -266,9 +269,7 @@ void MovingPoints::find_feet(int number, std::span<const FloatingBody> bodies, d
       const FloatingBody &state = bodies[static_cast<std::size_t>(own)],
                          &there = bodies[static_cast<std::size_t>(other)];
       const BodySurface& surface = body(other).shape;
-      const Vector3d x =
-          there.attitude.conjugate() * (state.position + state.attitude * point.place - there.position) +
-          body(other).centre;
+      const Vector3d x = seen_from(there, state, point.place) + body(other).centre;
       point.distance = surface.box().exteriorDistance(x);
       if (point.distance < margin || pressed) {
         meet(point, surface.closest(x), bodies);
@@ -291,9 +292,7 @@ void MovingPoints::find_crossings(int number, std::span<const FloatingBody> bodi
   const FloatingBody &state = bodies[static_cast<std::size_t>(pair.a)],
                      &there = bodies[static_cast<std::size_t>(pair.b)];
   const auto in_b = [&](const Vector3d& x) -> Vector3d {
-    return there.attitude.conjugate() *
-               (state.position + state.attitude * (x - body(pair.a).centre) - there.position) +
-           body(pair.b).centre;
+    return seen_from(there, state, x - body(pair.a).centre) + body(pair.b).centre;
   };
   crossings_.clear();
   const auto node = [](const WorldSurface& on, const WorldSurface::Crease& crease, std::size_t k) {
@@ -370,8 +369,7 @@ void MovingPoints::meet(Point& point, const Foot& foot, std::span<const Floating
                      &there = bodies[static_cast<std::size_t>(other)];
   const Eigen::Quaterniond to_own = state.attitude.conjugate() * there.attitude;
   const auto rise = [&](const Vector3d& n) { return body(own).shape.rise(point.candidate, to_own * n); };
-  const Vector3d x = to_own.conjugate() * point.place +
-                     there.attitude.conjugate() * (state.position - there.position) + body(other).centre;
+  const Vector3d x = seen_from(there, state, point.place) + body(other).centre;
   const auto suits = [&](const Vector3d& n) { return rise(-n) <= most_rise; };
   point.foot = body(other).shape.settle(foot, x, suits);
   point.distance = point.foot.distance;
@@ -527,9 +525,7 @@ void MovingPoints::place_between(int number, std::span<const FloatingBody> bodie
   if (point.kind == Kind::creases) {
     cross(point, point.crease[0], point.crease[1], bodies);
   } else {
-    const Vector3d x =
-        there.attitude.conjugate() * (state.position + state.attitude * point.place - there.position) +
-        body(other.body).centre;
+    const Vector3d x = seen_from(there, state, point.place) + body(other.body).centre;
     meet(point, body(other.body).shape.follow(point.foot, x), bodies);
   }
   const Vector3d w = elastic(own, q);

@@ -19,6 +19,7 @@
 // constant in body axes: they are gathered once, when a candidate joins those under points that may touch.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <vector>
@@ -39,24 +40,22 @@ class PointBlocks {
       : entries_(static_cast<std::size_t>(9 * candidates * (candidates + 1) / 2)) {}
   /// @param j  at most i
   Eigen::Map<Eigen::Matrix3d> operator()(Eigen::Index i, Eigen::Index j) noexcept {
-    return Eigen::Map<Eigen::Matrix3d>(at(i, j));
+    return Eigen::Map<Eigen::Matrix3d>(entries_.data() + first(i, j));
   }
   /// Adds a multiple of a block to `out`.
   void add(Eigen::Index i, Eigen::Index j, double weight, Eigen::Matrix3d& out) const noexcept {
-    PointBlocks& self = const_cast<PointBlocks&>(*this);
+    const Eigen::Map<const Eigen::Matrix3d> block(entries_.data() + first(std::max(i, j), std::min(i, j)));
     if (i >= j)
-      out += weight * self(i, j);
+      out += weight * block;
     else
-      out += weight * self(j, i).transpose();
+      out += weight * block.transpose();
   }
   /// Makes room for candidates 0 … count − 1.
-  void resize(Eigen::Index count) noexcept {
-    entries_.resize(static_cast<std::size_t>(9 * count * (count + 1) / 2));
-  }
+  void resize(Eigen::Index count) noexcept { entries_.resize(static_cast<std::size_t>(first(count, 0))); }
 
  private:
   /// Rows of the lower triangle follow each other, so that candidates are added at the end.
-  double* at(Eigen::Index i, Eigen::Index j) noexcept { return entries_.data() + 9 * (i * (i + 1) / 2 + j); }
+  static Eigen::Index first(Eigen::Index i, Eigen::Index j) { return 9 * (i * (i + 1) / 2 + j); }
 
   base::Reserved<double> entries_;
 };

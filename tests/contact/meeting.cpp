@@ -203,7 +203,7 @@ TEST(Meeting, of_a_tower_is_steady) {
                 .gravity = {0, 0, -9.81},
                 .floor = true};
   auto stepper = make_stepper(meet(scene), stepping(44100));
-  for (int k = 0; k < 12000; ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
+  for (int k = 0; k < 6000; ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
   EXPECT_EQ(stepper->active(), 27);
   for (std::size_t k = 0; k < 3; ++k) {
     const Pose& pose = stepper->poses()[k];

@@ -75,7 +75,7 @@ class Skins(ProgramTest):
         modes_alone[:, kept:] = 0
         for row, when in enumerate(history.contact_time):
             (k,) = np.flatnonzero(np.abs(time - when) < 1e-9)
-            moved = history.sides["displacement_a"][row]
+            moved = history.motions["displacement_a"][row]
             found = self.at_the_points(history, skin, k)
             # 5: fields of forces in 32 bits, summed to 1e-5 of the forces
             np.testing.assert_allclose(found, moved, rtol=0, atol=5 * SINGLE)
