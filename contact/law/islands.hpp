@@ -28,6 +28,7 @@ class Islands {
   int of(int pair) const { return of_pair_[pair]; }
   std::span<const int> of_pairs() const { return of_pair_; }
   bool joins(int pair) const noexcept;  ///< whether its bodies are in one island
+  bool same(int body, int other) const noexcept { return root(body) == root(other); }
   int of_a(int pair) const noexcept { return root(sides_[pair].a); }
   bool exists(int island) const { return parent_[island] == island; }
 

@@ -85,11 +85,14 @@ double FloatingStepper::elastic_energy(const FloatingBody& body) const noexcept 
   return 0.5 * (of(state_.v).square() + of(state_.system->stiffness) * of(state_.q).square()).sum();
 }
 
-/// Of the elastic modes under the loads at t = 0, four times: q differs from its static value by at most that
-/// of its vibration, whose energy the elastic energy overestimates by no more [J].
-double FloatingStepper::static_energy(const FloatingBody& body) const noexcept {
+/// Largest elastic energy that a body may reach with the energy E [J]. Under constant loads, the state swings
+/// about the static one. In the norm of the energy, it is now at most √E + √E_0 from there, and there at √E_0
+/// from 0.
+double FloatingStepper::swing_energy(const FloatingBody& body, double energy) const noexcept {
   const auto of = [&](const Vector& x) { return x.segment(body.first_elastic(), body.elastic()).array(); };
-  return 2 * (of(state_.system->stiffness) * of(state_.system->q0).square()).sum();
+  const double at_rest = 0.5 * (of(state_.system->stiffness) * of(state_.system->q0).square()).sum(),
+               root = std::sqrt(energy) + 2 * std::sqrt(at_rest);
+  return root * root;
 }
 
 StepStatus FloatingStepper::step() noexcept {
@@ -155,23 +158,44 @@ void FloatingStepper::look_for_rest() noexcept {
 /// Finds the points that may touch before the next search.
 void FloatingStepper::search() noexcept {
   look_for_rest();
-  const double time = epoch_ * options_.step, slack = state_.system->model->belts.empty() ? 1 : 2;
-  for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    const FloatingBody& body = bodies_[k];
-    // A torque from outside may speed the body up beyond its energy, as moving obstacles may.
-    // The static energy of a supported body swings in addition.
-    const double energy = (body.torque.isZero(0) ? slack : 2) *
-                          (body.kinetic() + elastic_energy(body) + state_.energy().residual),
-                 g = body.acceleration().norm(),
-                 speed = std::sqrt(2 * energy * body.inverse_mass) +
-                         points_.radius(static_cast<int>(k)) *
-                             std::sqrt(2 * energy * body.inertia.largest_inverse),
-                 distance = time * speed + 0.5 * time * time * g;
-    travels_[k] = {energy + body.mass * g * distance + static_energy(body), distance};
-  }
+  set_travels(epoch_ * options_.step);
   points_.watch(bodies_, travels_, contact_.mean);
   points_.place(bodies_, state_.q);
   search_at_ = steps_ + epoch_;
+}
+
+/// Bounds what each body may do in a time. Contact passes energy on but does not add any, so that a body has
+/// at most the energy of all bodies that may reach each other in this time, directly or through others.
+void FloatingStepper::set_travels(double time) noexcept {
+  const Model& model = *state_.system->model;
+  islands_.separate();
+  for (bool joined = true; joined;) {
+    joined = false;
+    for (int k = 0; k < static_cast<int>(bodies_.size()); ++k) {
+      double energy = state_.energy().residual, mass = 0, g = 0;
+      for (int j = 0; j < static_cast<int>(bodies_.size()); ++j) {
+        if (!islands_.same(k, j)) continue;
+        const FloatingBody& body = bodies_[static_cast<std::size_t>(j)];
+        // A torque from outside may speed a body up beyond its energy, as moving obstacles may.
+        energy +=
+            (body.torque.isZero(0) && model.belts.empty() ? 1 : 2) * (body.kinetic() + elastic_energy(body));
+        mass += body.mass;
+        g = std::max(g, body.acceleration().norm());
+      }
+      energy += g * time * (std::sqrt(2 * energy * mass) + 0.5 * mass * g * time);  // the work of gravity
+      const FloatingBody& body = bodies_[static_cast<std::size_t>(k)];
+      const double speed = std::sqrt(2 * energy * body.inverse_mass) +
+                           points_.radius(k) * std::sqrt(2 * energy * body.inertia.largest_inverse);
+      travels_[static_cast<std::size_t>(k)] = {swing_energy(body, energy),
+                                               time * speed + 0.5 * time * time * body.acceleration().norm()};
+    }
+    for (int pair = 0; pair < islands_.pairs(); ++pair)
+      if (!islands_.joins(pair) &&
+          points_.may_meet(model.pairs[static_cast<std::size_t>(pair)], bodies_, travels_)) {
+        islands_.join(pair);
+        joined = true;
+      }
+  }
 }
 
 /// Sets rest_ to R p + s(λ) of the forces at the start, whose energy R has changed by its turn.
@@ -312,7 +336,7 @@ int FloatingStepper::cross() noexcept {
   if (steps_ + steps > clear_until_) {
     double clear = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < bodies_.size(); ++k)
-      travels_[k].energy = elastic_energy(bodies_[k]) + static_energy(bodies_[k]);
+      travels_[k].energy = swing_energy(bodies_[k], elastic_energy(bodies_[k]));
     for (const Model::PairBlock& pair : state_.system->model->pairs) {
       const double way = points_.clearance(pair, bodies_, travels_);
       Vector3d acceleration = Vector3d::Zero();

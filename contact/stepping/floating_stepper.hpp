@@ -44,6 +44,7 @@ class FloatingStepper final : public Stepper {
   int cross() noexcept;
   void set_flight(int steps) noexcept;
   void search() noexcept;
+  void set_travels(double time) noexcept;
   void carry_forces(const StepMatrices& matrices) noexcept;
   Work kick(const StepTrial& trial) noexcept;
   double move_modes(const ModeConstants& over) noexcept;
@@ -51,14 +52,14 @@ class FloatingStepper final : public Stepper {
   void look_for_rest() noexcept;
   StepStatus end(const StepTrial& trial) noexcept;
   double elastic_energy(const FloatingBody& body) const noexcept;
-  double static_energy(const FloatingBody& body) const noexcept;
+  double swing_energy(const FloatingBody& body, double energy) const noexcept;
 
   ModalState state_;
   std::vector<FloatingBody> bodies_, kept_;  ///< now; at the start of the step
   Turning turning_;
   MovingPoints points_;
   std::vector<MovingPoints::Travel> travels_;
-  Islands islands_;               ///< of the forces at the start of a step
+  Islands islands_;               ///< scratch: of forces at the start of a step; of what may meet
   int epoch_;                     ///< steps between two searches
   std::int64_t search_at_ = 0;    ///< step of the next one
   std::int64_t clear_until_ = 0;  ///< step before which nothing can touch

@@ -187,6 +187,29 @@ double MovingPoints::swing_of(const Point& point, std::span<const Travel> travel
   return out;
 }
 
+/// Distance of the spheres around two bodies [m].
+double MovingPoints::apart(const Model::PairBlock& pair,
+                           std::span<const FloatingBody> bodies) const noexcept {
+  return (bodies[static_cast<std::size_t>(pair.a)].position -
+          bodies[static_cast<std::size_t>(pair.b)].position)
+             .norm() -
+         radius(pair.a) - radius(pair.b);
+}
+
+/// By how much the elastic displacements of two bodies may bring them nearer [m].
+double MovingPoints::swing_of(const Model::PairBlock& pair, std::span<const Travel> travels) const noexcept {
+  double out = 0;
+  for (const int k : {pair.a, pair.b})
+    out += std::sqrt(2 * travels[static_cast<std::size_t>(k)].energy) * body(k).largest_give;
+  return out;
+}
+
+/// Largest distance at which the points of two bodies may touch within the travels [m].
+double MovingPoints::margin(const Model::PairBlock& pair, std::span<const Travel> travels) const noexcept {
+  return swing_of(pair, travels) + travels[static_cast<std::size_t>(pair.a)].distance +
+         travels[static_cast<std::size_t>(pair.b)].distance;
+}
+
 double MovingPoints::clearance(const Model::PairBlock& pair, std::span<const FloatingBody> bodies,
                                std::span<const Travel> energies) const noexcept {
   double least = std::numeric_limits<double>::infinity();
@@ -198,11 +221,7 @@ double MovingPoints::clearance(const Model::PairBlock& pair, std::span<const Flo
     }
     return least;
   }
-  const FloatingBody& of_b = bodies[static_cast<std::size_t>(pair.b)];
-  double swing = 0;
-  for (const int k : {pair.a, pair.b})
-    swing += std::sqrt(2 * energies[static_cast<std::size_t>(k)].energy) * body(k).largest_give;
-  const double spheres = (of_a.position - of_b.position).norm() - radius(pair.a) - radius(pair.b);
+  const double swing = swing_of(pair, energies), spheres = apart(pair, bodies);
   if (spheres > swing) return spheres - swing;
   // A point of a face is at most as far from its nearest candidate as that of an equilateral triangle.
   double facet = 0;
@@ -231,20 +250,16 @@ void MovingPoints::watch(std::span<const FloatingBody> bodies, std::span<const T
   watched_.clear();
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     const Model::PairBlock& pair = pairs_[k];
-    double margin = travels[static_cast<std::size_t>(pair.a)].distance;
     if (pair.b >= 0) {
-      margin += travels[static_cast<std::size_t>(pair.b)].distance;
-      for (const int body_of_pair : {pair.a, pair.b})
-        margin += std::sqrt(2 * travels[static_cast<std::size_t>(body_of_pair)].energy) *
-                  body(body_of_pair).largest_give;
-      find_feet(static_cast<int>(k), bodies, margin, forces);
-      find_crossings(static_cast<int>(k), bodies, margin, forces);
+      find_feet(static_cast<int>(k), bodies, margin(pair, travels), forces);
+      find_crossings(static_cast<int>(k), bodies, margin(pair, travels), forces);
       continue;
     }
+    const double distance = travels[static_cast<std::size_t>(pair.a)].distance;
     const FloatingBody& state = bodies[static_cast<std::size_t>(pair.a)];
     for (int i = pair.first_point; i < pair.first_point + pair.points; ++i) {
       const Point& point = points_[static_cast<std::size_t>(i)];
-      if (height(point, state) - swing_of(point, travels) < margin || has_force(i, forces)) watch(i);
+      if (height(point, state) - swing_of(point, travels) < distance || has_force(i, forces)) watch(i);
     }
   }
   drop_members();
@@ -255,15 +270,12 @@ void MovingPoints::watch(std::span<const FloatingBody> bodies, std::span<const T
 void MovingPoints::find_feet(int number, std::span<const FloatingBody> bodies, double margin,
                              const MeanForce& forces) noexcept {
   const Model::PairBlock& pair = pairs_[static_cast<std::size_t>(number)];
-  const double apart =
-      (bodies[static_cast<std::size_t>(pair.a)].position - bodies[static_cast<std::size_t>(pair.b)].position)
-          .norm() -
-      radius(pair.a) - radius(pair.b);
+  const double spheres = apart(pair, bodies);
   for (int i = pair.first_point; i < pair.first_point + pair.candidates_of_a + pair.candidates_of_b; ++i) {
     Point& point = points_[static_cast<std::size_t>(i)];
     const bool pressed = has_force(i, forces);
-    point.distance = apart;
-    if (apart < margin || pressed) {
+    point.distance = spheres;
+    if (spheres < margin || pressed) {
       const int own = point.end[static_cast<std::size_t>(point.own())].body,
                 other = point.end[static_cast<std::size_t>(point.other())].body;
       const FloatingBody &state = bodies[static_cast<std::size_t>(own)],

@@ -70,6 +70,11 @@ class MovingPoints {
     double energy = 0;    ///< of its elastic modes and of R, at most [J]
     double distance = 0;  ///< of a point with its frame [m]
   };
+  /// Whether the bodies of a pair may reach each other, whatever their shapes.
+  bool may_meet(const Model::PairBlock& pair, std::span<const FloatingBody> bodies,
+                std::span<const Travel> travels) const noexcept {
+    return apart(pair, bodies) < margin(pair, travels);
+  }
   /// Smallest distance that a pair has left, whatever the phase of the modes of its bodies [m]; ∞ without
   /// points. @param energy  by body, of the elastic modes and of R, at most [J]
   double clearance(const Model::PairBlock& pair, std::span<const FloatingBody> bodies,
@@ -193,6 +198,9 @@ class MovingPoints {
   const Body& body(int k) const { return bodies_[static_cast<std::size_t>(k)]; }
   int rows_of(const Point& point) const { return point.tangential < 0 ? 1 : 3; }
   void add_points(const Model& model, int pair);
+  double apart(const Model::PairBlock& pair, std::span<const FloatingBody> bodies) const noexcept;
+  double swing_of(const Model::PairBlock& pair, std::span<const Travel> travels) const noexcept;
+  double margin(const Model::PairBlock& pair, std::span<const Travel> travels) const noexcept;
   double height(const Point& point, const FloatingBody& state) const noexcept;
   double swing_of(const Point& point, std::span<const Travel> travels) const noexcept;
   void find_feet(int pair, std::span<const FloatingBody> bodies, double margin,

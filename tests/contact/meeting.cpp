@@ -94,6 +94,14 @@ TEST(Meeting, keeps_the_balances) {
       touching += stepper->active() > 0;
     }
     ASSERT_GT(touching, 3) << round;
+    // Tangents stay perpendicular to the normals while points pass from face to face.
+    const RowFrames& frames = stepper->turning()->frames;
+    for (const Model::FrictionPoint& point : model->friction) {
+      Matrix3d rows;
+      rows << frames.normal.row(point.point),
+          frames.tangent.middleRows<2>(point.tangential - model->points());
+      EXPECT_LT((rows * rows.transpose() - Matrix3d::Identity()).norm(), 1e-12) << round;
+    }
     EXPECT_LT(highest, 1e-12) << round;  // contact never adds energy
     EXPECT_LT(drift, 1e-12) << round;
     EXPECT_LT((momentum(scene, *stepper) - p).norm(), 1e-13 * start.kinetic) << round;
@@ -223,6 +231,27 @@ TEST(Meeting, does_not_depend_on_the_order_of_the_bodies) {
   EXPECT_GT(touching, 20);
   EXPECT_LT(most, 1e-6 * peak);  // round-off, which touches amplify
   EXPECT_LT((first->poses()[0].velocity - second->poses()[1].velocity).norm(), 1e-6);
+}
+
+/// A box that lies still is struck, and strikes the next one before the next search: it has the energy of the
+/// first one, and not only its own.
+TEST(Meeting, of_a_body_that_is_struck_with_the_next_one_is_found) {
+  const Cloud box({0.1, 0.08, 0.06}, 2000, 1e-8, 1, true, 0);
+  for (const double speed : {1.0, 5.0, 20.0})
+    for (const double gap : {2e-5, 2e-4}) {
+      Meeting scene{.clouds = {&box, &box, &box},
+                    .bodies = {at({-0.1003, 0.003, 0.002}, Matrix3d::Identity(), {speed, 0, 0}),
+                               at({0, 0, 0}), at({0.1 + gap, -0.004, 0.005})}};
+      auto stepper = make_stepper(meet(scene), stepping(44100));
+      for (int k = 0; k < 600; ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
+      // Elastic boxes of one mass exchange most of their speeds, and none overtakes the next one.
+      const auto velocity = [&](std::size_t k) { return stepper->poses()[k].velocity.x(); };
+      EXPECT_GT(velocity(2), 0.4 * speed) << speed << " " << gap;
+      EXPECT_LT(velocity(0), velocity(1)) << speed << " " << gap;
+      EXPECT_LT(velocity(1), velocity(2)) << speed << " " << gap;
+      EXPECT_LT(stepper->poses()[0].position.x() + 0.09, stepper->poses()[1].position.x());
+      EXPECT_LT(stepper->poses()[1].position.x() + 0.09, stepper->poses()[2].position.x());
+    }
 }
 
 /// A tower of three boxes of one size, whose corners lie on corners, comes to rest on a floor.
