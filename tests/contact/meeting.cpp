@@ -265,8 +265,15 @@ TEST(Meeting, of_a_tower_is_steady) {
                 .gravity = {0, 0, -9.81},
                 .floor = true};
   auto stepper = make_stepper(meet(scene), stepping(44100));
-  for (int k = 0; k < 6000; ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
+  int most = 0;
+  for (int k = 0; k < 6000; ++k) {
+    ASSERT_EQ(stepper->step(), StepStatus::ok);
+    most = std::max(most, stepper->active());
+  }
   EXPECT_EQ(stepper->active(), 27);
+  // Where corners lie on corners, one point touches and not two: they would be 41. A shift of less than 0.1
+  // mm on the way may part some of them.
+  EXPECT_LE(most, 30);
   for (std::size_t k = 0; k < 3; ++k) {
     const Pose& pose = stepper->poses()[k];
     EXPECT_LT((pose.position - Vector3d(0, 0, 0.03 + 0.06 * static_cast<double>(k))).norm(), 1e-5);
@@ -277,6 +284,25 @@ TEST(Meeting, of_a_tower_is_steady) {
   const Model::PairBlock& lowest = model->pairs[0];
   for (int i = 0; i < lowest.points; ++i) weight += stepper->force()(lowest.first_point + i);
   EXPECT_NEAR(weight, 3 * box.mass * 9.81, 1e-3 * 3 * box.mass * 9.81);
+}
+
+/// A box slides over the edge of another one, on which it lies. Candidates of its lower face that have been
+/// beyond the edge, and a little lower than it, do not run against it.
+TEST(Meeting, of_a_face_that_slides_over_an_edge_is_smooth) {
+  const Cloud box({0.1, 0.08, 0.06}, 2000, 1e-8, 1, true, 0);
+  for (const double speed : {1.0, 5.0}) {  // in a step, by less and by more than what counts as the edge
+    Meeting scene{.clouds = {&box, &box},
+                  .bodies = {at({0, 0, 0.03}), at({0.051, 0.01, 0.09}, Matrix3d::Identity(), {-speed, 0, 0})},
+                  .gravity = {0, 0, -9.81},
+                  .floor = true};
+    auto stepper = make_stepper(meet(scene), stepping(44100));
+    int touching = 0;
+    for (; stepper->time() * speed<5e-3; touching += stepper->active()> 0)
+      ASSERT_EQ(stepper->step(), StepStatus::ok);
+    EXPECT_GT(touching, 20);
+    EXPECT_NEAR(stepper->poses()[1].velocity.x(), -speed, 1e-3);
+    EXPECT_NEAR(stepper->poses()[0].velocity.x(), 0, 1e-3);
+  }
 }
 
 TEST(Meeting, does_not_allocate) {
