@@ -19,46 +19,17 @@
 // constant in body axes: they are gathered once, when a candidate joins those under points that may touch.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <span>
 #include <vector>
 
 #include "contact/complementarity/reserved_matrix.hpp"
 #include "contact/law/contact_law.hpp"
-#include "contact/motion/body_surface.hpp"
-#include "contact/motion/floating_body.hpp"
 #include "contact/motion/turning.hpp"
-#include "contact/stepping/step_system.hpp"
+#include "contact/stepping/moving_candidates.hpp"
+#include "contact/stepping/moving_point.hpp"
 
 namespace ricochet::contact {
-
-/// The blocks (3k,3k) of a symmetric matrix between k candidates, in body axes. Entries are written once.
-class PointBlocks {
- public:
-  explicit PointBlocks(Eigen::Index candidates)
-      : entries_(static_cast<std::size_t>(9 * candidates * (candidates + 1) / 2)) {}
-  /// @param j  at most i
-  Eigen::Map<Eigen::Matrix3d> operator()(Eigen::Index i, Eigen::Index j) noexcept {
-    return Eigen::Map<Eigen::Matrix3d>(entries_.data() + first(i, j));
-  }
-  /// Adds a multiple of a block to `out`.
-  void add(Eigen::Index i, Eigen::Index j, double weight, Eigen::Matrix3d& out) const noexcept {
-    const Eigen::Map<const Eigen::Matrix3d> block(entries_.data() + first(std::max(i, j), std::min(i, j)));
-    if (i >= j)
-      out += weight * block;
-    else
-      out += weight * block.transpose();
-  }
-  /// Makes room for candidates 0 … count − 1.
-  void resize(Eigen::Index count) noexcept { entries_.resize(static_cast<std::size_t>(first(count, 0))); }
-
- private:
-  /// Rows of the lower triangle follow each other, so that candidates are added at the end.
-  static Eigen::Index first(Eigen::Index i, Eigen::Index j) { return 9 * (i * (i + 1) / 2 + j); }
-
-  base::Reserved<double> entries_;
-};
 
 class MovingPoints {
  public:
@@ -121,112 +92,57 @@ class MovingPoints {
   void write_forces(const Vector& p, std::vector<Vector>& out) noexcept;
 
  private:
-  enum class Kind : char { obstacle, candidate_of_a, candidate_of_b, creases };
-  /// Of a point on one of its bodies.
-  struct End {
-    int body = -1;
-    int count = 0;
-    std::array<int, 3> candidate{};
-    std::array<double, 3> weight{};
-    // In the middle of a step, in the axes of the body
-    Eigen::Vector3d arm{0, 0, 0};
-    Eigen::Matrix3d direction;  ///< its rows: those of the point, with the sign of the end
-  };
-  struct Point {
-    Kind kind = Kind::obstacle;
-    int pair = 0;
-    int candidate = 0;                 ///< of its own body
-    int tangential = -1;               ///< its first tangential row
-    double gap = 0;                    ///< g [m]
-    Eigen::Vector3d place{0, 0, 0};    ///< X of the candidate, from the centre, body axes [m]
-    Eigen::Vector3d initial{0, 0, 0};  ///< its place at t = 0, world [m]
-    /// Rows: normal out of a, tangents. World axes over an obstacle, otherwise in the axes of the body it
-    /// meets.
-    Eigen::Matrix3d row = Eigen::Matrix3d::Zero();
-    Foot foot{};                         ///< on the body that the candidate meets
-    std::array<int, 2> crease{-1, -1};   ///< that cross, of a and of b
-    bool open = true;                    ///< whether its sides face each other, so that it may touch
-    double distance = 0;                 ///< now, without elastic displacements [m]
-    std::array<End, 2> end{};            ///< on a and on b
-    Eigen::Vector3d place_now{0, 0, 0};  ///< of the common place, in the axes of own(), from its centre [m]
-    Eigen::Matrix3d acting = Eigen::Matrix3d::Zero();  ///< its rows in the middle of the step, world axes
-    /// Its own body, on which its common place is fixed in a step, and that of its row vectors.
-    int own() const { return kind == Kind::candidate_of_b ? 1 : 0; }
-    int other() const { return 1 - own(); }
-  };
+  using Point = MovingPoint;
+  using Kind = Point::Kind;
+  using End = Point::End;
   struct Body {
-    Body(const Bodies::Block& block, const Eigen::Vector3d& gravity);
-    const kernels::Surface* surface;
+    Body(const Bodies::Block& block, const Model& model, const StepSystem& system);
     BodySurface shape;
-    Eigen::Vector3d centre;       ///< body axes [m]
-    double radius = 0;            ///< of the surface about the centre [m]
-    Eigen::Index modes, elastic;  ///< the elastic ones come last
-    Eigen::Index first_elastic;   ///< in q
-    /// (M) (Σ|φ|²/ω² + tr R)^½: a candidate moves by at most this times (2E)^½ with the energy E [m/N^½]
-    std::vector<double> give;
-    double largest_give = 0;
-    std::vector<Eigen::Vector3d>
-        settled;  ///< (M) static displacement by gravity beyond the modes, or empty [m]
-    // Of candidates, computed when they are asked for in a step
-    std::vector<Eigen::Vector3d> w, dw;     ///< (M) elastic displacement, and its free change [m]
-    std::vector<std::int64_t> w_at, dw_at;  ///< (M) for which call
-    // Of candidates under points that may touch
-    std::vector<int> joined;         ///< candidates
-    std::vector<int> number_of;      ///< (M) place among them, or −1
-    PointBlocks in_modes, residual;  ///< Φ c Φᵀ and R
-    double fastest = 0,
-           elastic_fastest = 0;  ///< free displacements in the step, of the frame and beside it [m]
-    std::vector<char> used{};    ///< (M) scratch
-
-    bool yields() const { return !surface->residual_flexibility.empty(); }
-    /// (3,elastic)
-    auto shape_of(int candidate) const {
-      return Eigen::Map<const Matrix>(surface->shape.data() + 3 * candidate * modes, 3, modes)
-          .rightCols(elastic);
-    }
-    /// (3,3) R between two candidates
-    auto flexibility(int i, int j) const {
-      const auto M = static_cast<Eigen::Index>(3 * surface->size());
-      return Eigen::Map<const Matrix>(surface->residual_flexibility.data(), M, M).block<3, 3>(3 * i, 3 * j);
-    }
+    Eigen::Vector3d centre;  ///< body axes [m]
+    double radius = 0;       ///< of the surface about the centre [m]
+    MovingCandidates candidates;
+    /// Free displacements in the step, of the frame and beside it, at most [m].
+    double fastest = 0, elastic_fastest = 0;
+    std::vector<char> used;  ///< (M) scratch
   };
 
   const Point& member_at(std::size_t position) const {
     return points_[static_cast<std::size_t>(members_[static_cast<std::size_t>(owner_[position])])];
   }
+  /// Of a row of a member among the rows.
+  Eigen::Index position(std::size_t member, int along) const {
+    return along == 0 ? static_cast<Eigen::Index>(member)
+                      : static_cast<Eigen::Index>(tangents_at_[member] + along - 1);
+  }
   Body& body(int k) { return bodies_[static_cast<std::size_t>(k)]; }
   const Body& body(int k) const { return bodies_[static_cast<std::size_t>(k)]; }
-  int rows_of(const Point& point) const { return point.tangential < 0 ? 1 : 3; }
+  Side side(int k, std::span<const FloatingBody> bodies) const {
+    return {body(k).shape, body(k).centre, bodies[static_cast<std::size_t>(k)]};
+  }
   void add_points(const Model& model, int pair);
   double apart(const Model::PairBlock& pair, std::span<const FloatingBody> bodies) const noexcept;
   double swing_of(const Model::PairBlock& pair, std::span<const Travel> travels) const noexcept;
   double margin(const Model::PairBlock& pair, std::span<const Travel> travels) const noexcept;
-  double height(const Point& point, const FloatingBody& state) const noexcept;
   double swing_of(const Point& point, std::span<const Travel> travels) const noexcept;
   void find_feet(int pair, std::span<const FloatingBody> bodies, double margin,
                  const MeanForce& forces) noexcept;
   void find_crossings(int pair, std::span<const FloatingBody> bodies, double margin,
                       const MeanForce& forces) noexcept;
-  void meet(Point& point, const Foot& foot, std::span<const FloatingBody> bodies) noexcept;
-  bool cross(Point& point, int of_a, int of_b, std::span<const FloatingBody> bodies) noexcept;
-  void set_row(Point& point, const Eigen::Vector3d& normal) noexcept;
-  const Eigen::Vector3d& displacement(int body, int candidate, const Vector& q) noexcept;
   Eigen::Vector3d elastic(const End& end, const Vector& q) noexcept;
   void place_between(int number, std::span<const FloatingBody> bodies, const Vector& q) noexcept;
+  Eigen::Matrix3d in_world(const Point& point, std::span<const FloatingBody> bodies) const noexcept;
   bool has_force(int number, const MeanForce& forces) const noexcept {
     return forces.end()(number) != 0 || forces.before()(number) != 0;
   }
   void watch(int number) noexcept;
   void drop_members() noexcept;
-  void drop_candidates(Body& body) noexcept;
-  void join(int body, int candidate) noexcept;
+  void add_members(const MeanForce& forces) noexcept;
+  void set_rows(std::span<const FloatingBody> bodies, const Vector& dq, double step) noexcept;
   bool repeats(const Point& point) const noexcept;
   double deepest_start(const Point& point, double approach) const noexcept;
   void list_rows() noexcept;
   Eigen::Vector3d force_on(const End& end, std::size_t member, const Vector& p) const noexcept;
 
-  Vector c_, folded_;  ///< (N) of a step; 1/ω² of folded modes, else 0
-  bool folds_ = false;
   std::vector<Model::PairBlock> pairs_;
   std::vector<Body> bodies_;
   std::vector<Point> points_;
@@ -237,7 +153,6 @@ class MovingPoints {
   std::vector<int> member_of_;             ///< (m) position among members, or −1
   std::vector<int> rows_, owner_, along_;  ///< row, member and direction by position
   std::vector<int> tangents_at_;           ///< position of the first tangential row of each member
-  std::int64_t calls_ = 0;                 ///< of place and advance
   Vector start_, free_, u_;
   struct Crossing {
     int of_a, of_b;

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "contact/stepping/moving_point.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "contact/rows/rows.hpp"
+
+namespace ricochet::contact {
+namespace {
+
+using Eigen::Vector3d;
+
+/// A candidate may touch along a normal towards which its surface rises by less than this sine, that of the
+/// facets of a smooth face.
+constexpr double most_rise = 0.5;
+/// The same for the faces beside creases, whose normals are exact.
+constexpr double most_rise_at_crease = 1e-3;
+
+/// Creases may cross beyond their ends by this share of their lengths, so that none slips between two.
+constexpr double beyond_end = 1e-3;
+
+/// A crossing of creases that is deeper than this share of them is on the far side of a body.
+constexpr double deepest_crossing = 0.25;
+
+}  // namespace
+
+void MovingPoint::End::set(const std::array<int, 3>& candidates,
+                           const std::array<double, 3>& weights) noexcept {
+  count = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!(weights[k] > 0)) continue;
+    candidate[static_cast<std::size_t>(count)] = candidates[k];
+    weight[static_cast<std::size_t>(count++)] = weights[k];
+  }
+}
+
+double MovingPoint::height(const FloatingBody& state) const noexcept {
+  return gap - row.row(0).dot(state.position + state.attitude * place - initial);
+}
+
+/// Sets the vectors of the rows to a normal, which turns them as little as possible.
+void MovingPoint::set_row(const Vector3d& normal) noexcept {
+  Vector3d tangent = row.row(1).transpose();
+  tangent -= normal.dot(tangent) * normal;
+  if (tangent.squaredNorm() > 0.1) {
+    tangent.normalize();
+    row.row(1) = tangent;
+    row.row(2) = normal.cross(tangent);
+  } else {
+    row.bottomRows<2>() = tangents_of(normal);
+  }
+  row.row(0) = normal;
+}
+
+void MovingPoint::meet(const Foot& near, const Side& own, const Side& other) noexcept {
+  const Eigen::Quaterniond to_own = own.state.attitude.conjugate() * other.state.attitude;
+  const auto suits = [&](const Vector3d& n) { return own.shape.rise(candidate, to_own * -n) <= most_rise; };
+  foot = other.shape.settle(near, other.place_of(place, own), suits);
+  distance = foot.distance;
+  open = !suits(foot.normal);
+  set_row(kind == Kind::candidate_of_a ? Vector3d(-foot.normal) : foot.normal);
+  end[kind == Kind::candidate_of_b ? 0 : 1].set(
+      other.shape.surface().element[static_cast<std::size_t>(foot.element)].corner, foot.weight);
+}
+
+bool MovingPoint::cross(int of_a, int of_b, const Side& a, const Side& b) noexcept {
+  const WorldSurface::Crease& one = a.shape.surface().crease[static_cast<std::size_t>(of_a)];
+  const WorldSurface::Crease& two = b.shape.surface().crease[static_cast<std::size_t>(of_b)];
+  const auto at = [](const Side& side, int node) -> Vector3d {
+    return side.shape.surface().node[static_cast<std::size_t>(node)];
+  };
+  const Vector3d from = at(a, one.node[0]) - a.centre, to = at(a, one.node[1]) - a.centre;
+  const Vector3d p0 = b.place_of(from, a), p1 = b.place_of(to, a), q0 = at(b, two.node[0]),
+                 q1 = at(b, two.node[1]);
+  crease = {of_a, of_b};
+  open = true;
+  double s = 0, t = 0;
+  if (!crossing(p0, p1, q0, q1, s, t)) return false;
+  open = std::max({-s, s - 1, -t, t - 1}) > beyond_end;
+  s = std::clamp(s, 0.0, 1.0);
+  t = std::clamp(t, 0.0, 1.0);
+  const Eigen::Quaterniond to_b = b.state.attitude.conjugate() * a.state.attitude;
+  Vector3d normal = (p1 - p0).cross(q1 - q0).normalized();
+  if (normal.dot(to_b * one.normal) < 0) normal = -normal;
+  for (std::size_t k = 0; k < 2; ++k)
+    open = open || normal.dot(to_b * one.into[k]) > most_rise_at_crease ||
+           -normal.dot(two.into[k]) > most_rise_at_crease;
+  distance = normal.dot(q0 + t * (q1 - q0) - (p0 + s * (p1 - p0)));
+  open = open || distance < -deepest_crossing * std::min((p1 - p0).norm(), (q1 - q0).norm());
+  place = from + s * (to - from);
+  set_row(normal);
+  end[0].set({one.node[0], one.node[1], 0}, {1 - s, s, 0});
+  end[1].set({two.node[0], two.node[1], 0}, {1 - t, t, 0});
+  return !open;
+}
+
+void MovingPoint::follow(const Side& own, const Side& other) noexcept {
+  if (kind == Kind::creases)
+    cross(crease[0], crease[1], own, other);
+  else
+    meet(other.shape.follow(foot, other.place_of(place, own)), own, other);
+}
+
+double MovingPoint::nearer(const Vector3d& of_own, const Vector3d& of_other, const Side& own,
+                           const Side& other) const noexcept {
+  const double sign = kind == Kind::candidate_of_b ? -1 : 1;  // the normal leads out of a
+  return sign * row.row(0).dot(other.state.attitude.conjugate() * (own.state.attitude * of_own) - of_other);
+}
+
+}  // namespace ricochet::contact

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A contact point of bodies that turn: what meets there now, and along which axes.
+#pragma once
+
+#include <array>
+
+#include "contact/motion/body_surface.hpp"
+#include "contact/motion/floating_body.hpp"
+
+namespace ricochet::contact {
+
+/// A body at a point between two bodies.
+struct Side {
+  const BodySurface& shape;
+  Eigen::Vector3d centre;  ///< of mass, body axes [m]
+  const FloatingBody& state;
+
+  /// The end of an arm from the centre of another body, in the axes of that one, as a place in own axes [m].
+  Eigen::Vector3d place_of(const Eigen::Vector3d& arm, const Side& other) const {
+    return state.attitude.conjugate() * (other.state.position + other.state.attitude * arm - state.position) +
+           centre;
+  }
+};
+
+struct MovingPoint {
+  enum class Kind : char { obstacle, candidate_of_a, candidate_of_b, creases };
+  /// On one of its bodies.
+  struct End {
+    int body = -1;
+    int count = 0;
+    std::array<int, 3> candidate{};  ///< `count` of them, with weights above 0 whose sum is 1
+    std::array<double, 3> weight{};
+    // In the middle of a step, in the axes of the body
+    Eigen::Vector3d arm{0, 0, 0};
+    Eigen::Matrix3d direction;  ///< its rows: those of the point, with the sign of the end
+
+    /// Takes those of some candidates that have a weight.
+    void set(const std::array<int, 3>& candidates, const std::array<double, 3>& weights) noexcept;
+  };
+
+  Kind kind = Kind::obstacle;
+  int pair = 0;
+  int candidate = 0;                 ///< of its own body
+  int tangential = -1;               ///< its first tangential row
+  double gap = 0;                    ///< g [m]
+  Eigen::Vector3d place{0, 0, 0};    ///< X of the candidate, from the centre, body axes [m]
+  Eigen::Vector3d initial{0, 0, 0};  ///< its place at t = 0, world [m]
+  /// Rows: normal out of a, tangents. World axes over an obstacle, otherwise in the axes of the other body.
+  Eigen::Matrix3d row = Eigen::Matrix3d::Zero();
+  Foot foot{};                        ///< on the body that the candidate meets
+  std::array<int, 2> crease{-1, -1};  ///< that cross, of a and of b
+  bool open = true;                   ///< whether its sides do not face each other, so that they cannot touch
+  double distance = 0;                ///< now, without elastic displacements [m]
+  std::array<End, 2> end{};           ///< on a and on b
+  Eigen::Vector3d place_now{0, 0, 0};  ///< of the common place, in the axes of own(), from its centre [m]
+  Eigen::Matrix3d acting = Eigen::Matrix3d::Zero();  ///< its rows in the middle of the step, world axes
+
+  /// The body on which its common place is fixed in a step, and the other one, which has its rows.
+  const End& own() const { return end[kind == Kind::candidate_of_b ? 1 : 0]; }
+  const End& other() const { return end[kind == Kind::candidate_of_b ? 0 : 1]; }
+  int rows() const { return tangential < 0 ? 1 : 3; }
+  /// Distance from the half-space, without its elastic displacement [m].
+  double height(const FloatingBody& state) const noexcept;
+
+  /// Takes a foot near its place as what a candidate meets.
+  void meet(const Foot& near, const Side& own, const Side& other) noexcept;
+  /// Takes two creases. Returns whether they cross so that they may touch.
+  bool cross(int of_a, int of_b, const Side& a, const Side& b) noexcept;
+  /// Follows what it meets.
+  void follow(const Side& own, const Side& other) noexcept;
+  /// By how much elastic displacements bring its sides nearer to each other [m].
+  double nearer(const Eigen::Vector3d& of_own, const Eigen::Vector3d& of_other, const Side& own,
+                const Side& other) const noexcept;
+
+ private:
+  void set_row(const Eigen::Vector3d& normal) noexcept;
+};
+
+}  // namespace ricochet::contact
