@@ -34,6 +34,7 @@ WorldSurface moved(WorldSurface surface, const Displacement& u, const Vector3d& 
     element.centre += u(element.centre);
     for (Vector3d& n : element.normal) rotate(n);
     for (Vector3d& c : element.bend) rotate(c);
+    rotate(element.bubble);
   }
   for (WorldSurface::Crease& crease : surface.crease) {
     for (Vector3d& v : crease.into) rotate(v);

@@ -58,14 +58,18 @@ BodySurface::BodySurface(const kernels::Kernel& kernel)
   const auto at = [](int k) { return static_cast<std::size_t>(k); };
   neighbour_.assign(on.element.size(), {-1, -1, -1});
   crease_.assign(on.element.size(), {true, true, true});
-  std::vector<std::vector<int>> around(on.node.size());
+  std::vector<std::vector<int>> beside(on.node.size()), elements(on.node.size());
   for (int e = 0; e < static_cast<int>(on.element.size()) && on.corners == 3; ++e) {
     element_size_ = std::max(element_size_, on.element[at(e)].size);
     for (int j = 0; j < 3; ++j) {
       const int p = on.element[at(e)].corner[at(j)], q = on.element[at(e)].corner[at((j + 1) % 3)];
       edges[{std::min(p, q), std::max(p, q)}].push_back({e, j});
-      around[at(p)].push_back(q);
-      around[at(q)].push_back(p);
+      beside[at(p)].push_back(q);
+      beside[at(q)].push_back(p);
+      elements[at(p)].push_back(e);
+      // Σ w_j w_{j+1} ≤ 1/3
+      camber_ =
+          std::max(camber_, 4.0 / 3 * on.element[at(e)].bend[at(j)].norm() + on.element[at(e)].bubble.norm());
     }
   }
   std::set<std::array<int, 2>> creases;
@@ -79,13 +83,20 @@ BodySurface::BodySurface(const kernels::Kernel& kernel)
       crease_[at(e)][at(j)] = crease;
     }
   }
-  for (std::vector<int>& nodes : around) {
+  for (std::vector<int>& nodes : beside) {
     std::ranges::sort(nodes);
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-    first_.push_back(static_cast<int>(around_.size()));
-    around_.insert(around_.end(), nodes.begin(), nodes.end());
   }
-  first_.push_back(static_cast<int>(around_.size()));
+  const auto list = [](const std::vector<std::vector<int>>& of_nodes, std::vector<int>& first,
+                       std::vector<int>& all) {
+    for (const std::vector<int>& of_node : of_nodes) {
+      first.push_back(static_cast<int>(all.size()));
+      all.insert(all.end(), of_node.begin(), of_node.end());
+    }
+    first.push_back(static_cast<int>(all.size()));
+  };
+  list(beside, first_, around_);
+  list(elements, first_element_, elements_at_);
 }
 
 /// Distance from a crease below which the direction to it is not known [m].
@@ -140,11 +151,69 @@ Foot BodySurface::follow(const Foot& earlier, const Vector3d& x) const noexcept 
   return best;
 }
 
+/// Whether no node around one is higher towards n.
+bool BodySurface::is_peak(int node, const Vector3d& n) const noexcept {
+  const auto height = [&](int k) { return n.dot(surface().node[static_cast<std::size_t>(k)]); };
+  const double own = height(node);
+  return std::ranges::none_of(around(node), [&](int k) { return height(k) > own; });
+}
+
+Foot BodySurface::summit(int element, const Vector3d& n) const noexcept {
+  const auto on_element = [&](int number) {
+    const WorldSurface::Element& on = surface().element[static_cast<std::size_t>(number)];
+    Foot out{.element = number, .weight = highest_weights(surface(), on, n), .normal = n};
+    out.point = surface().at(on, out.weight);
+    return out;
+  };
+  Foot best = on_element(element);
+  double most = n.dot(best.point);
+  for (int move = 0; move < most_moves; ++move) {
+    Foot next = best;
+    const auto offer = [&](int number) {
+      if (number < 0 || number == best.element) return;
+      const Foot there = on_element(number);
+      const double height = n.dot(there.point);
+      if (height <= most + 1e-14 * element_size_) return;
+      next = there;
+      most = height;
+    };
+    for (std::size_t j = 0; j < 3; ++j) {
+      if (best.weight[(j + 2) % 3] == 0) offer(neighbour_[static_cast<std::size_t>(best.element)][j]);
+      if (best.weight[j] == 1)
+        for (const int beside :
+             elements_at(surface().element[static_cast<std::size_t>(best.element)].corner[j]))
+          offer(beside);
+    }
+    if (next.element == best.element) break;
+    best = next;
+  }
+  return best;
+}
+
+void BodySurface::summits(const Vector3d& n, double least, std::vector<Foot>& out) const noexcept {
+  out.clear();
+  for (int node = 0; node < static_cast<int>(surface().node.size()); ++node) {
+    if (out.size() == out.capacity()) break;
+    if (!(n.dot(surface().node[static_cast<std::size_t>(node)]) + camber_ > least) || !is_peak(node, n) ||
+        elements_at(node).empty())
+      continue;
+    const Foot found = summit(elements_at(node).front(), n);
+    if (!surface().element[static_cast<std::size_t>(found.element)].curved || !(n.dot(found.point) > least))
+      continue;
+    const bool known = std::any_of(out.begin(), out.end(), [&](const Foot& one) {
+      return (one.point - found.point).norm() < indistinct * element_size_;
+    });
+    if (!known) out.push_back(found);
+  }
+  std::sort(out.begin(), out.end(),
+            [&](const Foot& one, const Foot& other) { return n.dot(one.point) > n.dot(other.point); });
+}
+
 double BodySurface::rise(int node, const Vector3d& n) const noexcept {
   double out = -1;
   const Vector3d& x = surface().node[static_cast<std::size_t>(node)];
-  for (int k = first_[static_cast<std::size_t>(node)]; k < first_[static_cast<std::size_t>(node) + 1]; ++k) {
-    const Vector3d way = surface().node[static_cast<std::size_t>(around_[static_cast<std::size_t>(k)])] - x;
+  for (const int k : around(node)) {
+    const Vector3d way = surface().node[static_cast<std::size_t>(k)] - x;
     out = std::max(out, n.dot(way) / way.norm());
   }
   return out;

@@ -13,7 +13,7 @@
 
 namespace ricochet::contact {
 
-/// Where a point is above a surface.
+/// Where a point is above a surface, or a point on it.
 struct Foot {
   int element = -1;
   std::array<double, 3> weight{};   ///< of the corners of the element
@@ -63,21 +63,40 @@ class BodySurface {
     return out;
   }
 
+  /// The highest point of the curved surface towards n around an element, by climbing from element to
+  /// element. Its distance is 0.
+  Foot summit(int element, const Eigen::Vector3d& n) const noexcept;
+  /// The highest points towards n in their surroundings where the surface is curved, if they are higher than
+  /// `least` (n·x), highest first. @param out  is filled up to its capacity
+  void summits(const Eigen::Vector3d& n, double least, std::vector<Foot>& out) const noexcept;
+  /// By how much the curved surface may rise over its nodes [m].
+  double camber() const { return camber_; }
+
   /// Largest rise of the surface around a node towards n: its steepest edge, as a sine. A surface that
   /// touches something at the node alone falls away from it.
   double rise(int node, const Eigen::Vector3d& n) const noexcept;
+  /// The nodes that share an edge with one.
+  std::span<const int> around(int node) const { return part(around_, first_, node); }
 
  private:
   Foot foot_on(int element, const Eigen::Vector3d& x) const noexcept;
   double near_crease(const Foot& foot) const noexcept;
+  bool is_peak(int node, const Eigen::Vector3d& n) const noexcept;
+  std::span<const int> elements_at(int node) const { return part(elements_at_, first_element_, node); }
+  static std::span<const int> part(const std::vector<int>& all, const std::vector<int>& first, int node) {
+    const auto at = static_cast<std::size_t>(node);
+    return {all.data() + first[at], static_cast<std::size_t>(first[at + 1] - first[at])};
+  }
 
   SurfaceProjection projection_;
   Eigen::AlignedBox3d box_;
-  double element_size_ = 0;
+  double element_size_ = 0, camber_ = 0;
   std::vector<std::array<int, 3>> neighbour_;  ///< across the edge from corner j to the next; −1: none
   std::vector<std::array<bool, 3>> crease_;    ///< whether the surface has a crease there, or ends
   std::vector<int> first_;                     ///< (nodes + 1) of each node's neighbours
   std::vector<int> around_;                    ///< nodes that share an edge with it
+  std::vector<int> first_element_;             ///< (nodes + 1) of each node's elements
+  std::vector<int> elements_at_;
 };
 
 /// The points of two segments that are closest to each other: their places along p0–p1 and q0–q1, of 0 to 1

@@ -40,12 +40,6 @@ class Neighbours {
   std::vector<std::vector<double>> by_a_, by_b_;  ///< gaps of the pairs of each candidate
 };
 
-double sum_of(const std::vector<double>& values, const Pairing::Weights& weights) {
-  double sum = 0;
-  for (const auto& [i, weight] : weights) sum += weight * values[i];
-  return sum;
-}
-
 /// Weights of both nodes of a crease for a point on it. They refer to the points x̂ of their patches, which
 /// are the lever arms.
 Pairing::Weights weights_on(const WorldSurface& surface, const WorldSurface::Crease& crease,
@@ -118,6 +112,12 @@ bool inside(const SurfaceProjection& body, const Vector3d& x) {
 }
 
 }  // namespace
+
+double sum_of(const std::vector<double>& values, const Pairing::Weights& weights) {
+  double sum = 0;
+  for (const auto& [i, weight] : weights) sum += weight * values[i];
+  return sum;
+}
 
 Pairing::Weights weights_of(const Projection& y) {
   Pairing::Weights out;

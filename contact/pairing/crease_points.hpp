@@ -17,5 +17,7 @@ void add_crease_points(const SurfaceProjection& a, const Eigen::Vector3d& shift,
 
 /// The corners of a projection with their weights, without those of weight 0.
 Pairing::Weights weights_of(const Projection& y);
+/// Σ w_i x_i
+double sum_of(const std::vector<double>& values, const Pairing::Weights& weights);
 
 }  // namespace ricochet::contact

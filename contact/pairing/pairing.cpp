@@ -112,6 +112,11 @@ Pairing find_pairs(const SurfaceProjection& over_a, const Vector3d& shift, const
   return out;
 }
 
+/// The largest number of summits of a curved surface that may touch a half-space at a time.
+constexpr std::size_t most_summits = 6;
+
+/// @param everywhere  because bodies turn: takes all candidates, and adds points for summits, which begin at
+/// the lowest one
 Pairing find_pairs(const PlacedBody& a, const HalfSpace& b, bool everywhere) {
   const WorldSurface from = surface_of(a);
   const Vector3d n = -b.normal;
@@ -128,6 +133,20 @@ Pairing find_pairs(const PlacedBody& a, const HalfSpace& b, bool everywhere) {
     out.points.push_back(
         {x, x + height * n, n, height, from.area[i], std::max(0.0, bulge), {{static_cast<int>(i), 1.0}}, {}});
   }
+  if (!everywhere) return out;
+  out.candidates_of_a = static_cast<int>(out.points.size());
+  if (from.corners != 3 || std::ranges::none_of(from.element, &WorldSurface::Element::curved)) return out;
+  Pairing::Point summit;
+  summit.gap = std::numeric_limits<double>::infinity();
+  for (const WorldSurface::Element& element : from.element) {
+    const auto weight = highest_weights(from, element, n);
+    const Vector3d x = from.at(element, weight);
+    if (const double height = n.dot(b.point - x); height < summit.gap)
+      summit = {x, x + height * n, n, height, 0, 0, weights_of({x, -b.normal, element.corner, weight}), {}};
+  }
+  summit.area = sum_of(from.area, summit.of_a);
+  summit.bulge = std::max(0.0, sum_of(from.bulge, summit.of_a));
+  out.points.insert(out.points.end(), most_summits, summit);
   return out;
 }
 

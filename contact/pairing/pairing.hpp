@@ -63,7 +63,7 @@ struct Pairing {
     Weights of_b;                  ///< W: candidates of b around y_i; empty for a half-space
   };
   std::vector<Point> points;
-  int candidates_of_a = 0, candidates_of_b = 0;  ///< between bodies that turn, as in Rows::PairBlock
+  int candidates_of_a = 0, candidates_of_b = 0;  ///< of bodies that turn, as in Rows::PairBlock
   int unpaired = 0;               ///< number of candidates of a that face nothing or lie beyond reach
   int beyond_reach = 0;           ///< number of points that lie beyond reach
   std::optional<double> reach{};  ///< [m] the initial gap at which pairs were dropped, by reach or zone
@@ -72,8 +72,10 @@ struct Pairing {
 
 /// How far a pair of surfaces is apart, whatever their candidates.
 struct TrueDistance {
-  double distance = 0;  ///< between the curved elements, to within 1e-3 of `element` [m]; 0 if they intersect
-  double element = 0;   ///< size of the smallest element of both [m]
+  /// Between the curved elements without their cubic terms, to within 1e-3 of `element` [m]; 0 if they
+  /// intersect.
+  double distance = 0;
+  double element = 0;  ///< size of the smallest element of both [m]
 };
 
 /// Computes it; no value along a direction, where only the distance along it matters, and for surfaces of

@@ -28,6 +28,25 @@ Vector3d bend_of(const Vector3d& x0, const Vector3d& x1, const Vector3d& n0, con
   return (d.dot(n1) - d.dot(n0)) / (4 + 2 * length) * sum / length;
 }
 
+/// b of a curved triangle: the slopes D_j·m_j across the middles of its edges, with the derivative D_j
+/// towards the opposite corner and the mean normal m_j of the edge, vanish in the mean of least squares. The
+/// last term adds 27/4 b to D_j.
+Vector3d bubble_of(const WorldSurface& of, const Element& element) {
+  const Vector3d along = (element.normal[0] + element.normal[1] + element.normal[2]).normalized();
+  double slope = 0, square = 0;
+  for (int j = 0; j < 3; ++j) {
+    const int k = (j + 1) % 3, l = (j + 2) % 3;
+    const Vector3d middle = (of.node[element.corner[j]] + of.node[element.corner[k]]) / 2,
+                   across = of.node[element.corner[l]] - middle - 2 * element.bend[j] + 2 * element.bend[k] +
+                            2 * element.bend[l],
+                   m = (element.normal[j] + element.normal[k]).normalized();
+    const double lift = 27.0 / 4 * along.dot(m);
+    slope += lift * across.dot(m);
+    square += lift * lift;
+  }
+  return square > 1 ? Vector3d(-slope / square * along) : Vector3d::Zero();
+}
+
 /// Normals of one sheet at a node are equal bit by bit in a kernel; rotation adds round-off.
 bool same_sheet(const Vector3d& n0, const Vector3d& n1) { return (n0 - n1).squaredNorm() < 1e-20; }
 
@@ -107,6 +126,7 @@ void bend_elements(WorldSurface& to) {
     double most = 0;
     for (const Vector3d& c : element.bend) most = std::max(most, c.norm());
     element.curved = most > 1e-9 * element.size;
+    if (element.curved && to.corners == 3) element.bubble = bubble_of(to, element);
   }
 }
 
@@ -173,8 +193,10 @@ std::optional<Eigen::Vector2d> intersection(const WorldSurface& b, const Element
   constexpr int rounds = 12;
   for (int round = 0; round < rounds; ++round) {
     const double u = uv[0], v = uv[1], w = 1 - u - v;
-    const Vector3d off = x - b.at(element, {w, u, v}), by_u = e1 + 4 * ((w - u) * c[0] + v * c[1] - v * c[2]),
-                   by_v = e2 + 4 * (-u * c[0] + u * c[1] + (w - v) * c[2]), normal = by_u.cross(by_v);
+    const Vector3d off = x - b.at(element, {w, u, v}), lift = 27 * element.bubble,
+                   by_u = e1 + 4 * ((w - u) * c[0] + v * c[1] - v * c[2]) + v * (w - u) * lift,
+                   by_v = e2 + 4 * (-u * c[0] + u * c[1] + (w - v) * c[2]) + u * (w - v) * lift,
+                   normal = by_u.cross(by_v);
     const double determinant = normal.dot(d);
     if (std::abs(determinant) <= 1e-6 * normal.norm()) return std::nullopt;
     const Eigen::Vector2d step(off.dot(by_v.cross(d)) / determinant, off.dot(d.cross(by_u)) / determinant);
@@ -253,6 +275,50 @@ std::array<double, 3> weights_in_triangle(const Vector3d& p, const Vector3d& e1,
   return {va / sum, vb / sum, vc / sum};
 }
 
+/// The weights at which Σ a_j w_j + 4 Σ b_j w_j w_{j+1} + 27 c w_0 w_1 w_2 is largest in a triangle, by
+/// comparing its critical points within the triangle, on its edges and at its corners.
+std::array<double, 3> highest(const std::array<double, 3>& a, const std::array<double, 3>& b,
+                              double c) noexcept {
+  std::array<double, 3> best{};
+  double most = -std::numeric_limits<double>::infinity();
+  const auto offer = [&](const std::array<double, 3>& w) {
+    double height = 27 * c * w[0] * w[1] * w[2];
+    for (std::size_t j = 0; j < 3; ++j) height += w[j] * (a[j] + 4 * b[j] * w[(j + 1) % 3]);
+    if (height <= most) return;
+    most = height;
+    best = w;
+  };
+  for (std::size_t j = 0; j < 3; ++j) {
+    const std::size_t next = (j + 1) % 3;
+    std::array<double, 3> w{};
+    w[j] = 1;
+    offer(w);
+    const double along = b[j] > 0 ? 0.5 + (a[next] - a[j]) / (8 * b[j]) : 0;
+    if (!(along > 0 && along < 1)) continue;
+    w[j] = 1 - along;
+    w[next] = along;
+    offer(w);
+  }
+  // Newton's method for w = (1 − s − t, s, t), exact in the first round but for c, which is small.
+  double s = 1.0 / 3, t = 1.0 / 3;
+  constexpr int rounds = 8;
+  for (int round = 0; round < rounds; ++round) {
+    const double r = 1 - s - t, lift = 27 * c;
+    const double by_s = a[1] - a[0] + 4 * (b[0] * (r - s) + (b[1] - b[2]) * t) + lift * t * (r - s),
+                 by_t = a[2] - a[0] + 4 * ((b[1] - b[0]) * s + b[2] * (r - t)) + lift * s * (r - t),
+                 ss = -8 * b[0] - 2 * lift * t, tt = -8 * b[2] - 2 * lift * s,
+                 st = 4 * (b[1] - b[0] - b[2]) + lift * (r - s - t), area = ss * tt - st * st;
+    if (!(ss < 0 && area > 0)) return best;
+    const double ds = (st * by_t - tt * by_s) / area, dt = (st * by_s - ss * by_t) / area;
+    s += ds;
+    t += dt;
+    if (std::max(std::abs(s - 0.5), std::abs(t - 0.5)) > 1) return best;
+    if (std::abs(ds) + std::abs(dt) < 1e-15) break;
+  }
+  if (s > 0 && t > 0 && s + t < 1) offer({1 - s - t, s, t});
+  return best;
+}
+
 constexpr double none = std::numeric_limits<double>::max();
 
 /// The objective of Eigen::BVMinimize: finds the nearest projection, and among equally near ones that of the
@@ -298,10 +364,20 @@ std::array<double, 3> closest_weights(const WorldSurface& b, const Element& elem
   return {1 - s, s, 0};
 }
 
+std::array<double, 3> highest_weights(const WorldSurface& surface, const Element& element,
+                                      const Vector3d& n) noexcept {
+  std::array<double, 3> a{}, b{};
+  for (int j = 0; j < 3; ++j) {
+    a[j] = n.dot(surface.node[element.corner[j]] - element.centre);
+    b[j] = n.dot(element.bend[j]);
+  }
+  return highest(a, b, n.dot(element.bubble));
+}
+
 double radius_of(const Element& element) {
   double bend = 0;
   for (const Vector3d& c : element.bend) bend += c.norm();
-  return element.size * (1 + edge_slack) + bend;
+  return element.size * (1 + edge_slack) + bend + element.bubble.norm();
 }
 
 double smallest_element(const WorldSurface& surface) {
@@ -331,8 +407,10 @@ void WorldSurface::add(Element of_corners) {
 Vector3d WorldSurface::at(const Element& on, const std::array<double, 3>& weight) const {
   Vector3d out = Vector3d::Zero();
   for (int j = 0; j < corners; ++j) out += weight[j] * node[on.corner[j]];
-  if (on.curved)
+  if (on.curved) {
     for (int j = 0; j < (corners == 3 ? 3 : 1); ++j) out += 4 * weight[j] * weight[(j + 1) % 3] * on.bend[j];
+    out += 27 * weight[0] * weight[1] * weight[2] * on.bubble;
+  }
   return out;
 }
 

@@ -17,13 +17,15 @@ namespace ricochet::contact {
 
 /// Candidate surface of a body, in the world.
 ///
-/// An element with known normals is a quadratic triangle (segment) that continues smoothly in its neighbours,
+/// An element with known normals is a triangle (segment) that continues smoothly in its neighbours,
 ///
-///   x(w) = Σ_j w_j x_j + 4 Σ_j w_j w_{j+1} c_j
+///   x(w) = Σ_j w_j x_j + 4 Σ_j w_j w_{j+1} c_j + 27 w_0 w_1 w_2 b
 ///
 /// where c_j leads from the middle of the chord to the arc that has the normals n_j and n_{j+1} at its ends:
 /// c_j = m (d·n_{j+1} − d·n_j)/(4 + 2|n_j + n_{j+1}|), d = x_{j+1} − x_j, m = (n_j + n_{j+1})/|n_j +
-/// n_{j+1}|. This is exact for circles. On a crease, c_j satisfies this on both sides.
+/// n_{j+1}|. This is exact for circles. On a crease, c_j satisfies this on both sides. b, along the mean
+/// normal, takes the slope away that the triangle has across the middles of its edges, towards (n_j +
+/// n_{j+1}); it lifts the middle of the triangle, by about 1e-4 of the radius of a ball with 162 nodes.
 struct WorldSurface {
   int corners = 3;
   std::vector<Eigen::Vector3d> node, normal;
@@ -38,7 +40,8 @@ struct WorldSurface {
     bool curved = false;
     std::array<Eigen::Vector3d, 3> normal{};  ///< at the corners
     std::array<Eigen::Vector3d, 3>
-        bend{};  ///< c_j of the edge from corner j to the next [m]; 0 if not curved
+        bend{};                       ///< c_j of the edge from corner j to the next [m]; 0 if not curved
+    Eigen::Vector3d bubble{0, 0, 0};  ///< b [m]
     bool operator==(const Element&) const = default;
   };
   std::vector<Element> element;
@@ -75,6 +78,10 @@ double smallest_element(const WorldSurface& surface);
 /// Weights of the corners of an element at the point of its chords that is closest to x.
 std::array<double, 3> closest_weights(const WorldSurface& surface, const WorldSurface::Element& element,
                                       const Eigen::Vector3d& x);
+
+/// Weights of the corners of a triangle, curved or not, at its highest point towards n.
+std::array<double, 3> highest_weights(const WorldSurface& surface, const WorldSurface::Element& element,
+                                      const Eigen::Vector3d& n) noexcept;
 
 /// Square of the distance of a point from a flat triangle [m²].
 double square_distance(const Eigen::Vector3d& x, const std::array<Eigen::Vector3d, 3>& triangle);

@@ -69,8 +69,8 @@ struct Rows : RowFrames {
     std::string obstacle{};       ///< name of the half-space, if b = −1
     int first_tangential = -1;    ///< with friction: the first of the 2 · points tangential rows
     double initial_gap = 0;       ///< g of the closest pair [m]
-    /// Between bodies that turn: the first points are candidates of a, the next ones candidates of b; the
-    /// others are for creases that cross.
+    /// Of bodies that turn: the first points are candidates of a, the next ones candidates of b. The others
+    /// are for creases that cross, or over a half-space for summits of curved surfaces.
     int candidates_of_a = 0, candidates_of_b = 0;
     std::optional<TrueDistance> apart{};  ///< of the surfaces, at the start
     /// x (n) at the rows of this pair, and 0 elsewhere.

@@ -125,6 +125,9 @@ StepStatus FloatingStepper::step() noexcept {
   points_.advance(bodies_, dq_, options_.step, contact_.mean);
   law_.hold(points_.rows());
   law_.change_matrices();
+  if (!state_.system->springs.empty())
+    for (std::size_t j = 0; j < points_.rows().size(); ++j)
+      if (const auto spring = points_.spring(j)) law_.spring(points_.rows()[j]) = *spring;
   const StepMatrices matrices =
       points_.matrices(bodies_, options_.step, contact_.mean.is_conserving() ? conserving_mean.end : 0);
   carry_forces(matrices);
@@ -198,6 +201,11 @@ void FloatingStepper::set_travels(double time) noexcept {
   }
 }
 
+/// Of a row in this step; without a bulge, it yields nothing.
+PatchSpring FloatingStepper::spring_of(int row) noexcept {
+  return row < points() && !state_.system->springs.empty() ? law_.spring(row) : PatchSpring{};
+}
+
 /// Sets rest_ to R p + s(λ) of the forces at the start, whose energy R has changed by its turn.
 void FloatingStepper::carry_forces(const StepMatrices& matrices) noexcept {
   const auto rows = points_.rows();
@@ -210,6 +218,7 @@ void FloatingStepper::carry_forces(const StepMatrices& matrices) noexcept {
   };
   product();
   const auto pairs = static_cast<int>(model.pairs.size());
+  const bool springs = !state_.system->springs.empty();
   islands_.separate();
   for (int pair = 0; pair < pairs; ++pair)
     if (contact_.mean.pairs()[static_cast<std::size_t>(pair)].carries) islands_.join(pair);
@@ -218,25 +227,27 @@ void FloatingStepper::carry_forces(const StepMatrices& matrices) noexcept {
   for (int island = 0; island < islands_.count(); ++island) {
     double now = 0, missing = 0;
     for (std::size_t j = 0; j < rows.size(); ++j)
-      if (islands_.of(points_.pair_of(j)) == island)
-        now += 0.5 * end_force()(rows[j]) * rest_(static_cast<Index>(j));
+      if (islands_.of(points_.pair_of(j)) == island) {
+        const double p = end_force()(rows[j]);
+        now += 0.5 * p * rest_(static_cast<Index>(j));
+        if (const PatchSpring spring = spring_of(rows[j]); spring.bulge > 0) now += spring.energy(p);
+      }
     missing = now;
     for (int pair = 0; pair < pairs; ++pair)
       if (islands_.of(pair) == island) missing -= stored_[static_cast<std::size_t>(pair)];
     for (int pair = 0; pair < pairs; ++pair)
       if (islands_.of(pair) == island) missing = contact_.mean.draw(pair, missing);
     if (!(missing > 0)) continue;
-    const double share = std::sqrt(std::max(0.0, 1 - missing / now));
+    // The energy of forces x p is at most x² of the present one in R, and x of that in springs.
+    const double left = std::max(0.0, 1 - missing / now), share = springs ? left : std::sqrt(left);
     for (int pair = 0; pair < pairs; ++pair)
       if (islands_.of(pair) == island) contact_.mean.reduce(pair, share);
     reduced = true;
   }
   if (reduced) product();
-  const std::vector<PatchSpring>& springs = state_.system->springs;
-  for (std::size_t j = 0; j < rows.size() && !springs.empty(); ++j)
-    if (rows[j] < points())
-      if (const PatchSpring& spring = springs[static_cast<std::size_t>(rows[j])]; spring.bulge > 0)
-        rest_(static_cast<Index>(j)) += spring.displacement(end_force()(rows[j]));
+  for (std::size_t j = 0; j < rows.size(); ++j)
+    if (const PatchSpring spring = spring_of(rows[j]); spring.bulge > 0)
+      rest_(static_cast<Index>(j)) += spring.displacement(end_force()(rows[j]));
 }
 
 /// Changes velocities, angular momenta and modes by the mean forces of the step.
@@ -298,21 +309,22 @@ StepStatus FloatingStepper::end(const StepTrial& trial) noexcept {
   next_u_ = points_.all();
   double power = 0;
   std::fill(stored_.begin(), stored_.end(), 0.0);
-  const std::vector<PatchSpring>& springs = state_.system->springs;
   const auto rows = points_.rows();
   for (std::size_t j = 0; j < rows.size(); ++j) {
     const auto at = static_cast<Index>(j);
     const int row = rows[j];
     next_force_(row) = law_.force()(at);
     const double p = next_end_(row) = law_.end()(at);
-    double yielded = law_.yielded()(at);
+    double yielded = law_.yielded()(at), stored = 0;
     const double moved = law_.u()(at) - law_.start(at);
-    // Between bodies, tangential displacements add up from step to step.
-    next_u_(row) = row >= points() && points_.between_bodies(j) ? u_(row) + moved : next_u_(row) - yielded;
+    // Where points slide, tangential displacements add up from step to step.
+    next_u_(row) = row >= points() && points_.slides(j) ? u_(row) + moved : next_u_(row) - yielded;
     if (row < points()) power -= next_force_(row) * moved / options_.step;
-    if (!springs.empty() && row < points() && p > 0 && springs[static_cast<std::size_t>(row)].bulge > 0)
-      yielded -= springs[static_cast<std::size_t>(row)].displacement(p);
-    stored_[static_cast<std::size_t>(points_.pair_of(j))] += 0.5 * p * yielded;
+    if (const PatchSpring spring = spring_of(row); spring.bulge > 0 && p > 0) {
+      yielded -= spring.displacement(p);
+      stored = spring.energy(p);
+    }
+    stored_[static_cast<std::size_t>(points_.pair_of(j))] += stored + 0.5 * p * yielded;
   }
   if (trial.several) ++contact_.ambiguous;
   points_.write_forces(law_.end(), turning_.candidate_force);

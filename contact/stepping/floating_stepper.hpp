@@ -45,6 +45,7 @@ class FloatingStepper final : public Stepper {
   void set_flight(int steps) noexcept;
   void search() noexcept;
   void set_travels(double time) noexcept;
+  PatchSpring spring_of(int row) noexcept;
   void carry_forces(const StepMatrices& matrices) noexcept;
   Work kick(const StepTrial& trial) noexcept;
   double move_modes(const ModeConstants& over) noexcept;

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/stepping/moving_candidates.hpp"
 
+#include <Eigen/Eigenvalues>
+#include <array>
 #include <cmath>
+#include <numbers>
 
 namespace ricochet::contact {
 
@@ -9,7 +12,8 @@ using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-MovingCandidates::MovingCandidates(const Bodies::Block& block, const Model& model, const StepSystem& system)
+MovingCandidates::MovingCandidates(const Bodies::Block& block, const BodySurface& on, const Model& model,
+                                   const StepSystem& system)
     : surface_(&block.kernel->surface),
       modes_(block.modes),
       elastic_(block.modes - block.frame_modes()),
@@ -42,6 +46,75 @@ MovingCandidates::MovingCandidates(const Bodies::Block& block, const Model& mode
   }
   number_of_.assign(M, -1);
   joined_.reserve(M);
+  if (on.camber() > 0) make_patches(on);
+}
+
+/// R of a candidate, with folded modes.
+Matrix3d MovingCandidates::flexibility_of(int candidate) const {
+  const Matrix own = shape(candidate);
+  Matrix3d out = own * folded_.asDiagonal() * own.transpose();
+  if (yields()) out += flexibility(candidate, candidate);
+  return out;
+}
+
+/// R of a patch of the radius a is about α + c/a. The fit of c takes all patches to the smallest radius; what
+/// remains is smoothed over neighbours, and raised until it is nowhere below R of the candidates: a point
+/// that moves adds the difference as a spring of its own. Creases, where R is larger, are kept apart from
+/// faces.
+void MovingCandidates::make_patches(const BodySurface& on) {
+  const std::size_t M = surface_->size();
+  std::vector<Matrix3d> own(M);
+  std::vector<double> inverse(M);  // of a
+  double largest = 0, mean = 0, square = 0, product = 0;
+  for (std::size_t i = 0; i < M; ++i) {
+    own[i] = flexibility_of(static_cast<int>(i));
+    inverse[i] = std::sqrt(std::numbers::pi / surface_->area[i]);
+    largest = std::max(largest, inverse[i]);
+    mean += inverse[i] / static_cast<double>(M);
+  }
+  for (std::size_t i = 0; i < M; ++i) {
+    square += (inverse[i] - mean) * (inverse[i] - mean);
+    product += (inverse[i] - mean) * own[i].trace() / 3;
+  }
+  const double slope = square > 1e-6 * largest * largest ? std::max(product / square, 0.0) : 0;
+  const auto even = [&](std::size_t i) -> Matrix3d {
+    return own[i] + slope * (largest - inverse[i]) * Matrix3d::Identity();
+  };
+  const std::vector<std::int8_t>& on_crease = on.surface().on_crease;
+  std::array<double, 2> missing{};  // in faces, on creases
+  for (std::size_t i = 0; i < M; ++i) {
+    Matrix3d sum = Matrix3d::Zero();
+    double weights = 0;
+    const auto add = [&](std::size_t j) {
+      const double way = (on.surface().node[i] - on.surface().node[j]).norm() / (1.5 * on.element_size()),
+                   weight = std::exp(-way * way);
+      sum += weight * even(j);
+      weights += weight;
+    };
+    add(i);
+    for (const int j : on.around(static_cast<int>(i)))
+      if (on_crease[static_cast<std::size_t>(j)] == on_crease[i]) add(static_cast<std::size_t>(j));
+    const double bulge = surface_->bulge.empty() ? 0 : std::max(0.0, surface_->bulge[i]);
+    const double share = inverse[i] / largest;  // a_min/a_i
+    patches_.push_back({sum / weights, bulge * share * share});
+    double& most = missing[static_cast<std::size_t>(on_crease[i])];
+    most = std::max(
+        most,
+        Eigen::SelfAdjointEigenSolver<Matrix3d>(own[i] - patches_[i].residual).eigenvalues().maxCoeff());
+  }
+  for (std::size_t i = 0; i < M; ++i)
+    patches_[i].residual += missing[static_cast<std::size_t>(on_crease[i])] * Matrix3d::Identity();
+}
+
+MovingCandidates::Patch MovingCandidates::patch(std::span<const int> candidates,
+                                                std::span<const double> weights) const noexcept {
+  Patch out{Matrix3d::Zero(), 0};
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    const Patch& one = patches_[static_cast<std::size_t>(candidates[k])];
+    out.residual += weights[k] * one.residual;
+    out.bulge += weights[k] * one.bulge;
+  }
+  return out;
 }
 
 const Vector3d& MovingCandidates::of(Lazy& known, int candidate, const Vector& modal, bool settles) noexcept {

@@ -5,9 +5,11 @@
 #pragma once
 
 #include <algorithm>
+#include <span>
 #include <vector>
 
 #include "base/reserved.hpp"
+#include "contact/motion/body_surface.hpp"
 #include "contact/stepping/step_system.hpp"
 
 namespace ricochet::contact {
@@ -42,7 +44,8 @@ class CandidateBlocks {
 class MovingCandidates {
  public:
   /// Allocates all memory.
-  MovingCandidates(const Bodies::Block& block, const Model& model, const StepSystem& system);
+  MovingCandidates(const Bodies::Block& block, const BodySurface& shape, const Model& model,
+                   const StepSystem& system);
 
   /// A candidate moves by at most this times (2E)^½ with the energy E of the elastic modes and of R [m/N^½].
   double give(int candidate) const { return give_[static_cast<std::size_t>(candidate)]; }
@@ -62,6 +65,14 @@ class MovingCandidates {
   /// Adds multiples of the blocks between two that have joined.
   void add_blocks(int i, int j, double weight, Eigen::Matrix3d& in_modes,
                   Eigen::Matrix3d& residual) const noexcept;
+
+  /// A point that moves between candidates: means of what candidates on patches of one size have. R between
+  /// the patches themselves would ripple by half.
+  struct Patch {
+    Eigen::Matrix3d residual;  ///< [m/N], at least that of the mean of the candidates
+    double bulge;              ///< [m]
+  };
+  Patch patch(std::span<const int> candidates, std::span<const double> weights) const noexcept;
 
   /// Adds Φᵀ f to the modal forces (N). @param force  body axes [N]
   void push(int candidate, const Eigen::Vector3d& force, Vector& modal) const noexcept;
@@ -85,6 +96,9 @@ class MovingCandidates {
     return Eigen::Map<const Matrix>(surface_->residual_flexibility.data(), M, M).block<3, 3>(3 * i, 3 * j);
   }
 
+  void make_patches(const BodySurface& shape);
+  Eigen::Matrix3d flexibility_of(int candidate) const;
+
   const kernels::Surface* surface_;
   Eigen::Index modes_, elastic_, first_elastic_;  ///< the elastic ones come last; the first of them in q
   Vector c_, folded_;                             ///< (elastic) of a step; 1/ω² of folded modes, else 0
@@ -97,6 +111,7 @@ class MovingCandidates {
   Lazy displacement_, change_;
   std::vector<int> joined_, number_of_;  ///< candidates; (M) place among them, or −1
   CandidateBlocks in_modes_, residual_;
+  std::vector<Patch> patches_;  ///< (M), or empty if no element is curved
 };
 
 }  // namespace ricochet::contact

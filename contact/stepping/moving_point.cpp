@@ -95,6 +95,12 @@ bool MovingPoint::cross(int of_a, int of_b, const Side& a, const Side& b) noexce
   return !open;
 }
 
+void MovingPoint::stand_on(const Foot& summit, const Side& own) noexcept {
+  foot = summit;
+  place = summit.point - own.centre;
+  end[0].set(own.shape.surface().element[static_cast<std::size_t>(summit.element)].corner, summit.weight);
+}
+
 void MovingPoint::follow(const Side& own, const Side& other) noexcept {
   if (kind == Kind::creases)
     cross(crease[0], crease[1], own, other);

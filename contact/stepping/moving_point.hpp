@@ -23,7 +23,8 @@ struct Side {
 };
 
 struct MovingPoint {
-  enum class Kind : char { obstacle, candidate_of_a, candidate_of_b, creases };
+  /// Over a half-space: a candidate, or a summit of a curved surface, which moves along it.
+  enum class Kind : char { obstacle, summit, candidate_of_a, candidate_of_b, creases };
   /// On one of its bodies.
   struct End {
     int body = -1;
@@ -47,7 +48,7 @@ struct MovingPoint {
   Eigen::Vector3d initial{0, 0, 0};  ///< its place at t = 0, world [m]
   /// Rows: normal out of a, tangents. World axes over an obstacle, otherwise in the axes of the other body.
   Eigen::Matrix3d row = Eigen::Matrix3d::Zero();
-  Foot foot{};                        ///< on the body that the candidate meets
+  Foot foot{};                        ///< on the body that the candidate meets, or of a summit
   std::array<int, 2> crease{-1, -1};  ///< that cross, of a and of b
   bool open = true;                   ///< whether its sides do not face each other, so that they cannot touch
   double distance = 0;                ///< now, without elastic displacements [m]
@@ -59,6 +60,7 @@ struct MovingPoint {
   const End& own() const { return end[kind == Kind::candidate_of_b ? 1 : 0]; }
   const End& other() const { return end[kind == Kind::candidate_of_b ? 0 : 1]; }
   int rows() const { return tangential < 0 ? 1 : 3; }
+  bool over_obstacle() const { return end[1].body < 0; }
   /// Distance from the half-space, without its elastic displacement [m].
   double height(const FloatingBody& state) const noexcept;
 
@@ -66,6 +68,8 @@ struct MovingPoint {
   void meet(const Foot& near, const Side& own, const Side& other) noexcept;
   /// Takes two creases. Returns whether they cross so that they may touch.
   bool cross(int of_a, int of_b, const Side& a, const Side& b) noexcept;
+  /// Takes the summit of the surface of its body.
+  void stand_on(const Foot& summit, const Side& own) noexcept;
   /// Follows what it meets.
   void follow(const Side& own, const Side& other) noexcept;
   /// By how much elastic displacements bring its sides nearer to each other [m].

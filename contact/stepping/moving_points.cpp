@@ -22,6 +22,12 @@ constexpr double approaches = 3;
 /// A candidate of b over this share of one of a is left to that one, if that one may touch b.
 constexpr double same_place = 0.98;
 
+/// A summit is followed by a point that was nearer to it than this many elements; candidates as near stand
+/// back.
+constexpr double near_summit = 1.5;
+/// Summits that are found at a time.
+constexpr std::size_t most_found = 16;
+
 /// A point begins to touch at a depth of at most this share of an element.
 constexpr double near_surface = 1e-3;
 
@@ -50,7 +56,7 @@ void check(const Model& model, const Rows::PairBlock& pair) {
 MovingPoints::Body::Body(const Bodies::Block& block, const Model& model, const StepSystem& system)
     : shape(*block.kernel),
       centre(block.own_centre()),
-      candidates(block, model, system),
+      candidates(block, shape, model, system),
       used(block.kernel->surface.size(), 0) {
   for (const auto* places : {&shape.surface().node, &shape.surface().crest})
     for (const Vector3d& x : *places) radius = std::max(radius, (x - centre).norm());
@@ -67,6 +73,8 @@ MovingPoints::MovingPoints(const Model& model, const StepSystem& system)
   for (std::vector<int>* x : {&watched_, &members_, &tangents_at_}) x->reserve(m);
   for (std::vector<int>* x : {&rows_, &owner_, &along_}) x->reserve(n);
   crossings_.reserve(m);
+  summits_.reserve(most_found);
+  near_.reserve(m);
   forced_.reserve(6 * m);
   for (Vector* x : {&start_, &free_, &u_}) x->setZero(model.rows());
   for (int pair = 0; pair < static_cast<int>(model.pairs.size()); ++pair) {
@@ -76,7 +84,7 @@ MovingPoints::MovingPoints(const Model& model, const StepSystem& system)
   for (const Rows::FrictionPoint& rubs : model.friction) {
     Point& point = points_[static_cast<std::size_t>(rubs.point)];
     point.tangential = rubs.tangential;
-    if (point.kind == Kind::obstacle)
+    if (point.over_obstacle())
       point.row.bottomRows<2>() = model.tangent.middleRows<2>(rubs.tangential - model.points());
   }
 }
@@ -91,7 +99,9 @@ void MovingPoints::add_points(const Model& model, int number) {
     point.end[0].body = pair.a;
     point.end[1].body = pair.b;
     const int within = i - pair.first_point;
-    if (pair.b >= 0)
+    if (pair.b < 0 && within >= pair.candidates_of_a)
+      point.kind = Kind::summit;
+    else if (pair.b >= 0)
       point.kind = within < pair.candidates_of_a                          ? Kind::candidate_of_a
                    : within < pair.candidates_of_a + pair.candidates_of_b ? Kind::candidate_of_b
                                                                           : Kind::creases;
@@ -105,7 +115,7 @@ void MovingPoints::add_points(const Model& model, int number) {
     point.end[of_b ? 1 : 0].set({point.candidate, 0, 0}, {1, 0, 0});
     if (point.kind == Kind::candidate_of_a)
       point_of_a_[static_cast<std::size_t>(number)][static_cast<std::size_t>(point.candidate)] = i;
-    if (point.kind != Kind::obstacle) continue;
+    if (!point.over_obstacle()) continue;
     point.open = false;
     point.initial = model.point_a.row(i).transpose();
     point.row.row(0) = model.normal.row(i);
@@ -118,7 +128,7 @@ double MovingPoints::swing_of(const Point& point, std::span<const Travel> travel
   for (const End& end : point.end) {
     if (end.body < 0) continue;
     const MovingCandidates& candidates = body(end.body).candidates;
-    const bool own = point.kind != Kind::creases && &end == &point.own();
+    const bool own = point.kind != Kind::creases && point.kind != Kind::summit && &end == &point.own();
     out += std::sqrt(2 * travels[static_cast<std::size_t>(end.body)].energy) *
            (own ? candidates.give(point.candidate) : candidates.largest_give());
   }
@@ -153,11 +163,11 @@ double MovingPoints::clearance(const Model::PairBlock& pair, std::span<const Flo
   double least = std::numeric_limits<double>::infinity();
   const FloatingBody& of_a = bodies[static_cast<std::size_t>(pair.a)];
   if (pair.b < 0) {
-    for (int i = pair.first_point; i < pair.first_point + pair.points; ++i) {
+    for (int i = pair.first_point; i < pair.first_point + pair.candidates_of_a; ++i) {
       const Point& point = points_[static_cast<std::size_t>(i)];
       least = std::min(least, point.height(of_a) - swing_of(point, energies));
     }
-    return least;
+    return least - body(pair.a).shape.camber();
   }
   const double swing = swing_of(pair, energies), spheres = apart(pair, bodies);
   if (spheres > swing) return spheres - swing;
@@ -183,6 +193,7 @@ void MovingPoints::watch(std::span<const FloatingBody> bodies, std::span<const T
                          const MeanForce& forces) noexcept {
   std::fill(is_watched_.begin(), is_watched_.end(), false);
   watched_.clear();
+  near_.clear();
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     const Model::PairBlock& pair = pairs_[k];
     if (pair.b >= 0) {
@@ -190,12 +201,14 @@ void MovingPoints::watch(std::span<const FloatingBody> bodies, std::span<const T
       find_crossings(static_cast<int>(k), bodies, margin(pair, travels), forces);
       continue;
     }
-    const double distance = travels[static_cast<std::size_t>(pair.a)].distance;
+    const auto& [energy, distance] = travels[static_cast<std::size_t>(pair.a)];
     const FloatingBody& state = bodies[static_cast<std::size_t>(pair.a)];
-    for (int i = pair.first_point; i < pair.first_point + pair.points; ++i) {
+    for (int i = pair.first_point; i < pair.first_point + pair.candidates_of_a; ++i) {
       const Point& point = points_[static_cast<std::size_t>(i)];
       if (point.height(state) - swing_of(point, travels) < distance || has_force(i, forces)) watch(i);
     }
+    find_summits(static_cast<int>(k), bodies,
+                 distance + std::sqrt(2 * energy) * body(pair.a).candidates.largest_give(), forces);
   }
   drop_members();
 }
@@ -220,6 +233,80 @@ void MovingPoints::find_feet(int number, std::span<const FloatingBody> bodies, d
       }
     }
     if (!is_watched_[static_cast<std::size_t>(i)]) u_(i) = point.gap - std::abs(point.distance);
+  }
+}
+
+/// Finds the summits of a body over a half-space, and gives them to points: to those that stood nearby, then
+/// to others. Lists the candidates near them.
+/// @param margin  largest height at which they may touch before the next search [m]
+void MovingPoints::find_summits(int number, std::span<const FloatingBody> bodies, double margin,
+                                const MeanForce& forces) noexcept {
+  const Model::PairBlock& pair = pairs_[static_cast<std::size_t>(number)];
+  const int first = pair.first_point + pair.candidates_of_a, end = pair.first_point + pair.points;
+  if (first == end) return;
+  const Side own = side(pair.a, bodies);
+  const Point& any = points_[static_cast<std::size_t>(first)];
+  const Vector3d n = own.state.attitude.conjugate() * any.row.row(0).transpose();
+  // height = g − n·(c + A (X − centre) − initial)
+  const double at_centre = any.gap - any.row.row(0).dot(own.state.position - any.initial) + n.dot(own.centre);
+  own.shape.summits(n, at_centre - margin, summits_);
+  const double near = near_summit * own.shape.element_size();
+  for (const bool follow : {true, false})
+    for (int i = first; i < end; ++i) {
+      Point& point = points_[static_cast<std::size_t>(i)];
+      if (is_watched_[static_cast<std::size_t>(i)]) continue;
+      const bool pressed = has_force(i, forces);
+      const auto found = std::find_if(summits_.begin(), summits_.end(), [&](const Foot& one) {
+        return !follow || (!point.open && (one.point - own.centre - point.place).norm() < near);
+      });
+      if (found != summits_.end() && (follow || !pressed)) {
+        point.stand_on(*found, own);
+        point.open = false;
+        summits_.erase(found);
+        watch(i);
+        for (int j = pair.first_point; j < first && near_.size() < near_.capacity(); ++j)
+          if ((points_[static_cast<std::size_t>(j)].place - point.place).squaredNorm() < near * near)
+            near_.push_back({j, i});
+      } else if (!follow) {
+        point.open = true;
+        if (pressed) watch(i);
+        u_(i) = point.gap - std::min(margin, own.shape.element_size());
+      }
+    }
+}
+
+/// Takes the watched summits to where they are now, with the elastic displacements that they had.
+void MovingPoints::follow_summits(std::span<const FloatingBody> bodies) noexcept {
+  for (const int i : watched_) {
+    Point& point = points_[static_cast<std::size_t>(i)];
+    if (point.kind != Kind::summit || point.open) continue;
+    const Side own = side(point.end[0].body, bodies);
+    const Vector3d w = point.place_now - point.place,
+                   n = own.state.attitude.conjugate() * point.row.row(0).transpose();
+    point.stand_on(own.shape.summit(point.foot.element, n), own);
+    point.place_now = point.place + w;
+  }
+}
+
+/// Lets candidates near a summit touch only when the surface is pressed by as much as it falls away from the
+/// summit over an element: by f (h/r)², if it falls by f at the distance r, in the direction in which it
+/// falls least.
+void MovingPoints::stand_back() noexcept {
+  for (auto first = near_.begin(); first != near_.end();) {
+    const auto end =
+        std::find_if(first, near_.end(), [&](const Near& one) { return one.summit != first->summit; });
+    const Point& summit = points_[static_cast<std::size_t>(first->summit)];
+    const double h = body(summit.end[0].body).shape.element_size(), height = summit.gap - u_(first->summit);
+    double fall = std::numeric_limits<double>::infinity();
+    for (auto one = first; one != end; ++one) {
+      const Point& point = points_[static_cast<std::size_t>(one->candidate)];
+      const double square = (point.place - summit.place).squaredNorm();
+      if (square > 0.25 * h * h)
+        fall = std::min(fall, (point.gap - u_(one->candidate) - height) * h * h / square);
+    }
+    for (; first != end; ++first)
+      u_(first->candidate) = std::min(
+          u_(first->candidate), points_[static_cast<std::size_t>(first->candidate)].gap - height - fall);
   }
 }
 
@@ -313,7 +400,7 @@ Vector3d MovingPoints::elastic(const End& end, const Vector& q) noexcept {
 
 /// The rows of a point in world axes.
 Matrix3d MovingPoints::in_world(const Point& point, std::span<const FloatingBody> bodies) const noexcept {
-  if (point.kind == Kind::obstacle) return point.row;
+  if (point.over_obstacle()) return point.row;
   const FloatingBody& has_rows = bodies[static_cast<std::size_t>(point.other().body)];
   return point.row * has_rows.attitude.toRotationMatrix().transpose();
 }
@@ -324,7 +411,7 @@ void MovingPoints::place(std::span<const FloatingBody> bodies, const Vector& q) 
     if (pair.b >= 0) continue;
     const FloatingBody& state = bodies[static_cast<std::size_t>(pair.a)];
     const Matrix3d A = state.attitude.toRotationMatrix();
-    for (int i = pair.first_point; i < pair.first_point + pair.points; ++i) {
+    for (int i = pair.first_point; i < pair.first_point + pair.candidates_of_a; ++i) {
       const Point& point = points_[static_cast<std::size_t>(i)];
       const Vector3d moved = state.position + A * point.place - point.initial;
       u_(i) = point.row.row(0).dot(moved);
@@ -332,19 +419,23 @@ void MovingPoints::place(std::span<const FloatingBody> bodies, const Vector& q) 
         u_.segment<2>(point.tangential).noalias() = point.row.bottomRows<2>() * moved;
     }
   }
+  follow_summits(bodies);
   for (const int i : watched_) {
     Point& point = points_[static_cast<std::size_t>(i)];
-    if (point.kind != Kind::obstacle) {
+    if (!point.over_obstacle()) {
       place_between(i, bodies, q);
       continue;
     }
+    if (point.kind == Kind::summit)
+      u_(i) = point.gap - point.height(bodies[static_cast<std::size_t>(point.end[0].body)]);
     const Vector3d w = elastic(point.end[0], q);
     point.place_now = point.place + w;
     const Vector3d turned = bodies[static_cast<std::size_t>(point.end[0].body)].attitude * w;
     u_(i) += point.row.row(0).dot(turned);
-    if (point.tangential >= 0)
+    if (point.kind == Kind::obstacle && point.tangential >= 0)
       u_.segment<2>(point.tangential).noalias() += point.row.bottomRows<2>() * turned;
   }
+  stand_back();
 }
 
 /// Follows a point between two bodies.
@@ -368,6 +459,8 @@ void MovingPoints::advance(std::span<const FloatingBody> bodies, const Vector& d
                                  (state.momentum + 0.5 * step * state.torque).norm() *
                                      state.inertia.largest_inverse * bodies_[k].radius);
   }
+  // In the middle of the step: from its start, a body would roll into the obstacle, by ½ a (ΩΔ)² in each.
+  follow_summits(bodies);
   for (const int i : watched_)
     for (const End& end : points_[static_cast<std::size_t>(i)].end)
       for (std::size_t k = 0; k < static_cast<std::size_t>(end.count); ++k) {
@@ -389,7 +482,7 @@ void MovingPoints::add_members(const MeanForce& forces) noexcept {
       if (end.body >= 0) fastest += body(end.body).fastest + body(end.body).elastic_fastest;
     if (!has_force(i, forces)) {
       if (!(point.gap - u_(i) < approaches * fastest)) continue;
-      if (point.kind != Kind::obstacle &&
+      if (!point.over_obstacle() &&
           (point.open || repeats(point) || u_(i) - point.gap > deepest_start(point, approaches * fastest)))
         continue;
     }
@@ -492,6 +585,7 @@ StepMatrices MovingPoints::matrices(std::span<const FloatingBody> bodies, double
             for (std::size_t j = 0; j < static_cast<std::size_t>(there.count); ++j)
               body(here.body).candidates.add_blocks(here.candidate[i], there.candidate[j],
                                                     here.weight[i] * there.weight[j], modes, residual);
+          if (s == t && point.kind == Kind::summit) residual = patch(point).residual;
           in_modes += here.direction * modes * there.direction.transpose();
           in_residual += here.direction * residual * there.direction.transpose();
         }
@@ -506,6 +600,21 @@ StepMatrices MovingPoints::matrices(std::span<const FloatingBody> bodies, double
   S = M + R;
   if (a > 0) S_mean = a * M + R;
   return {.M = M, .R = R, .S = S, .S_mean = S_mean};
+}
+
+MovingCandidates::Patch MovingPoints::patch(const Point& summit) const noexcept {
+  const End& end = summit.end[0];
+  const auto count = static_cast<std::size_t>(end.count);
+  return body(end.body).candidates.patch({end.candidate.data(), count}, {end.weight.data(), count});
+}
+
+std::optional<PatchSpring> MovingPoints::spring(std::size_t position) const noexcept {
+  const Point& point = member_at(position);
+  if (point.kind != Kind::summit || along_[position] > 0) return std::nullopt;
+  const MovingCandidates::Patch under = patch(point);
+  const Vector3d n = point.end[0].direction.row(0);
+  const double flexibility = n.dot(under.residual * n);
+  return under.bulge > 0 && flexibility > 0 ? PatchSpring::of(under.bulge, flexibility) : PatchSpring{};
 }
 
 MovingPoints::Load MovingPoints::load(int number, const Vector& p, Vector& modal) const noexcept {

@@ -3,9 +3,9 @@
 // step.
 //
 // A point is a row of a pair with all that may touch there: a candidate of a body over a half-space or over
-// the surface of another body, or a crease of a that crosses one of b. It keeps its number, so that forces,
-// slip and banks follow it while it moves. A search finds what the points meet (Foot, crossing); in between
-// they are followed from element to element.
+// the surface of another body, a summit of a curved surface over a half-space, or a crease of a that crosses
+// one of b. It keeps its number, so that forces, slip and banks follow it while it moves. A search finds what
+// the points meet (Foot, crossing) and the summits; in between they are followed from element to element.
 //
 // A point has an end on each of its bodies: candidates with weights, and the arm r of one common place from
 // the centre of the body. In the step from t_k, with the frame (c, A) of a body, its elastic displacement w =
@@ -15,11 +15,15 @@
 //   d = Σ_ends ± [ e·(Δv + ½Δ²g) + e'·(θ × r + Φ Δq) ],   θ = Δ J⁻¹π
 //   M = Σ_ends e'ᵀ[ ½Δ² (1/m − r̂ J⁻¹ r̂) + Φ c Φᵀ ] e',   R = Σ_ends e'ᵀ R_body e'   between two points
 //
-// with the sign + on body a. U + d is û of contact/law. The blocks Φ c Φᵀ and R_body between candidates are
+// with the sign + on body a. A summit moves between candidates, under which R ripples: its own R is that of
+// MovingCandidates::Patch. Candidates near a summit touch only when the surface is pressed by as much as it
+// falls away over one spacing. A contact that is smaller than this so has one point, which moves smoothly.
+// U + d is û of contact/law. The blocks Φ c Φᵀ and R_body between candidates are
 // constant in body axes: they are gathered once, when a candidate joins those under points that may touch.
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -68,12 +72,14 @@ class MovingPoints {
 
   std::span<const int> rows() const { return rows_; }  ///< those of points that may touch
   /// By position among these rows
-  const Vector& at_start() const { return start_; }  ///< U [m]; 0 in tangential rows between bodies
+  const Vector& at_start() const { return start_; }  ///< U [m]; 0 in tangential rows of points that slide
   const Vector& free() const { return free_; }       ///< U + d [m]
   const Vector& all() const { return u_; }           ///< (n) U of all rows [m]; likewise
   int pair_of(std::size_t position) const { return member_at(position).pair; }
-  /// Whether the point meets another body.
-  bool between_bodies(std::size_t position) const { return member_at(position).kind != Kind::obstacle; }
+  /// Whether the point moves along its bodies, so that its tangential displacements are sums over steps.
+  bool slides(std::size_t position) const { return member_at(position).kind != Kind::obstacle; }
+  /// The spring of the point in this step, if it differs from that of the model.
+  std::optional<PatchSpring> spring(std::size_t position) const noexcept;
   /// The matrices of a step. @param a  weight of the end in the mean; 0: S_mean is not needed
   StepMatrices matrices(std::span<const FloatingBody> bodies, double step, double a) noexcept;
 
@@ -126,8 +132,13 @@ class MovingPoints {
   double swing_of(const Point& point, std::span<const Travel> travels) const noexcept;
   void find_feet(int pair, std::span<const FloatingBody> bodies, double margin,
                  const MeanForce& forces) noexcept;
+  void find_summits(int pair, std::span<const FloatingBody> bodies, double margin,
+                    const MeanForce& forces) noexcept;
+  void follow_summits(std::span<const FloatingBody> bodies) noexcept;
+  void stand_back() noexcept;
   void find_crossings(int pair, std::span<const FloatingBody> bodies, double margin,
                       const MeanForce& forces) noexcept;
+  MovingCandidates::Patch patch(const Point& summit) const noexcept;
   Eigen::Vector3d elastic(const End& end, const Vector& q) noexcept;
   void place_between(int number, std::span<const FloatingBody> bodies, const Vector& q) noexcept;
   Eigen::Matrix3d in_world(const Point& point, std::span<const FloatingBody> bodies) const noexcept;
@@ -158,7 +169,13 @@ class MovingPoints {
     int of_a, of_b;
     double distance;
   };
-  std::vector<Crossing> crossings_;         ///< scratch
+  std::vector<Crossing> crossings_;  ///< scratch
+  std::vector<Foot> summits_;        ///< scratch
+  /// Candidates near the summits that are watched, which stand back.
+  struct Near {
+    int candidate, summit;  ///< numbers of points
+  };
+  std::vector<Near> near_;                  ///< by summit
   std::vector<std::array<int, 2>> forced_;  ///< body and candidate with a force in write_forces
   ReservedMatrix M_, R_, S_, S_mean_;
 };
