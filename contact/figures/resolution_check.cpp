@@ -55,8 +55,10 @@ void ResolutionCheck::observe(const Stepper& stepper, const Vector& before) {
   if (!touching_) return;
   for (std::size_t p = 0; p < model_.pairs.size(); ++p) {
     const Model::PairBlock& pair = model_.pairs[p];
-    const auto active = (force.segment(pair.first_point, pair.points).array() > 0).count();
-    most_active_[p] = std::max(most_active_[p], static_cast<int>(active));
+    int active = 0;
+    for (int i = pair.first_point; i < pair.first_point + pair.points; ++i)
+      if (force(i) > 0) active += pair.is_summit(i) ? fewest_on_surface : 1;  // a summit follows Hertz's law
+    most_active_[p] = std::max(most_active_[p], active);
   }
   if (touched) return;
   ++episodes_;

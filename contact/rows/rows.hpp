@@ -73,6 +73,10 @@ struct Rows : RowFrames {
     /// are for creases that cross, or over a half-space for summits of curved surfaces.
     int candidates_of_a = 0, candidates_of_b = 0;
     std::optional<TrueDistance> apart{};  ///< of the surfaces, at the start
+    /// Whether a point is a summit.
+    bool is_summit(int point) const {
+      return b < 0 && candidates_of_a > 0 && point >= first_point + candidates_of_a;
+    }
     /// x (n) at the rows of this pair, and 0 elsewhere.
     Vector part_of(const Vector& x) const;
   };

@@ -99,7 +99,7 @@ void MovingPoints::add_points(const Model& model, int number) {
     point.end[0].body = pair.a;
     point.end[1].body = pair.b;
     const int within = i - pair.first_point;
-    if (pair.b < 0 && within >= pair.candidates_of_a)
+    if (pair.is_summit(i))
       point.kind = Kind::summit;
     else if (pair.b >= 0)
       point.kind = within < pair.candidates_of_a                          ? Kind::candidate_of_a
