@@ -110,7 +110,7 @@ std::vector<contact::ForcingRequest> forcing_of(const Scene& scene) {
     const std::string where = fmt::format("forcing[{}]", k);
     const bool dead = !one.support && one.time.empty() && one.factor.empty();
     out.push_back({one.body, one.name, one.support, finite(one.vector, where + ".vector"),
-                   dead ? contact::dead_load : history_of(one, where)});
+                   dead ? contact::dead_load : history_of(one, where), one.axes});
   }
   return out;
 }

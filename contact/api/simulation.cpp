@@ -125,19 +125,29 @@ struct Simulation::Impl {
   }
 
   /// Elastic displacement, or its rate, of a pickup on a body that turns, in the axes of the body.
-  Eigen::Vector3d elastic(const TurningPickup& pickup, const contact::Vector& modal) const noexcept {
+  /// @param driven  the factor of supports, or its rate
+  Eigen::Vector3d elastic(const TurningPickup& pickup, const contact::Vector& modal,
+                          double (contact::History::*driven)(double) const noexcept) const noexcept {
     const contact::Bodies::Block& body = model.bodies[pickup.body];
     const Eigen::Index count = body.modes - body.frame_modes();
-    return pickup.shape.rightCols(count) * modal.segment(body.first_mode + body.frame_modes(), count);
+    Eigen::Vector3d out =
+        pickup.shape.rightCols(count) * modal.segment(body.first_mode + body.frame_modes(), count);
+    for (const contact::Model::Forcing& one : model.forcing)
+      if (one.support && one.first_mode == body.first_mode)
+        out += (one.history.*driven)(stepper->time()) * (pickup.shape * one.lift);
+    return out;
+  }
+  /// Its arm from the centre and its rate, body axes.
+  Eigen::Vector3d arm(const TurningPickup& pickup) const noexcept {
+    return pickup.place + elastic(pickup, stepper->modal()->q, &contact::History::at);
   }
   /// Its place along its direction [m], and the rate [m/s].
   double place_of(const TurningPickup& pickup) const noexcept {
-    return pickup.direction.dot(
-        stepper->poses()[pickup.body].at(pickup.place + elastic(pickup, stepper->modal()->q)));
+    return pickup.direction.dot(stepper->poses()[pickup.body].at(arm(pickup)));
   }
   double rate_of(const TurningPickup& pickup) const noexcept {
     return pickup.direction.dot(stepper->poses()[pickup.body].velocity_at(
-        pickup.place + elastic(pickup, stepper->modal()->q), elastic(pickup, stepper->modal()->v)));
+        arm(pickup), elastic(pickup, stepper->modal()->v, &contact::History::slope)));
   }
   /// @param v  (N) modal rates, those of the present with finite rotations
   double velocity(std::size_t pickup, const double* v) const noexcept {

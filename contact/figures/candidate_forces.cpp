@@ -12,12 +12,20 @@ void candidate_forces(const Model& model, int body, const Vector& p, Vector& out
       for (Selection::InnerIterator entry(P, i); entry; ++entry) out(entry.col()) -= p(i) * entry.value();
 }
 
-void set_folded(const Model& model, int body, const Vector& force, Vector& q) noexcept {
+void set_folded(const Model& model, int body, const Turning& turning, double t, Vector& q) noexcept {
   const Bodies::Block& block = model.bodies[static_cast<std::size_t>(body)];
+  const Vector& force = turning.candidate_force[static_cast<std::size_t>(body)];
+  const Eigen::Quaterniond& attitude = turning.poses[static_cast<std::size_t>(body)].attitude;
   const Eigen::Map<const Matrix> shape(block.kernel->surface.shape.data(), force.size(), block.modes);
-  for (const int n : model.folded.modes)
-    if (n >= block.first_mode && n < block.first_mode + block.modes)
-      q(n) = shape.col(n - block.first_mode).dot(force) / (model.omega(n) * model.omega(n));
+  for (std::size_t j = 0; j < model.folded.modes.size(); ++j) {
+    const int n = model.folded.modes[j], own = n - block.first_mode;
+    if (own < 0 || own >= block.modes) continue;
+    double sum = shape.col(own).dot(force) + model.folded.load(static_cast<Eigen::Index>(j));
+    for (const Model::Forcing& one : model.forcing)
+      if (one.body == body && !one.support)
+        sum += one.history.at(t) * one.participation(block).col(own).dot(one.along(attitude));
+    q(n) = sum / (model.omega(n) * model.omega(n));
+  }
 }
 
 }  // namespace ricochet::contact

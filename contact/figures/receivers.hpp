@@ -11,7 +11,7 @@
 
 namespace ricochet::contact {
 
-/// Motion of one receiver, in world axes.
+/// Motion of one receiver, in its axes.
 struct ReceiverMotion {
   Eigen::Vector3d displacement{0, 0, 0};  ///< of the modes and of all static corrections [m]
   Eigen::Vector3d velocity{0, 0, 0};      ///< of the modes, the supports and the loads that vary [m/s]
@@ -33,9 +33,12 @@ class Receivers {
 
  private:
   void update(double t, const Vector& q, const Vector& v, const Vector& force) noexcept;
-  void update(const Turning& turning, const Vector& q, const Vector& v) noexcept;
-  std::pair<Eigen::Vector3d, Eigen::Vector3d> accelerate(const Bodies::Block& body, const Vector& q,
-                                                         const Vector& v, const Vector& force) noexcept;
+  void update(double t, const Turning& turning, const Vector& q, const Vector& v) noexcept;
+  std::pair<Eigen::Vector3d, Eigen::Vector3d> accelerate(int body, double t, const Turning& turning,
+                                                         const Vector& q, const Vector& v) noexcept;
+  ReceiverMotion elastic(std::size_t receiver, double t, const Pose& pose, const Vector& force,
+                         const Vector& v) const noexcept;
+  void turn(std::size_t receiver, const Eigen::Quaterniond& attitude) noexcept;
 
   const Model& model_;
   bool compliant_;

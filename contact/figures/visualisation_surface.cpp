@@ -43,32 +43,41 @@ VisualisationSurface::VisualisationSurface(const Model& model, int body, const S
   for (const Model::Forcing& one : model.forcing)
     if (one.body == body) of_body_.push_back(&one);
   forcing_.setZero(rows, of_body_.size());
-  for (std::size_t d = 0; d < of_body_.size(); ++d) {
-    const Model::Forcing& one = *of_body_[d];
-    auto column = forcing_.col(d);
-    const auto correction = columns_of(one.support ? view_.motion_residual : view_.load_residual, rows);
-    if (correction.cols() > 0) column = correction.middleCols(3 * one.entry, 3) * to_body(one.vector);
-    column += shape_ * one.lift.cast<float>();  // of a support: Ψ = (Ψ − ΦΓ) + ΦΓ
-  }
+  for (std::size_t d = 0; d < of_body_.size(); ++d)
+    forcing_.col(static_cast<Index>(d)) = response(*of_body_[d], of_body_[d]->own);
+}
+
+/// (3V) Static displacement by a load or a support, for a history of value 1. @param along  body axes
+VectorXf VisualisationSurface::response(const Model::Forcing& one, const Eigen::Vector3d& along) const {
+  const auto correction =
+      columns_of(one.support ? view_.motion_residual : view_.load_residual, shape_.rows());
+  VectorXf out = shape_ * one.lift.cast<float>();  // of a support: Ψ = (Ψ − ΦΓ) + ΦΓ
+  if (correction.cols() > 0) out += correction.middleCols(3 * one.entry, 3) * along.cast<float>();
+  return out;
 }
 
 /// The motion in the floating frame of the body.
-const SurfaceMotion& VisualisationSurface::in_frame(const Turning& turning, const Vector& q,
+const SurfaceMotion& VisualisationSurface::in_frame(double t, const Turning& turning, const Vector& q,
                                                     const Vector& v) {
   using Places = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
   const Index rows = shape_.rows(), elastic = body_.modes - rigid_, first = body_.first_mode + rigid_;
   const Vector& on_candidates = turning.candidate_force[static_cast<std::size_t>(number_)];
   all_q_ = q;
-  set_folded(model_, number_, on_candidates, all_q_);
+  set_folded(model_, number_, turning, t, all_q_);
   VectorXf deformation = body_.supported ? constant_ : VectorXf::Zero(rows);
   deformation.noalias() += shape_.rightCols(elastic) * all_q_.segment(first, elastic).cast<float>();
   if (const auto correction = columns_of(view_.residual_flexibility, rows); correction.cols() > 0)
     deformation.noalias() += correction * on_candidates.cast<float>();
-  const VectorXf rate = shape_.rightCols(elastic) * v.segment(first, elastic).cast<float>();
+  VectorXf rate = shape_.rightCols(elastic) * v.segment(first, elastic).cast<float>();
+  const Pose& pose = turning.poses[static_cast<std::size_t>(number_)];
+  for (const Model::Forcing* const one : of_body_) {
+    const VectorXf column = response(*one, one->along(pose.attitude));
+    deformation += static_cast<float>(one->history.at(t)) * column;
+    rate += static_cast<float>(one->history.slope(t)) * column;
+  }
   const auto places = [&](const VectorXd& x) {
     return Places(Eigen::Map<const Places>(x.data(), rows / 3, 3));
   };
-  const Pose& pose = turning.poses[static_cast<std::size_t>(number_)];
   const Eigen::Matrix3d A = pose.attitude.toRotationMatrix();
   const Eigen::Vector3d centre = body_.own_centre();
   const Places arm = (Eigen::Map<const Places>(view_.node.data(), rows / 3, 3).rowwise() -
@@ -85,7 +94,7 @@ const SurfaceMotion& VisualisationSurface::in_frame(const Turning& turning, cons
 
 const SurfaceMotion& VisualisationSurface::at(double t, const Vector& q, const Vector& v, const Vector& force,
                                               const Turning* turning) {
-  if (turning) return in_frame(*turning, q, v);
+  if (turning) return in_frame(t, *turning, q, v);
   const Index rows = shape_.rows(), elastic = body_.modes - rigid_;
   all_q_ = q;
   all_v_ = v;

@@ -47,7 +47,8 @@ class VisualisationSurface {
  private:
   using Values = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-  const SurfaceMotion& in_frame(const Turning& turning, const Vector& q, const Vector& v);
+  const SurfaceMotion& in_frame(double t, const Turning& turning, const Vector& q, const Vector& v);
+  Eigen::VectorXf response(const Model::Forcing& one, const Eigen::Vector3d& along) const;
 
   const Model& model_;
   int number_;

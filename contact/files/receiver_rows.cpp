@@ -26,6 +26,7 @@ ReceiverRows::ReceiverRows(base::hdf5::Writer& file, const Model& model, const S
       made.acceleration = &file.rows(group + "/acceleration", {3}, "m/s^2");
     }
     file.attribute(group, "body", model.bodies[receiver.body].name);
+    file.attribute(group, "axes", receiver.axes == Axes::body ? "body" : "world");
     file.attribute(group, "point", std::span<const double>(receiver.point.data(), 3));
   }
 }

@@ -38,6 +38,8 @@ void SnapshotRows::append(double time, const Vector& q, const Vector& p, const T
   time_.append(time);
   Vector whole = q;
   if (!turning) set_folded(model_, time, p, whole);
+  for (int k = 0; turning && k < static_cast<int>(bodies_.size()); ++k)
+    set_folded(model_, k, *turning, time, whole);
   for (const Model::Forcing& one : model_.forcing)
     whole.segment(one.first_mode, one.lift.size()) += one.history.at(time) * one.lift;
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
@@ -45,7 +47,6 @@ void SnapshotRows::append(double time, const Vector& q, const Vector& p, const T
     const Body& rows = bodies_[k];
     if (turning) {
       force_ = turning->candidate_force[k];
-      set_folded(model_, static_cast<int>(k), force_, whole);
       rows.pose->append(turning->poses[k]);
     } else {
       candidate_forces(model_, static_cast<int>(k), p, force_);
@@ -57,7 +58,7 @@ void SnapshotRows::append(double time, const Vector& q, const Vector& p, const T
     for (const Model::Forcing& one : model_.forcing)
       if (one.body == static_cast<int>(k))
         (one.support ? motion : load).segment<3>(3 * one.entry) +=
-            one.history.at(time) * (body.rotation.transpose() * one.vector);
+            one.history.at(time) * (turning ? one.along(turning->poses[k].attitude) : one.own);
     if (rows.load != nullptr) rows.load->append(span_of(load));
     if (rows.motion != nullptr) rows.motion->append(span_of(motion));
   }

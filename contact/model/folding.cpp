@@ -51,7 +51,8 @@ std::shared_ptr<const Model> fold(std::shared_ptr<const Model> model, const Step
   assert(model->folded.modes.empty());
   const auto out = std::make_shared<Model>(*model);
   Model::Folded& folded = out->folded;
-  if (model->turns) {  // loads are 0, and steps compute R themselves
+  if (model->turns) {  // steps compute R and the response to loads themselves
+    folded.load = model->load(modes);
     for (const int n : modes) out->load(n) = out->q0(n) = out->v0(n) = 0;
     folded.modes = std::move(modes);
     return out;

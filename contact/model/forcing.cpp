@@ -41,13 +41,12 @@ void refuse_jump(const ForcingRequest& request) {
       request.name, request.body, request.history.value.front(), request.history.time.front()));
 }
 
-/// Displacement of a receiver by its residual, which has three columns for each load or each motion.
-Vector3d column(const std::vector<double>& residual, const Model::Forcing& one, const Vector3d& along) {
+}  // namespace
+
+Vector3d response(const std::vector<double>& residual, const Model::Forcing& one, const Vector3d& along) {
   if (residual.empty()) return Vector3d::Zero();
   return matrix(residual, 3, residual.size() / 3).middleCols(3 * one.entry, 3) * along;
 }
-
-}  // namespace
 
 Vector share_of_a(const Model& model, int k, const Vector& u) {
   Vector out = Vector::Zero(u.size());
@@ -59,7 +58,6 @@ Vector share_of_a(const Model& model, int k, const Vector& u) {
 void add_forcing(Model& model, int k, const std::vector<ForcingRequest>& forcing) {
   const Bodies::Block& block = model.bodies[k];
   const Kernel& kernel = *block.kernel;
-  const auto B = model.B.middleCols(block.first_mode, block.modes);
   for (const ForcingRequest& request : forcing) {
     if (request.body != block.name) continue;
     const std::size_t entry = request.support ? place_of(kernel.motions, request, "loads.motion")
@@ -71,26 +69,34 @@ void add_forcing(Model& model, int k, const std::vector<ForcingRequest>& forcing
                        .support = request.support,
                        .entry = static_cast<int>(entry),
                        .vector = request.vector,
+                       .own = along,
                        .history = request.history,
                        .force = Vector::Zero(block.modes),
                        .lift = Vector::Zero(block.modes),
-                       .displacement = Vector::Zero(B.rows()),
+                       .displacement = Vector::Zero(model.rows()),
                        .displacement_a = {}};
     const std::vector<double>& residual =
         request.support ? kernel.motions[entry].residual : kernel.applied[entry].residual;
     const Selection& P = request.support ? model.selection[k] : model.static_selection[k];
-    if (!residual.empty()) out.displacement = P * (matrix(residual, P.cols(), 3) * along).eval();
+    if (!residual.empty() && !model.turns)
+      out.displacement = P * (matrix(residual, P.cols(), 3) * along).eval();
     if (request.support) {
       refuse_jump(request);
       const kernels::Motion& motion = kernel.motions[entry];
       out.lift = matrix(motion.participation, 3, block.modes).transpose() * along;
-      out.displacement += B * out.lift;  // Ψ = (Ψ − ΦΓ) + ΦΓ
+      if (!model.turns)  // Ψ = (Ψ − ΦΓ) + ΦΓ
+        out.displacement += model.B.middleCols(block.first_mode, block.modes) * out.lift;
       out.lift_momentum =
           block.momentum * out.lift + block.rotation * (matrix(motion.momentum, 3, 3) * along);
     } else {
       const kernels::Load& load = kernel.applied[entry];
       out.force = matrix(load.participation, 3, block.modes).transpose() * along;
-      out.total = block.rotation * (matrix(load.total, 3, 3) * along);
+      out.own_total = matrix(load.total, 3, 3);
+      out.own_moment = matrix(load.moment, 3, 3);
+      for (int axis = 0; axis < 3; ++axis)
+        out.own_moment.col(axis) -= block.own_centre().cross(Vector3d(out.own_total.col(axis)));
+      out.total = block.rotation * (out.own_total * along);
+      out.follows = request.axes.value_or(load.unit == "Pa" ? Axes::body : Axes::world) == Axes::body;
     }
     out.displacement_a = share_of_a(model, k, out.displacement);
     model.forcing.push_back(std::move(out));
@@ -121,7 +127,7 @@ void add_receivers(Model& model, int k) {
       if (one.body != k) continue;
       const Vector3d along = block.rotation.transpose() * one.vector;
       const Vector3d residual =
-          column(one.support ? receiver.motion_residual : receiver.load_residual, one, along);
+          response(one.support ? receiver.motion_residual : receiver.load_residual, one, along);
       out.forcing.col(d) = block.rotation * residual + out.shape * one.lift;  // of a support: Ψ
     }
     model.receivers.push_back(std::move(out));

@@ -10,6 +10,11 @@ namespace ricochet::contact {
 /// The part of `u` (n) in the rows of pairs whose body a is body k.
 Vector share_of_a(const Model& model, int k, const Vector& u);
 
+/// Static displacement of a receiver beyond the modes, body axes [m].
+/// @param residual  three columns for each load or each motion  @param along  body axes
+Eigen::Vector3d response(const std::vector<double>& residual, const Model::Forcing& one,
+                         const Eigen::Vector3d& along);
+
 /// Adds the forcing of body k; the model must already contain the block of this body and its columns of B.
 /// Throws InputError if the kernel has no such load or motion, or if a support would jump.
 void add_forcing(Model& model, int k, const std::vector<ForcingRequest>& forcing);

@@ -14,7 +14,9 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +24,7 @@
 #include "contact/complementarity/patch_spring.hpp"
 #include "contact/rows/history.hpp"
 #include "contact/rows/rows.hpp"
+#include "ricochet/scheme.hpp"
 
 namespace ricochet::contact {
 
@@ -32,6 +35,8 @@ struct ForcingRequest {
   bool support = false;                              ///< whether it is a moving support
   Eigen::Vector3d vector = Eigen::Vector3d::Zero();  ///< world axes; load: [Pa] or [N], support: [m]
   History history{};
+  /// Of a load on a body that turns. No value: those of the body for a traction, of the world for a force.
+  std::optional<Axes> axes{};
 };
 
 struct Model : Bodies, Rows {
@@ -55,22 +60,40 @@ struct Model : Bodies, Rows {
     int first_mode = 0;  ///< of the body
     bool support = false;
     int entry = 0;                    ///< index of the load, or of the motion, in the kernel
-    Eigen::Vector3d vector{0, 0, 0};  ///< world
+    Eigen::Vector3d vector{0, 0, 0};  ///< world, at t = 0
+    Eigen::Vector3d own{0, 0, 0};     ///< the same in the axes of the body
+    bool follows = true;              ///< whether it turns with the body; supports do
     History history;
     Vector force;                    ///< (modes) modal force of a load [kg^1/2 m/s²]; 0 for a support
     Vector lift;                     ///< (modes) Γ of a support [kg^1/2 m]; 0 for a load
     Vector displacement;             ///< (n) quasi-static u: residual of a load, Ψ of a support [m]
     Vector displacement_a;           ///< (n) share of body a in displacement
     Eigen::Vector3d total{0, 0, 0};  ///< resultant force of a load [N]; 0 for a support
+    /// Resultant force, and moment about the centre, of unit loads along the axes of the body; 0 for a
+    /// support.
+    Eigen::Matrix3d own_total = Eigen::Matrix3d::Zero(), own_moment = Eigen::Matrix3d::Zero();
     Eigen::Vector3d lift_momentum{0, 0, 0};  ///< ∫ρΨ of a support, of its elastic modes and beyond [kg m]
+
+    /// The vector in the axes of a body with this attitude.
+    Eigen::Vector3d along(const Eigen::Quaterniond& attitude) const {
+      return follows ? own : Eigen::Vector3d(attitude.conjugate() * vector);
+    }
+    /// (3,modes) Participation of the modes in unit loads, or Γ of unit motions, along the axes of the body.
+    Eigen::Map<const Matrix> participation(const Bodies::Block& block) const {
+      const std::vector<double>& values =
+          support ? block.kernel->motions[static_cast<std::size_t>(entry)].participation
+                  : block.kernel->applied[static_cast<std::size_t>(entry)].participation;
+      return {values.data(), 3, block.modes};
+    }
   };
   std::vector<Forcing> forcing;
 
-  /// A point of `body` whose motion is recorded, in world axes.
+  /// A point of `body` whose motion is recorded. Matrices and vectors are in world axes.
   struct Receiver {
     std::string name;
     int body = 0;
-    Eigen::Vector3d point{0, 0, 0};     ///< [m]
+    Axes axes = Axes::world;            ///< along which its motion is recorded
+    Eigen::Vector3d point{0, 0, 0};     ///< world, at t = 0 [m]
     Matrix shape;                       ///< (3,modes) [kg^-1/2]
     Matrix flexibility;                 ///< (3,n) static correction for unit forces p [m/N]
     Eigen::Vector3d constant{0, 0, 0};  ///< static correction for gravity [m]

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/motion/floating_body.hpp"
 
+#include <cmath>
+
 #include "base/format.hpp"
 #include "contact/motion/turning.hpp"
 #include "ricochet/error.hpp"
@@ -86,14 +88,36 @@ void FloatingBody::fly(double time) noexcept {
   turn_freely(attitude, momentum, inertia, time, of_flight);
 }
 
-double FloatingBody::kick(const Vector3d& load, const Vector3d& moment, double step) noexcept {
-  const Vector3d velocity_before = velocity, momentum_before = momentum;
+Vector3d FloatingBody::free_displacement(const Vector3d& arm, double step) const {
+  const Vector3d centre_moves = step * velocity + 0.5 * step * step * acceleration() + lag;
+  return attitude.conjugate() * centre_moves +
+         step * own_spin(momentum + 0.5 * step * (torque + load_torque)).cross(arm);
+}
+
+double FloatingBody::farthest(double radius, double step) const {
+  return step * (velocity.norm() + 0.5 * step * acceleration().norm() +
+                 (momentum + 0.5 * step * (torque + load_torque)).norm() * inertia.largest_inverse * radius) +
+         lag.norm();
+}
+
+double FloatingBody::pull() const {
+  return std::sqrt(mass * (gravity + inverse_mass * push).squaredNorm() +
+                   torque.squaredNorm() * inertia.largest_inverse);
+}
+
+/// The centre moves by Δ (v + v⁺)/2 and the lag, over which gravity and contact work as well.
+double FloatingBody::kick(const Vector3d& contact, const Vector3d& moment, double step) noexcept {
+  const Vector3d velocity_before = velocity, momentum_before = momentum, pressed = attitude * contact;
   if (inverse_mass == 0) return 0;
-  add(step * (acceleration() + attitude * load * inverse_mass), velocity, velocity_carry);
-  momentum += step * (torque + attitude * moment);
-  if (push.isZero(0) && torque.isZero(0)) return 0;
+  add(step * (acceleration() + pressed * inverse_mass), velocity, velocity_carry);
+  add(lag, position, position_carry);
+  const Vector3d force = push + load, turning = torque + load_torque;
+  momentum += step * (turning + attitude * moment);
+  if (force.isZero(0) && turning.isZero(0) && lag.isZero(0)) return 0;
   return 0.5 * step *
-         (push.dot(velocity_before + velocity) + torque.dot(attitude * own_spin(momentum_before + momentum)));
+             (force.dot(velocity_before + velocity) +
+              turning.dot(attitude * own_spin(momentum_before + momentum))) -
+         lag.dot(mass * gravity + pressed);
 }
 
 void FloatingBody::write_rates(Vector& rates) const noexcept {
@@ -108,7 +132,8 @@ std::vector<FloatingBody> floating_bodies(const Model& model) {
 
 std::optional<Turning> initial_turning(const Model& model, const StepOptions& options) {
   if (options.rotation != Rotation::finite) return std::nullopt;
-  Turning out{.poses = {}, .frames = model, .candidate_force = {}};
+  Turning out{.poses = {}, .frames = model, .pushed = {}, .candidate_force = {}};
+  out.pushed.resize(model.bodies.size());
   for (const FloatingBody& body : floating_bodies(model)) out.poses.push_back(body.pose());
   for (const Selection& selection : model.selection)
     out.candidate_force.push_back(Vector::Zero(selection.cols()));

@@ -36,6 +36,9 @@ struct FloatingBody {
   // From outside, about the centre, world axes: constant over a step
   Eigen::Vector3d push{0, 0, 0};    ///< force [N]
   Eigen::Vector3d torque{0, 0, 0};  ///< [N m]
+  // Of loads, likewise: means over a step
+  Eigen::Vector3d load{0, 0, 0}, load_torque{0, 0, 0};
+  Eigen::Vector3d lag{0, 0, 0};  ///< by which the centre moves farther than under the mean load [m]
 
   /// Throws InputError unless the body moves freely in all six ways, undamped as a whole, or not at all.
   FloatingBody(const Model& model, const Bodies::Block& block);
@@ -48,7 +51,15 @@ struct FloatingBody {
   Eigen::Vector3d own_spin(const Eigen::Vector3d& angular_momentum) const {
     return inertia.inverse * (attitude.conjugate() * angular_momentum);
   }
-  Eigen::Vector3d acceleration() const { return gravity + inverse_mass * push; }  ///< without contact [m/s²]
+  /// Without contact [m/s²].
+  Eigen::Vector3d acceleration() const { return gravity + inverse_mass * (push + load); }
+  /// Displacement of a point in a step without contact, body axes [m]. @param arm  body axes
+  Eigen::Vector3d free_displacement(const Eigen::Vector3d& arm, double step) const;
+  /// The largest one of points within a radius of the centre [m].
+  double farthest(double radius, double step) const;
+  /// By how much gravity and what acts from outside, but not loads, raise (2E)^½ in a time, at most
+  /// [J^½/s].
+  double pull() const;
   Pose pose() const { return {position, attitude, velocity, attitude * own_spin()}; }
   double kinetic() const;  ///< [J]
   /// Work of gravity since t = 0 [J].
@@ -60,9 +71,9 @@ struct FloatingBody {
 
   void drift(double time) noexcept;  ///< without forces, for a part of a contact step [s]
   void fly(double time) noexcept;    ///< without contact and torque [s]
-  /// Changes velocity and momentum by forces and torques on it, constant over a step [s], beside gravity and
-  /// those from outside. Returns the work of the latter [J]. @param load, moment  body axes
-  double kick(const Eigen::Vector3d& load, const Eigen::Vector3d& moment, double step) noexcept;
+  /// Changes velocity and momentum by forces and torques on it, constant over a step [s], beside gravity,
+  /// loads and those from outside. Returns the work of the latter two [J]. @param contact, moment  body axes
+  double kick(const Eigen::Vector3d& contact, const Eigen::Vector3d& moment, double step) noexcept;
   /// Sets the rates of the rigid modes to those of the present velocity and spin in world axes, as if the
   /// body had its initial attitude, which is how momenta and velocities are computed from them.
   void write_rates(Vector& rates) const noexcept;

@@ -16,6 +16,11 @@ struct Turning {
   /// Of points that may touch: places now, and the directions along which the forces of the last step acted.
   /// Of others, as they were last known.
   RowFrames frames;
+  /// What acts on a body from outside besides loads, about its centre, world axes.
+  struct Wrench {
+    Eigen::Vector3d force{0, 0, 0}, torque{0, 0, 0};  ///< [N], [N m]
+  };
+  std::vector<Wrench> pushed;           ///< by body
   std::vector<Vector> candidate_force;  ///< by body (3M), in its axes, at the end of the last step [N]
 };
 

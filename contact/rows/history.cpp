@@ -2,6 +2,7 @@
 #include "contact/rows/history.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace ricochet::contact {
 
@@ -37,6 +38,31 @@ double History::integral(double from, double to) const noexcept {
     from = end;
   }
   return sum;
+}
+
+double History::double_integral(double from, double to) const noexcept {
+  double sum = 0;
+  for (std::size_t next = passed(from); from < to; ++next) {
+    const double end = next < time.size() ? std::min(to, time[next]) : to, length = end - from,
+                 middle = 0.5 * (from + end);
+    sum += length * (at(middle) * (to - middle) - slope(middle) * length * length / 12);
+    from = end;
+  }
+  return sum;
+}
+
+double History::peak(double from, double to) const noexcept {
+  double most = std::max(std::abs(at(from)), std::abs(at(to)));
+  for (std::size_t next = passed(from); next < time.size() && time[next] <= to; ++next)
+    most = std::max(most, std::abs(value[next]));
+  return most;
+}
+
+double History::steepest(double from, double to) const noexcept {
+  double most = std::abs(slope(from));
+  for (std::size_t next = passed(from); next < time.size() && time[next] <= to; ++next)
+    most = std::max(most, std::abs(slope_after(next)));
+  return most;
 }
 
 }  // namespace ricochet::contact

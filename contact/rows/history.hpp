@@ -17,6 +17,10 @@ struct History {
   double slope(double t) const noexcept;  ///< [1/s]
   /// ∫ h dt
   double integral(double from, double to) const noexcept;
+  /// ∫ (to − t) h dt: what a mass of 1 that is at rest moves by
+  double double_integral(double from, double to) const noexcept;
+  double peak(double from, double to) const noexcept;      ///< largest |h| within an interval
+  double steepest(double from, double to) const noexcept;  ///< largest |slope| within it [1/s]
 
   /// Whether h began before t = 0 and is constant from then on, as that of a dead load.
   bool dead() const noexcept;

@@ -28,15 +28,10 @@ constexpr double largest_turn = 1;
 /// watched.
 constexpr int search_every = 16;
 
-void check(const Model& model, const StepOptions& options) {
+void check(const StepOptions& options) {
   if (options.scheme != Scheme::compliant)
     throw InputError(
         "motion.rotation = \"finite\": needs contact.scheme = \"compliant\". Choose it, or set \"linear\".");
-  for (const Model::Forcing& one : model.forcing)
-    throw InputError(base::format(
-        "loads: \"{}\": motion.rotation = \"finite\" allows gravity alone. Leave the load out, or set "
-        "\"linear\".",
-        one.name));
 }
 
 std::vector<Islands::Sides> sides_of(const Model& model) {
@@ -49,11 +44,12 @@ std::vector<Islands::Sides> sides_of(const Model& model) {
 
 FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepOptions& options)
     : Stepper(options, *model),
-      state_((check(*model, options), model), options),
+      state_((check(options), model), options),
       bodies_(floating_bodies(*model)),
       kept_(bodies_),
       turning_(*initial_turning(*model, options)),
       points_(*model, *state_.system),
+      loads_(*state_.system->model, bodies_, state_.forcing, points_),
       travels_(bodies_.size()),
       islands_(static_cast<int>(bodies_.size()), sides_of(*model)),
       // A moving obstacle may speed a body up; without it, the energy of a body bounds its motion.
@@ -69,12 +65,12 @@ FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepO
                        "{}. Raise time.contact_rate_hz, or lower it.",
                        model->bodies[k].name, turn, largest_turn));
   }
-  for (Vector* x : {&dq_, &modal_force_}) x->setZero(model->omega.size());
+  for (Vector* x : {&dq_, &modal_force_, &displaced_}) x->setZero(model->omega.size());
   for (Vector* x : {&rest_, &rest_force_}) x->setZero(model->rows());
   for (std::size_t k = 0; k < bodies_.size(); ++k)
     travels_[k].distance = std::numeric_limits<double>::infinity();  // the first call finds all feet
   points_.watch(bodies_, travels_, contact_.mean);
-  points_.place(bodies_, state_.q);
+  place(0);
   points_.write_frames(bodies_, turning_.frames);
   u_ = points_.all();
 }
@@ -89,14 +85,44 @@ double FloatingStepper::elastic_energy(const FloatingBody& body) const noexcept 
 /// about the static one. In the norm of the energy, it is now at most √E + √E_0 from there, and there at √E_0
 /// from 0.
 double FloatingStepper::swing_energy(const FloatingBody& body, double energy) const noexcept {
-  const auto of = [&](const Vector& x) { return x.segment(body.first_elastic(), body.elastic()).array(); };
-  const double at_rest = 0.5 * (of(state_.system->stiffness) * of(state_.system->q0).square()).sum(),
-               root = std::sqrt(energy) + 2 * std::sqrt(at_rest);
+  double at_rest = 0;
+  const Vector &load = state_.forcing.piece().load, &stiffness = state_.system->stiffness;
+  for (Index n = body.first_elastic(); n < body.first_elastic() + body.elastic(); ++n)
+    if (load(n) != 0 && stiffness(n) > 0) at_rest += 0.5 * load(n) * load(n) / stiffness(n);
+  const double root = std::sqrt(energy) + 2 * std::sqrt(at_rest);
   return root * root;
 }
 
+/// Whether no load and no support changes within a time from now.
+bool FloatingStepper::is_steady(double time_left) noexcept {
+  const ForcedResponse::Piece& piece = state_.forcing.piece(time());
+  return piece.steady && piece.to > time() + time_left;
+}
+
+/// Whether the bodies have been at rest, and a change begins.
+bool FloatingStepper::wakes() noexcept {
+  if (is_steady(options_.step)) return false;
+  at_rest_ = 0;
+  search_at_ = clear_until_ = steps_;
+  return true;
+}
+
+/// Places the points as the bodies are, with the static displacements at a time.
+void FloatingStepper::place(double time) noexcept {
+  displaced_ = state_.q + loads_.place(bodies_, time, points_);
+  points_.place(bodies_, displaced_);
+}
+
+/// Sets what gravity, loads and supports do in the step, in the middle of which the bodies are.
+void FloatingStepper::drive() noexcept {
+  loads_.act(bodies_, time(), static_cast<double>(steps_ + 1) * options_.step, state_.forcing, points_);
+  state_.forcing.step(steps_ + 1, state_.now);
+  dq_ = state_.free_motion(state_.q, state_.v, state_.now);
+  dq_ += loads_.change();
+}
+
 StepStatus FloatingStepper::step() noexcept {
-  if (at_rest_ >= searches_at_rest) {
+  if (at_rest_ >= searches_at_rest && !wakes()) {
     contact_.persistency = 0;
     ++steps_;
     return StepStatus::ok;
@@ -115,13 +141,12 @@ StepStatus FloatingStepper::step() noexcept {
   const auto undo = [&](StepStatus status) {
     bodies_ = kept_;
     contact_.mean = before_;
-    points_.place(bodies_, state_.q);
+    place(time());
     return status;
   };
   for (FloatingBody& body : bodies_) body.drift(0.5 * options_.step);
   contact_.slip.begin(system.model->belts, steps_ + 1);
-  dq_.array() = system.b.array() * state_.v.array() +
-                system.c.array() * (system.load.array() - system.stiffness.array() * state_.q.array());
+  drive();
   points_.advance(bodies_, dq_, options_.step, contact_.mean);
   law_.hold(points_.rows());
   law_.change_matrices();
@@ -138,13 +163,15 @@ StepStatus FloatingStepper::step() noexcept {
   if (!has_forces(trial.status)) return undo(failure(trial.status));
   const Work work = kick(trial);
   for (FloatingBody& body : bodies_) body.drift(0.5 * options_.step);
-  if (!commit(work, trial.in_residual)) return undo(StepStatus::not_finite);
+  if (!commit(work, trial.in_residual, static_cast<double>(steps_ + 1) * options_.step))
+    return undo(StepStatus::not_finite);
   return end(trial);
 }
 
 /// Counts searches that find all bodies at rest.
 void FloatingStepper::look_for_rest() noexcept {
   bool rests = contact_.active > 0 && state_.system->model->belts.empty() &&
+               is_steady(search_every * options_.step) &&
                (contact_.force - rest_force_).norm() <= resting * contact_.force.norm();
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const FloatingBody& body = bodies_[k];
@@ -161,36 +188,42 @@ void FloatingStepper::look_for_rest() noexcept {
 /// Finds the points that may touch before the next search.
 void FloatingStepper::search() noexcept {
   look_for_rest();
-  set_travels(epoch_ * options_.step);
+  // So does a moving support.
+  const int epoch = loads_.move(time(), time() + epoch_ * options_.step) ? 1 : epoch_;
+  set_travels(epoch * options_.step);
   points_.watch(bodies_, travels_, contact_.mean);
-  points_.place(bodies_, state_.q);
-  search_at_ = steps_ + epoch_;
+  place(time());
+  search_at_ = steps_ + epoch;
 }
 
 /// Bounds what each body may do in a time. Contact passes energy on but does not add any, so that a body has
-/// at most the energy of all bodies that may reach each other in this time, directly or through others.
+/// at most the energy of all bodies that may reach each other in this time, directly or through others, with
+/// the work of what acts on them: d(2E)^½/dt ≤ (Σ pull²)^½.
 void FloatingStepper::set_travels(double time) noexcept {
   const Model& model = *state_.system->model;
+  const double now = this->time(), then = now + time;
+  // A moving obstacle or support may speed a body up beyond its energy.
+  const double share = model.belts.empty() && !loads_.move(now, then) ? 1 : 2;
   islands_.separate();
   for (bool joined = true; joined;) {
     joined = false;
     for (int k = 0; k < static_cast<int>(bodies_.size()); ++k) {
-      double energy = state_.energy().residual, mass = 0, g = 0;
+      double energy = state_.energy().residual, pull = 0, driven = 0;
       for (int j = 0; j < static_cast<int>(bodies_.size()); ++j) {
         if (!islands_.same(k, j)) continue;
         const FloatingBody& body = bodies_[static_cast<std::size_t>(j)];
-        // A torque from outside may speed a body up beyond its energy, as moving obstacles may.
-        energy +=
-            (body.torque.isZero(0) && model.belts.empty() ? 1 : 2) * (body.kinetic() + elastic_energy(body));
-        mass += body.mass;
-        g = std::max(g, body.acceleration().norm());
+        const double of_body = body.pull() + loads_.pull(j, now, then);
+        energy += share * (body.kinetic() + elastic_energy(body));
+        pull += of_body * of_body;
+        driven += 2 * loads_.speed(j, now, then);
       }
-      energy += g * time * (std::sqrt(2 * energy * mass) + 0.5 * mass * g * time);  // the work of gravity
+      const double root = std::sqrt(2 * energy) + time * std::sqrt(pull);
+      energy = 0.5 * root * root;
       const FloatingBody& body = bodies_[static_cast<std::size_t>(k)];
-      const double speed = std::sqrt(2 * energy * body.inverse_mass) +
-                           points_.radius(k) * std::sqrt(2 * energy * body.inertia.largest_inverse);
+      const double speed =
+          root * (std::sqrt(body.inverse_mass) + points_.radius(k) * std::sqrt(body.inertia.largest_inverse));
       travels_[static_cast<std::size_t>(k)] = {swing_energy(body, energy),
-                                               time * speed + 0.5 * time * time * body.acceleration().norm()};
+                                               time * (speed + driven) + loads_.reach(k, now, then)};
     }
     for (int pair = 0; pair < islands_.pairs(); ++pair)
       if (!islands_.joins(pair) &&
@@ -254,41 +287,53 @@ void FloatingStepper::carry_forces(const StepMatrices& matrices) noexcept {
 Work FloatingStepper::kick(const StepTrial& trial) noexcept {
   const StepSystem& system = *state_.system;
   const double step = options_.step;
-  double pushed = 0;
+  Work work = work_of(trial, trial.at_start);
   modal_force_.setZero();
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     FloatingBody& body = bodies_[k];
     const MovingPoints::Load load = points_.load(static_cast<int>(k), law_.force(), modal_force_);
-    pushed += body.kick(load.force, load.torque, step);
+    work.forcing += body.kick(load.force, load.torque, step) - load.on_static;
   }
-  Work work = work_of(trial, trial.at_start);
-  work.damping = move_modes(system);
-  work.forcing = pushed;
+  work.forcing -= modal_force_.dot(loads_.change());
+  const Work of_modes = move_modes(system);
+  work.damping = of_modes.damping;
+  work.forcing += of_modes.forcing;
   return work;
 }
 
-/// Moves the elastic modes under constant forces. Returns what their damping dissipates [J].
-double FloatingStepper::move_modes(const ModeConstants& over) noexcept {
-  double dissipated = 0;
+/// Moves the elastic modes under constant forces of contact and under loads. Returns the work of both and of
+/// damping.
+Work FloatingStepper::move_modes(const ModeConstants& over) noexcept {
+  if (state_.now.forced) {
+    state_.next_q = state_.q;
+    state_.next_v = state_.v;
+    dq_ = state_.system->load + modal_force_;
+    for (const int n : state_.system->model->folded.modes) dq_(n) = 0;
+    return state_.forcing.advance(state_.now, dq_, state_.next_q, state_.next_v);
+  }
+  Work work;
+  const ForcedResponse::Piece& piece = state_.forcing.piece();
   for (const FloatingBody& body : bodies_)
     for (Index n = body.first_elastic(); n < body.first_elastic() + body.elastic(); ++n) {
       const double q = state_.q(n), v = state_.v(n),
-                   g = state_.system->load(n) + modal_force_(n) - state_.system->stiffness(n) * q;
-      dissipated += over.damp_ss(n) * g * g + over.damp_sr(n) * g * v + over.damp_rr(n) * v * v;
-      state_.next_q(n) = q + over.b(n) * v + over.c(n) * g;
+                   g = piece.load(n) + modal_force_(n) - state_.system->stiffness(n) * q,
+                   dq = over.b(n) * v + over.c(n) * g;
+      work.damping += over.damp_ss(n) * g * g + over.damp_sr(n) * g * v + over.damp_rr(n) * v * v;
+      work.forcing += piece.applied(n) * dq;
+      state_.next_q(n) = q + dq;
       state_.next_v(n) = over.e(n) * v + over.h(n) * g;
     }
-  return dissipated;
+  return work;
 }
 
 /// Makes next_q and next_v the state, with the rigid rates of the frames.
-bool FloatingStepper::commit(const Work& work, double residual) noexcept {
+bool FloatingStepper::commit(const Work& work, double residual, double time) noexcept {
   Energy now{.residual = residual};
   for (const FloatingBody& body : bodies_) {
     state_.next_q.segment(body.first_mode, body.frame_modes).setZero();
     body.write_rates(state_.next_v);
     const auto of = [&](const Vector& x) { return x.segment(body.first_elastic(), body.elastic()).array(); };
-    now.kinetic += body.kinetic() + 0.5 * of(state_.next_v).square().sum();
+    now.kinetic += body.kinetic() + 0.5 * (of(state_.next_v) + of(state_.now.lift)).square().sum();
     now.strain += 0.5 * (of(state_.system->stiffness) * of(state_.next_q).square()).sum();
     now.loads += body.work_of_gravity() +
                  (of(state_.system->load) * (of(state_.next_q) - of(state_.system->q0))).sum();
@@ -297,7 +342,7 @@ bool FloatingStepper::commit(const Work& work, double residual) noexcept {
   state_.q.swap(state_.next_q);
   state_.v.swap(state_.next_v);
   for (std::size_t k = 0; k < bodies_.size(); ++k) turning_.poses[k] = bodies_[k].pose();
-  points_.place(bodies_, state_.q);
+  place(time);
   points_.write_frames(bodies_, turning_.frames);
   return true;
 }
@@ -335,6 +380,7 @@ bool FloatingStepper::push(int number, const Vector3d& force, const Vector3d& to
   FloatingBody& body = bodies_[static_cast<std::size_t>(number)];
   body.push = force;
   body.torque = torque;
+  turning_.pushed[static_cast<std::size_t>(number)] = {force, torque};
   search_at_ = clear_until_ = steps_;  // what was known of its motion no longer holds
   at_rest_ = 0;
   return true;
@@ -345,43 +391,49 @@ int FloatingStepper::cross() noexcept {
   for (const FloatingBody& body : bodies_)
     if (!body.torque.isZero(0)) return 0;
   const auto steps = static_cast<int>(options_.steps_per_sample - steps_ % options_.steps_per_sample);
-  if (steps_ + steps > clear_until_) {
-    double clear = std::numeric_limits<double>::infinity();
-    for (std::size_t k = 0; k < bodies_.size(); ++k)
-      travels_[k].energy = swing_energy(bodies_[k], elastic_energy(bodies_[k]));
-    for (const Model::PairBlock& pair : state_.system->model->pairs) {
-      const double way = points_.clearance(pair, bodies_, travels_);
-      Vector3d acceleration = Vector3d::Zero();
-      double speed = 0;
-      for (const int k : {pair.a, pair.b}) {
-        if (k < 0) continue;
-        const FloatingBody& body = bodies_[static_cast<std::size_t>(k)];
-        speed +=
-            body.velocity.norm() + body.momentum.norm() * body.inertia.largest_inverse * points_.radius(k);
-        acceleration += (k == pair.a ? 1 : -1) * body.acceleration();
-      }
-      const double g = acceleration.norm();
-      // The time in which speed · t + g t²/2 reaches `way`.
-      const double time = way > 0 ? 2 * way / (speed + std::sqrt(speed * speed + 2 * g * way)) : 0;
-      clear = std::min(clear, time);
-    }
-    constexpr double longest = 1e9;  // steps, so that the sum fits
-    clear_until_ = steps_ + static_cast<std::int64_t>(std::min(clear / options_.step, longest));
-  }
+  const double from = time(), to = static_cast<double>(steps_ + steps) * options_.step;
+  if (!is_steady(to - from) || loads_.act_on_free(from, to)) return 0;
+  TurningLoads::release(bodies_);
+  if (steps_ + steps > clear_until_) clear_until_ = find_clear_until();
   if (steps_ + steps > clear_until_) return 0;
   set_flight(steps);
   kept_ = bodies_;
-  for (FloatingBody& body : bodies_) body.fly(steps * options_.step);
+  for (FloatingBody& body : bodies_) body.fly(to - from);
   modal_force_.setZero();
-  Work work{.damping = move_modes(over_)};
+  state_.forcing.interval(from, to, state_.now);
+  Work work = move_modes(over_);
   for (std::size_t k = 0; k < bodies_.size(); ++k)
     work.forcing += bodies_[k].push.dot(bodies_[k].position - kept_[k].position);
-  if (!commit(work, 0)) {
+  if (!commit(work, 0, to)) {
     bodies_ = kept_;
     return 0;
   }
   search_at_ = steps_ + steps;
   return steps;
+}
+
+/// The step before which nothing can touch if no load changes, or at which one does.
+std::int64_t FloatingStepper::find_clear_until() noexcept {
+  double clear = state_.forcing.piece(time()).to - time();
+  for (std::size_t k = 0; k < bodies_.size(); ++k)
+    travels_[k].energy = swing_energy(bodies_[k], elastic_energy(bodies_[k]));
+  for (const Model::PairBlock& pair : state_.system->model->pairs) {
+    double way = points_.clearance(pair, bodies_, travels_), speed = 0;
+    Vector3d acceleration = Vector3d::Zero();
+    for (const int k : {pair.a, pair.b}) {
+      if (k < 0) continue;
+      const FloatingBody& body = bodies_[static_cast<std::size_t>(k)];
+      speed += body.velocity.norm() + body.momentum.norm() * body.inertia.largest_inverse * points_.radius(k);
+      acceleration += (k == pair.a ? 1 : -1) * body.acceleration();
+      way -= loads_.reach(k, time(), time());
+    }
+    const double g = acceleration.norm();
+    // The time in which speed · t + g t²/2 reaches `way`.
+    const double left = way > 0 ? 2 * way / (speed + std::sqrt(speed * speed + 2 * g * way)) : 0;
+    clear = std::min(clear, left);
+  }
+  constexpr double longest = 1e9;  // steps, so that the sum fits
+  return steps_ + static_cast<std::int64_t>(std::min(clear / options_.step, longest));
 }
 
 /// Sets the constants of modes over a flight of some steps.

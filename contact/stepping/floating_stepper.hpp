@@ -18,11 +18,13 @@
 // Bodies that have come to rest on obstacles that do not move stay at rest, with their last forces, until
 // they are pushed.
 //
-// Gravity is the only load. Flight is crossed from sample to sample while no point can touch.
+// Flight is crossed from sample to sample while no point can touch, nothing but gravity acts on free bodies,
+// and no load or support changes. A change wakes bodies that rest.
 #pragma once
 
 #include "contact/stepping/moving_points.hpp"
 #include "contact/stepping/stepper.hpp"
+#include "contact/stepping/turning_loads.hpp"
 
 namespace ricochet::contact {
 
@@ -41,15 +43,20 @@ class FloatingStepper final : public Stepper {
   bool push(int body, const Eigen::Vector3d& force, const Eigen::Vector3d& torque) noexcept override;
 
  private:
+  bool is_steady(double time) noexcept;
+  bool wakes() noexcept;
+  void place(double time) noexcept;
+  void drive() noexcept;
   int cross() noexcept;
+  std::int64_t find_clear_until() noexcept;
   void set_flight(int steps) noexcept;
   void search() noexcept;
   void set_travels(double time) noexcept;
   PatchSpring spring_of(int row) noexcept;
   void carry_forces(const StepMatrices& matrices) noexcept;
   Work kick(const StepTrial& trial) noexcept;
-  double move_modes(const ModeConstants& over) noexcept;
-  bool commit(const Work& work, double residual) noexcept;
+  Work move_modes(const ModeConstants& over) noexcept;
+  bool commit(const Work& work, double residual, double time) noexcept;
   void look_for_rest() noexcept;
   StepStatus end(const StepTrial& trial) noexcept;
   double elastic_energy(const FloatingBody& body) const noexcept;
@@ -59,6 +66,7 @@ class FloatingStepper final : public Stepper {
   std::vector<FloatingBody> bodies_, kept_;  ///< now; at the start of the step
   Turning turning_;
   MovingPoints points_;
+  TurningLoads loads_;
   std::vector<MovingPoints::Travel> travels_;
   Islands islands_;               ///< scratch: of forces at the start of a step; of what may meet
   int epoch_;                     ///< steps between two searches
@@ -70,7 +78,8 @@ class FloatingStepper final : public Stepper {
   MeanForce before_;              ///< the forces that the step starts with
   ModeConstants over_;            ///< (N) of a flight over constants_of_ steps
   int constants_of_ = 0;
-  Vector dq_, modal_force_;  ///< (N) of the free motion; under p̄
+  Vector dq_, modal_force_;  ///< (N) of the free motion; of contact under p̄
+  Vector displaced_;         ///< (N) q with static displacements
   Vector rest_;              ///< (n) R p + s(λ) at the start, by position
 };
 

@@ -23,6 +23,10 @@ ForcedResponse::ForcedResponse(const Model& model, double step)
   rest_ = s_;
   if (!model.turns) rest_ += model.B * softness_.cwiseProduct(model.load);
   for (const Model::Forcing& one : forcing_) {
+    if (model.turns) {  // points have no rows of their own
+      rests_.push_back({Vector::Zero(s_.size()), Vector::Zero(s_.size())});
+      continue;
+    }
     const auto B = model.B.middleCols(one.first_mode, one.force.size());
     const auto soft = softness_.segment(one.first_mode, one.force.size()),
                decay = decay_.segment(one.first_mode, one.force.size());
@@ -46,6 +50,11 @@ ForcedResponse::Interval ForcedResponse::start() {
   out.rate = Vector::Zero(s_.size());
   fill_unless_steady(out);
   return out;
+}
+
+void ForcedResponse::turn(std::size_t load, const Vector& force) noexcept {
+  forcing_[load].force = force;
+  piece_.at = std::numeric_limits<double>::quiet_NaN();
 }
 
 const ForcedResponse::Piece& ForcedResponse::piece(double t) noexcept {

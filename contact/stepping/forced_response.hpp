@@ -55,6 +55,9 @@ class ForcedResponse {
   /// Returns an interval at t = 0 whose vectors are allocated.
   Interval start();
 
+  /// Sets the modal force of a load on a body that has turned, for a history of value 1.
+  void turn(std::size_t load, const Vector& force) noexcept;
+
   /// The forcing at t.
   const Piece& piece(double t) noexcept;
   const Piece& piece() const { return piece_; }

@@ -37,9 +37,7 @@ MovingCandidates::MovingCandidates(const Bodies::Block& block, const BodySurface
   }
   if (const std::vector<double>& settling = block.kernel->loads.body_force_residual;
       block.supported && !settling.empty())
-    for (std::size_t i = 0; i < M; ++i)
-      settled_.push_back(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(&settling[9 * i]) *
-                         (block.rotation.transpose() * model.gravity));
+    static_.push_back({settling.data(), block.rotation.transpose() * model.gravity});
   for (Lazy* known : {&displacement_, &change_}) {
     known->value.assign(M, Vector3d::Zero());
     known->call.assign(M, -1);
@@ -117,21 +115,30 @@ MovingCandidates::Patch MovingCandidates::patch(std::span<const int> candidates,
   return out;
 }
 
-const Vector3d& MovingCandidates::of(Lazy& known, int candidate, const Vector& modal, bool settles) noexcept {
+Vector3d MovingCandidates::respond(int candidate, Vector3d StaticResponse::*part) const noexcept {
+  Vector3d out = Vector3d::Zero();
+  for (const StaticResponse& one : static_)
+    out += Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(one.to_unit + 9 * candidate) *
+           (one.*part);
+  return out;
+}
+
+const Vector3d& MovingCandidates::of(Lazy& known, int candidate, const Vector& modal,
+                                     Vector3d StaticResponse::*part) noexcept {
   const auto i = static_cast<std::size_t>(candidate);
   if (known.call[i] == calls_) return known.value[i];
   known.call[i] = calls_;
   known.value[i].noalias() = shape(candidate) * modal.segment(first_elastic_, elastic_);
-  if (settles && !settled_.empty()) known.value[i] += settled_[i];
+  if (!static_.empty()) known.value[i] += respond(candidate, part);
   return known.value[i];
 }
 
 const Vector3d& MovingCandidates::displacement(int candidate, const Vector& q) noexcept {
-  return of(displacement_, candidate, q, true);
+  return of(displacement_, candidate, q, &StaticResponse::now);
 }
 
 const Vector3d& MovingCandidates::change(int candidate, const Vector& dq) noexcept {
-  return of(change_, candidate, dq, false);
+  return of(change_, candidate, dq, &StaticResponse::change);
 }
 
 void MovingCandidates::join(int candidate) noexcept {

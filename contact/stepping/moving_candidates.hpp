@@ -51,12 +51,24 @@ class MovingCandidates {
   double give(int candidate) const { return give_[static_cast<std::size_t>(candidate)]; }
   double largest_give() const { return largest_give_; }
 
+  /// Displacements (M,3,3) at once under unit accelerations, loads or motions along the axes of the body,
+  /// beyond those of the modes; and the vector that acts now, and its change in the step.
+  struct StaticResponse {
+    const double* to_unit = nullptr;
+    Eigen::Vector3d now{0, 0, 0}, change{0, 0, 0};
+  };
+  std::vector<StaticResponse>& static_responses() { return static_; }
+
   /// Forgets the displacements that are known.
   void begin() noexcept { ++calls_; }
-  /// w = Φq with the static displacement by gravity [m], computed once after begin(). @param q  (N)
+  /// w = Φq with static displacements [m], computed once after begin(). @param q  (N)
   const Eigen::Vector3d& displacement(int candidate, const Vector& q) noexcept;
-  /// Φ Δq [m], likewise.
+  /// Φ Δq with their changes [m], likewise.
   const Eigen::Vector3d& change(int candidate, const Vector& dq) noexcept;
+  /// The static part of the change [m].
+  Eigen::Vector3d static_change(int candidate) const noexcept {
+    return respond(candidate, &StaticResponse::change);
+  }
 
   /// Adds a candidate to those under points that may touch, unless it is one of them.
   void join(int candidate) noexcept;
@@ -83,7 +95,9 @@ class MovingCandidates {
     std::vector<Eigen::Vector3d> value;  ///< (M) [m]
     std::vector<std::int64_t> call;      ///< (M) for which call it was computed
   };
-  const Eigen::Vector3d& of(Lazy& known, int candidate, const Vector& modal, bool settles) noexcept;
+  const Eigen::Vector3d& of(Lazy& known, int candidate, const Vector& modal,
+                            Eigen::Vector3d StaticResponse::*part) noexcept;
+  Eigen::Vector3d respond(int candidate, Eigen::Vector3d StaticResponse::*part) const noexcept;
   /// (3,elastic)
   auto shape(int candidate) const {
     return Eigen::Map<const Matrix>(surface_->shape.data() + 3 * candidate * modes_, 3, modes_)
@@ -105,8 +119,7 @@ class MovingCandidates {
   bool folds_ = false;
   std::vector<double> give_;  ///< (M) (Σ|φ|²/ω² + tr R)^½
   double largest_give_ = 0;
-  std::vector<Eigen::Vector3d>
-      settled_;  ///< (M) static displacement by gravity beyond the modes, or empty [m]
+  std::vector<StaticResponse> static_;
   std::int64_t calls_ = 0;
   Lazy displacement_, change_;
   std::vector<int> joined_, number_of_;  ///< candidates; (M) place among them, or −1

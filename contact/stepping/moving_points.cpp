@@ -455,9 +455,7 @@ void MovingPoints::advance(std::span<const FloatingBody> bodies, const Vector& d
     const FloatingBody& state = bodies[k];
     bodies_[k].candidates.begin();
     bodies_[k].elastic_fastest = 0;
-    bodies_[k].fastest = step * (state.velocity.norm() + 0.5 * step * state.acceleration().norm() +
-                                 (state.momentum + 0.5 * step * state.torque).norm() *
-                                     state.inertia.largest_inverse * bodies_[k].radius);
+    bodies_[k].fastest = state.farthest(bodies_[k].radius, step);
   }
   // In the middle of the step: from its start, a body would roll into the obstacle, by ½ a (ΩΔ)² in each.
   follow_summits(bodies);
@@ -511,8 +509,7 @@ void MovingPoints::set_rows(std::span<const FloatingBody> bodies, const Vector& 
       end.direction = sign * point.acting * of.attitude.toRotationMatrix();
       end.arm =
           &end == &point.own() ? point.place_now : Vector3d(of.attitude.conjugate() * (common - of.position));
-      Vector3d free = of.attitude.conjugate() * (step * of.velocity + 0.5 * step * step * of.acceleration());
-      free += step * of.own_spin(of.momentum + 0.5 * step * of.torque).cross(end.arm);
+      Vector3d free = of.free_displacement(end.arm, step);
       for (std::size_t j = 0; j < static_cast<std::size_t>(end.count); ++j)
         free += end.weight[j] * body(end.body).candidates.change(end.candidate[j], dq);
       d += end.direction * free;
@@ -627,8 +624,11 @@ MovingPoints::Load MovingPoints::load(int number, const Vector& p, Vector& modal
       if (force.isZero(0)) continue;
       out.force += force;
       out.torque += end.arm.cross(force);
-      for (std::size_t j = 0; j < static_cast<std::size_t>(end.count); ++j)
-        body(number).candidates.push(end.candidate[j], end.weight[j] * force, modal);
+      const MovingCandidates& candidates = body(number).candidates;
+      for (std::size_t j = 0; j < static_cast<std::size_t>(end.count); ++j) {
+        candidates.push(end.candidate[j], end.weight[j] * force, modal);
+        out.on_static += end.weight[j] * force.dot(candidates.static_change(end.candidate[j]));
+      }
     }
   }
   return out;

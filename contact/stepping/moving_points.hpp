@@ -56,6 +56,7 @@ class MovingPoints {
                    std::span<const Travel> energies) const noexcept;
   /// Largest distance of a point from the centre of the body [m].
   double radius(int body) const { return bodies_[static_cast<std::size_t>(body)].radius; }
+  MovingCandidates& candidates(int k) { return body(k).candidates; }
 
   /// Begins an epoch: finds the points that may touch in it, and watches them and those with a force.
   /// @param travels  by body
@@ -86,6 +87,7 @@ class MovingPoints {
   /// The forces and torques on a body, in its axes, and the forces on its modes, under p by position.
   struct Load {
     Eigen::Vector3d force{0, 0, 0}, torque{0, 0, 0};
+    double on_static = 0;  ///< work over the static displacements in the step [J]
   };
   /// @param modal  (N) is added to
   Load load(int body, const Vector& p, Vector& modal) const noexcept;

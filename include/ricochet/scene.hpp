@@ -37,10 +37,13 @@ struct Forcing {
   std::string body;
   std::string name;  ///< of the load, or of the support, in the kernel
   bool support = false;
-  Vector3 vector{};  ///< of a load [Pa] or [N]; of a support [m]
+  Vector3 vector{};  ///< of a load [Pa] or [N]; of a support [m]; world axes, at t = 0
   /// Ascending [s]. Without times, the factor has always been 1: bodies start at rest under a dead load.
   std::vector<double> time{};
   std::vector<double> factor{};  ///< one for each time
+  /// In which the vector of a load is constant while its body turns, with finite rotations. No value: of the
+  /// body for a traction [Pa], as pressure acts, and of the world for a force [N].
+  std::optional<Axes> axes{};
   bool operator==(const Forcing&) const = default;
 };
 

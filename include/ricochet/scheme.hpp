@@ -41,6 +41,12 @@ enum class Rotation {
   finite,  ///< by floating frames: any rotation. Contact points are found anew at each step.
 };
 
+/// The axes in which a vector is constant while a body turns.
+enum class Axes {
+  world,
+  body,  ///< those of the body, which turn with it
+};
+
 struct RigidBodies {
   Rotation rotation = Rotation::linear;
   bool operator==(const RigidBodies&) const = default;

@@ -27,6 +27,16 @@ Declared<Forcing> vector_of_source(const std::string& unit, const char* meaning)
           any(),    meaning};
 }
 
+Declared<Forcing> axes_of_source(const char* fallback) {
+  return {"axes",
+          choice<Forcing>(&Forcing::axes, {"world", "body"}),
+          "",
+          fallback,
+          any(),
+          "whether `vector` keeps its direction in the world, or turns with the body. Needs `rotation = "
+          "\"finite\"`"};
+}
+
 Declared<Forcing> history_of_source() {
   return {
       "history",
@@ -56,14 +66,16 @@ const SectionOf<Forcing> traction_keys{
      body_key<Forcing>(),
      {"group", Access(&Forcing::group).if_changed(), "", required("name a physical surface"), any(),
       "physical surface on the outside of the body (for a rod: an end). It may also be a contact surface"},
-     vector_of_source("Pa", "traction, in world axes"),
+     vector_of_source("Pa", "traction, in world axes at t = 0"),
+     axes_of_source("`\"body\"`, as pressure acts"),
      history_of_source()}};
 
 const SectionOf<Forcing> point_keys{"[[loads.point]]",
                                     "A force at a point.",
                                     {name_of_source("point 1, point 2, …"), body_key<Forcing>(),
                                      place_key<Forcing>("point of application", "where the force acts"),
-                                     vector_of_source("N", "force, in world axes"), history_of_source()}};
+                                     vector_of_source("N", "force, in world axes at t = 0"),
+                                     axes_of_source("`\"world\"`"), history_of_source()}};
 
 const SectionOf<Forcing> motion_keys{
     "[[loads.motion]]",

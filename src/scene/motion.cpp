@@ -53,12 +53,14 @@ void refuse_all_pairs(const Table& root) {
     table->complain("between", "needs [motion] rotation = \"finite\": add it, or list the pairs");
 }
 
-void check_bodies_and_loads(const Table& root, const Scene& scene) {
+/// With linear rotations, no load turns.
+void refuse_axes(const Table& root) {
+  const auto loads = root.table("loads", loads_keys);
+  if (!loads) return;
   for (const LoadKind& kind : load_kinds)
-    if (!(scene.loads.*kind.list).empty())
-      refuse(root, fmt::format("loads.{}", kind.name),
-             "with finite rotation, gravity is the only load: leave it out");
-  if (root.has("strikes")) refuse(root, "strikes", "with finite rotation, there are none: leave it out");
+    for (const Table& entry : loads->array(kind.name, kind.keys))
+      if (entry.has("axes"))
+        entry.complain("axes", "needs [motion] rotation = \"finite\": add it, or leave axes out");
 }
 
 /// Refuses settings that the accuracy would choose: they would serve the first touch only.
@@ -81,10 +83,11 @@ void read_motion(const Table& root, Scene& scene) {
     rigid_motion_keys.read(*table, scene.motion);
   if (!scene.motion.is_finite()) {
     refuse_all_pairs(root);
+    refuse_axes(root);
     return;
   }
   check_contact(root, scene);
-  check_bodies_and_loads(root, scene);
+  if (root.has("strikes")) refuse(root, "strikes", "with finite rotation, there are none: leave it out");
   check_settings(root, scene);
 }
 

@@ -44,7 +44,10 @@ const SectionOf<Receiver> receiver_keys{
       "a name that no other receiver has; at most 100 bytes, no `/`, and not `body_force`, "
       "`body_force_residual` or `rotation`"},
      body_key<Receiver>(),
-     place_key<Receiver>("the point", "the point of the body")}};
+     place_key<Receiver>("the point", "the point of the body"),
+     {"axes", choice<Receiver>(&Receiver::axes, {"world", "body"}).if_changed(), "", initial, any(),
+      "components of the motion: along the axes of the world, or along those of the body's mesh, which turn "
+      "with the body"}}};
 
 const SectionOf<Sound> sound_keys{
     "[output.sound]",
@@ -54,7 +57,9 @@ const SectionOf<Sound> sound_keys{
       "name of a receiver (mono), or a list of two (left and right)"},
      {"direction", direction<Sound>(&Sound::direction), "",
       required("the component that is heard, for example the normal of the wall"), any(),
-      "component of the velocity that is heard, in world axes, for example the normal of the wall"},
+      "component of the velocity that is heard, in the `axes` of the receivers, for example the normal of "
+      "the "
+      "wall"},
      {"high_pass_hz", &Sound::high_pass_hz, "Hz", initial, from_to("0", "1000"),
       "corner of a high-pass filter (Butterworth, fourth order), which removes rigid motion; 0: none. It "
       "must be below half of `time.rate_hz`"},

@@ -110,6 +110,7 @@ void take_sources(const Scene& all, const Body& placed, KernelRequest& request) 
       if (driven.body != placed.name) continue;
       driven.vector = {};
       driven.history.clear();
+      driven.axes.reset();
       if (&kind.keys == &point_keys) move_to_frame(placed, driven.at);
       // All motions of a support share one dataset of the kernel, whatever their histories.
       if (&kind.keys == &motion_keys) driven.name = driven.group;
@@ -118,6 +119,7 @@ void take_sources(const Scene& all, const Body& placed, KernelRequest& request) 
     }
   for (Receiver receiver : all.output.receivers) {
     if (receiver.body != placed.name) continue;
+    receiver.axes = Axes::world;
     move_to_frame(placed, receiver.at);
     request.receivers.push_back(receiver);
   }
@@ -156,10 +158,10 @@ const SectionOf<KernelRequest> request_output_keys{
     "[output] of a kernel's scene", "", {{"view", &KernelRequest::view}, {"receiver", Type::tables}}};
 
 SectionOf<Forcing> request_keys_of(const LoadKind& kind) {
-  return kind.keys.without({"body", "obstacle", "vector", "history"});
+  return kind.keys.without({"body", "obstacle", "vector", "axes", "history"});
 }
 
-SectionOf<Receiver> request_receiver_keys() { return receiver_keys.without({"body"}); }
+SectionOf<Receiver> request_receiver_keys() { return receiver_keys.without({"body", "axes"}); }
 
 /// Reads [loads] and the receivers in [output].
 void read_sources(const Table& root, const Table& output, KernelRequest& request) {

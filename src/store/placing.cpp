@@ -64,6 +64,9 @@ contact::Placement with_kernels(contact::Placement placement, const KernelPointe
 contact::Model model_of(const scene::Scene& scene, const Prepared& prepared) {
   contact::Model model = ricochet::model_of(prepared.scene, prepared.placement);
   if (scene.contact.kernel == scene::ContactKernel::table) contact::use_mean_gaps(model);
+  for (contact::Model::Receiver& receiver : model.receivers)
+    for (const scene::Receiver& recorded : scene.output.receivers)
+      if (recorded.name == receiver.name) receiver.axes = recorded.axes;
   return model;
 }
 

@@ -35,6 +35,18 @@ TEST(History, is_zero_before_its_first_knot_and_keeps_its_last_value) {
   EXPECT_DOUBLE_EQ(h.integral(0, 5), 4 + 4 - 1);  // two trapezia, then one second at −1
   EXPECT_DOUBLE_EQ(h.integral(1.5, 3), 0.5 * 4.5 + 3.5);
   EXPECT_EQ(h.integral(-2, 1), 0);
+  // ∫ (5 − t) h: of 3, 5 and −1 by the knots, pieces of cubic polynomials by hand
+  EXPECT_DOUBLE_EQ(h.double_integral(4, 5), -0.5);
+  EXPECT_DOUBLE_EQ(h.double_integral(1, 2), 3.0 / 2 + 2.0 / 6);
+  EXPECT_DOUBLE_EQ(h.double_integral(0, 2), h.double_integral(1, 2));
+  EXPECT_DOUBLE_EQ(h.double_integral(1, 4), 3.0 / 2 + 2.0 / 6 + 2 * 4 + 5.0 * 2 - 3.0 * 8 / 6);
+  EXPECT_EQ(h.peak(0, 0.5), 0);
+  EXPECT_EQ(h.peak(0, 1), 3);
+  EXPECT_EQ(h.peak(1.5, 3), 5);
+  EXPECT_EQ(h.peak(3.5, 9), 1);
+  EXPECT_EQ(h.steepest(0, 0.5), 0);
+  EXPECT_EQ(h.steepest(0.5, 1.5), 2);
+  EXPECT_EQ(h.steepest(1.5, 9), 3);
 }
 
 TEST(History, is_one_from_the_start_when_nothing_is_said) {

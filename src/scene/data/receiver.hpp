@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "ricochet/scheme.hpp"
 #include "ricochet/units.hpp"
 
 namespace ricochet::scene {
@@ -11,7 +12,8 @@ namespace ricochet::scene {
 struct Receiver {
   std::string name;
   std::string body;
-  Vector3 at{};  ///< in world axes, bodies as placed by the scene [m]
+  Vector3 at{};             ///< in world axes, bodies as placed by the scene [m]
+  Axes axes = Axes::world;  ///< along which its motion is recorded
   bool operator==(const Receiver&) const = default;
 };
 
