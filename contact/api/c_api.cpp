@@ -210,6 +210,27 @@ int ricochet_scene_load(ricochet_scene* scene, const char* body, const char* loa
   return checked([&] { add_forcing(scene, body, load, false, along, time, factor, count); });
 }
 
+int ricochet_scene_load_axes(ricochet_scene* scene, int axes) {
+  return checked([&] {
+    auto& forcing = given(scene, "scene").scene.forcing;
+    if (forcing.empty() || forcing.back().support)
+      throw InputError("axes: no load was added last. Add one with ricochet_scene_load first.");
+    if (axes != RICOCHET_WORLD && axes != RICOCHET_BODY)
+      throw InputError("axes = " + std::to_string(axes) + ": must be RICOCHET_WORLD or RICOCHET_BODY.");
+    forcing.back().axes = axes == RICOCHET_WORLD ? ricochet::Axes::world : ricochet::Axes::body;
+  });
+}
+
+int ricochet_scene_rotation(ricochet_scene* scene, int rotation) {
+  return checked([&] {
+    if (rotation != RICOCHET_LINEAR && rotation != RICOCHET_FINITE)
+      throw InputError("rotation = " + std::to_string(rotation) +
+                       ": must be RICOCHET_LINEAR or RICOCHET_FINITE.");
+    given(scene, "scene").scene.rotation =
+        rotation == RICOCHET_LINEAR ? ricochet::Rotation::linear : ricochet::Rotation::finite;
+  });
+}
+
 int ricochet_scene_support(ricochet_scene* scene, const char* body, const char* support, const double* along,
                            const double* time, const double* factor, size_t count) {
   return checked([&] { add_forcing(scene, body, support, true, along, time, factor, count); });
@@ -293,8 +314,36 @@ double ricochet_simulation_pickup_displacement(const ricochet_simulation* simula
 }
 
 void ricochet_simulation_mean_velocity(const ricochet_simulation* simulation, size_t body, double out[3]) {
-  const Vector3 v = simulation->simulation.mean_velocity(body);
-  for (std::size_t k = 0; k < 3; ++k) out[k] = v[k];
+  std::ranges::copy(simulation->simulation.mean_velocity(body), out);
+}
+
+void ricochet_simulation_motion(const ricochet_simulation* simulation, size_t body, ricochet_motion* out) {
+  const ricochet::BodyMotion motion = simulation->simulation.body_motion(body);
+  std::ranges::copy(motion.position, out->position);
+  std::ranges::copy(motion.attitude, out->attitude);
+  std::ranges::copy(motion.velocity, out->velocity);
+  std::ranges::copy(motion.spin, out->spin);
+}
+
+size_t ricochet_simulation_contacts(ricochet_simulation* simulation, ricochet_contact* out, size_t count) {
+  const auto touching = simulation->simulation.contacts();
+  for (const ricochet::Touching& one : touching.first(std::min(count, touching.size()))) {
+    out->pair = simulation->simulation.points()[one.point].pair;
+    out->point = one.point;
+    std::ranges::copy(one.place, out->place);
+    std::ranges::copy(one.normal, out->normal);
+    std::ranges::copy(one.force, out->force);
+    ++out;
+  }
+  return touching.size();
+}
+
+int ricochet_simulation_push(ricochet_simulation* simulation, size_t body, const double* force,
+                             const double* torque) {
+  if (simulation->simulation.push(body, vector_or_zero(force), vector_or_zero(torque))) return RICOCHET_OK;
+  std::snprintf(last_error, sizeof last_error,
+                "push: rotations are linear. Call ricochet_scene_rotation with RICOCHET_FINITE first.");
+  return RICOCHET_REFUSED;
 }
 
 void ricochet_simulation_energy(const ricochet_simulation* simulation, ricochet_energy* out) {

@@ -39,6 +39,8 @@ enum {
   RICOCHET_REFUSED = 3      /* see ricochet_error() */
 };
 enum { RICOCHET_JUMP = 0, RICOCHET_DIFFERENCE = 1 }; /* admittance of the impulse scheme */
+enum { RICOCHET_LINEAR = 0, RICOCHET_FINITE = 1 };   /* rotation of free bodies: small, or by any angle */
+enum { RICOCHET_WORLD = 0, RICOCHET_BODY = 1 };      /* axes in which a load is constant */
 
 typedef struct ricochet_kernel ricochet_kernel;
 typedef struct ricochet_scene ricochet_scene;
@@ -88,8 +90,13 @@ int ricochet_scene_gravity(ricochet_scene* scene, const double* gravity);
  * times [s]. Without times, a load has always acted. */
 int ricochet_scene_load(ricochet_scene* scene, const char* body, const char* load, const double* vector,
                         const double* time, const double* factor, size_t count);
+/* The axes in which the vector of the load that was added last is constant while its body turns, with
+ * RICOCHET_FINITE. Default: of the body for [Pa], of the world for [N]. */
+int ricochet_scene_load_axes(ricochet_scene* scene, int axes);
 int ricochet_scene_support(ricochet_scene* scene, const char* body, const char* support, const double* vector,
                            const double* time, const double* factor, size_t count);
+/* Default: RICOCHET_LINEAR. */
+int ricochet_scene_rotation(ricochet_scene* scene, int rotation);
 /* The time at which a body of the scene is at its place with its velocity [s]; until then, it falls freely. */
 int ricochet_scene_arrival(ricochet_scene* scene, const char* body, double arrival);
 int ricochet_scene_impulse(ricochet_scene* scene, int admittance, double restitution);
@@ -115,6 +122,18 @@ typedef struct ricochet_point {
   double gap, area;             /* initial [m]; of the patch of a [m^2] */
 } ricochet_point;
 
+typedef struct ricochet_motion { /* of a body as a whole, world axes */
+  double position[3];            /* of its centre of mass [m] */
+  double attitude[4];            /* unit quaternion w, x, y, z, from the axes of the kernel */
+  double velocity[3], spin[3];   /* of that centre [m/s]; [rad/s] */
+} ricochet_motion;
+
+typedef struct ricochet_contact { /* a point with a force in the last step */
+  size_t pair, point;             /* pair in the order of the calls of ricochet_scene_pair */
+  double place[3], normal[3];     /* on body a, now [m]; unit, out of a. Linear rotations: at the start */
+  double force[3];                /* on body b or the half-space, with friction: mean over the step [N] */
+} ricochet_contact;
+
 ricochet_simulation* ricochet_simulation_new(const ricochet_scene* scene);
 void ricochet_simulation_free(ricochet_simulation* simulation);
 
@@ -139,6 +158,13 @@ void ricochet_simulation_point(const ricochet_simulation* simulation, size_t poi
 double ricochet_simulation_pickup_velocity(const ricochet_simulation* simulation, size_t pickup);
 double ricochet_simulation_pickup_displacement(const ricochet_simulation* simulation, size_t pickup);
 void ricochet_simulation_mean_velocity(const ricochet_simulation* simulation, size_t body, double out[3]);
+void ricochet_simulation_motion(const ricochet_simulation* simulation, size_t body, ricochet_motion* out);
+/* Writes the points that touch, at most `count` of them. Returns how many there are. */
+size_t ricochet_simulation_contacts(ricochet_simulation* simulation, ricochet_contact* out, size_t count);
+/* Sets a force [N] and a torque about the centre of mass [N m] from outside, world axes, which act on a body
+ * until they are set again; NULL: none. Returns RICOCHET_REFUSED unless rotations are finite. */
+int ricochet_simulation_push(ricochet_simulation* simulation, size_t body, const double* force,
+                             const double* torque);
 void ricochet_simulation_energy(const ricochet_simulation* simulation, ricochet_energy* out);
 
 ricochet_state* ricochet_simulation_save(const ricochet_simulation* simulation);

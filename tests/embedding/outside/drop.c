@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Drops the bob of drop.cpp through the C header and compares with Galilei's law. */
+/* Drops the bob of drop.cpp through the C header and compares with Galilei's law; pushes, turns and drops its
+   ball. */
 #include <ricochet/ricochet.h>
 
 #if defined(EIGEN_WORLD_VERSION) || defined(MPI_VERSION) || defined(H5_VERS_MAJOR)
@@ -75,6 +76,62 @@ static ricochet_simulation* drop(const ricochet_kernel* kernel) {
   return simulation;
 }
 
+/* A ball that spins about x falls on a floor, under a force along its own y, which turns with it. */
+static void turn(const ricochet_kernel* kernel) {
+  const double origin[3] = {0, 0, 0}, up[3] = {0, 0, 1}, high[3] = {0, 0, 10}, spin[3] = {20, 0, 0};
+  const double along[3] = {0, 3, 0}, zero = 0, one = 1;
+  ricochet_motion motion;
+  ricochet_contact contact;
+  ricochet_simulation* simulation;
+  ricochet_scene* scene = ricochet_scene_new(1000);
+  int k;
+  expect(ricochet_scene_rotation(scene, 7) == RICOCHET_REFUSED, "an unknown rotation is refused");
+  expect(ricochet_scene_load_axes(scene, RICOCHET_BODY) == RICOCHET_REFUSED, "axes without a load are refused");
+  ricochet_scene_body(scene, "ball", kernel, NULL, high, NULL);
+  ricochet_scene_angular_velocity(scene, "ball", spin);
+  ricochet_scene_half_space(scene, "floor", origin, up);
+  ricochet_scene_pair(scene, "ball", "floor", NULL, NULL, NULL);
+  simulation = ricochet_simulation_new(scene);
+  expect(ricochet_simulation_push(simulation, 0, along, NULL) == RICOCHET_REFUSED, "linear: no push");
+  expect(strstr(ricochet_error(), "RICOCHET_FINITE") != NULL, "the refusal names the remedy");
+  ricochet_simulation_free(simulation);
+  expect(ricochet_scene_rotation(scene, RICOCHET_FINITE) == RICOCHET_OK, "rotation");
+  ricochet_scene_load(scene, "ball", "push", along, &zero, &one, 1);
+  expect(ricochet_scene_load_axes(scene, 7) == RICOCHET_REFUSED, "unknown axes are refused");
+  expect(ricochet_scene_load_axes(scene, RICOCHET_BODY) == RICOCHET_OK, "axes");
+  simulation = ricochet_simulation_new(scene);
+  ricochet_scene_free(scene);
+  if (simulation == NULL) {
+    expect(0, "a ball that turns is stepped");
+    return;
+  }
+  for (k = 0; k < 100; ++k) expect(ricochet_simulation_step(simulation) == RICOCHET_OK, "it turns");
+  ricochet_simulation_motion(simulation, 0, &motion);
+  /* 20 rad/s for 0.1 s; of the angle, a step loses (0.02 rad)^2/12 */
+  expect(near(motion.attitude[0], cos(1), 1e-4) && near(motion.attitude[1], sin(1), 1e-4), "attitude");
+  expect(near(motion.spin[0], 20, 1e-12) && near(motion.spin[2], 0, 1e-12), "spin");
+  expect(near(motion.velocity[1], 3.0 / 2 / 20 * sin(2), 1e-4), "v_y = F/(m w) sin w t");
+  expect(near(motion.velocity[2], 3.0 / 2 / 20 * (1 - cos(2)), 1e-4), "v_z = F/(m w) (1 - cos w t)");
+  /* Against its spin, as long as it takes to stop it: J w = 0.008 kg m^2 x 20 rad/s */
+  {
+    const double back[3] = {-1.6, 0, 0}, weight[3] = {0, 0, -19.62};
+    expect(ricochet_simulation_push(simulation, 0, weight, back) == RICOCHET_OK, "push");
+    for (k = 0; k < 100; ++k) ricochet_simulation_step(simulation);
+    ricochet_simulation_motion(simulation, 0, &motion);
+    expect(near(motion.spin[0], 0, 1e-10), "a torque stops the spin");
+    expect(ricochet_simulation_push(simulation, 0, weight, NULL) == RICOCHET_OK, "the torque ends");
+    expect(ricochet_simulation_contacts(simulation, &contact, 1) == 0, "nothing touches in the air");
+  }
+  for (k = 0; k < 5000 && ricochet_simulation_contacts(simulation, NULL, 0) == 0; ++k)
+    expect(ricochet_simulation_step(simulation) == RICOCHET_OK, "it falls");
+  expect(ricochet_simulation_contacts(simulation, &contact, 1) == 1, "it lands on its point");
+  expect(contact.pair == 0 && contact.point == 0, "which is the only one");
+  expect(near(contact.normal[2], -1, 1e-12) && contact.force[2] < 0, "it presses on the floor");
+  ricochet_simulation_motion(simulation, 0, &motion);
+  expect(near(contact.place[2], 0, 5e-2) && near(contact.place[0], motion.position[0], 0.1), "where it is");
+  ricochet_simulation_free(simulation);
+}
+
 int main(int count, char** arguments) {
   double velocity[400], mean[3];
   ricochet_block block = {velocity, NULL, NULL, NULL, NULL};
@@ -92,6 +149,10 @@ int main(int count, char** arguments) {
   refusals(kernel);
   ricochet_simulation* simulation = drop(kernel);
   ricochet_simulation* other = drop(kernel);
+  ricochet_kernel_free(kernel);
+  kernel = ricochet_kernel_load(count > 2 ? arguments[2] : NULL);
+  expect(kernel != NULL, "the kernel of the ball");
+  if (kernel != NULL) turn(kernel);
   ricochet_kernel_free(kernel);
   if (simulation == NULL || other == NULL) return 1;
 

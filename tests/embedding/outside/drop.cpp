@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Drops a rigid bob through the C++ header, compares with Galilei's law, and writes the kernel for drop.c.
+// Drops a rigid bob through the C++ header, compares with Galilei's law, and writes the kernels for drop.c:
+// of the bob, and of a rigid ball that turns.
 #include <ricochet/ricochet.hpp>
 
 #if defined(EIGEN_WORLD_VERSION) || defined(MPI_VERSION) || defined(H5_VERS_MAJOR) || defined(FMT_VERSION)
@@ -46,10 +47,48 @@ ricochet::kernels::Kernel bob() {
   return kernel;
 }
 
+/// A rigid ball of 2 kg with a radius of 0.1 m, one contact point, on a spring of 1e6 N/m, and a point force
+/// at its centre.
+ricochet::kernels::Kernel ball() {
+  constexpr double mass = 2, inertia = 0.4 * mass * 0.01;
+  const double linear = 1 / std::sqrt(mass), angular = 1 / std::sqrt(inertia);
+  ricochet::kernels::Kernel kernel;
+  kernel.body = kernel.hash = "ball";
+  kernel.mass = mass;
+  kernel.inertia = {inertia, 0, 0, 0, inertia, 0, 0, 0, inertia};
+  kernel.modes.angular_frequency = kernel.modes.decay_rate = kernel.modes.residual = {0, 0, 0, 0, 0, 0};
+  kernel.modes.certificate.count_found = kernel.modes.certificate.count_by_inertia = 6;
+  kernel.modes.certificate.complete = true;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (std::size_t n = 0; n < 6; ++n) {
+      kernel.loads.body_force.push_back(n == axis ? std::sqrt(mass) : 0);
+      kernel.loads.rotation.push_back(n == axis + 3 ? std::sqrt(inertia) : 0);
+    }
+  const double h = 0.1;  // rotations about x and y move the lowest point along y and −x
+  kernel.surface.node = {0, 0, -h};
+  kernel.surface.normal = {0, 0, -1};
+  kernel.surface.area = {1};
+  kernel.surface.group = {"skin"};
+  kernel.surface.element_corners = 1;
+  kernel.surface.element = {0};
+  kernel.surface.shape = {linear, 0, 0, 0, -h * angular, 0, 0, linear, 0, h * angular,
+                          0,      0, 0, 0, linear,       0, 0, 0};
+  kernel.surface.residual_flexibility = {1e-6, 0, 0, 0, 1e-6, 0, 0, 0, 1e-6};
+  kernel.loads.body_force_residual.assign(9, 0);
+  kernel.applied = {{.name = "push",
+                     .unit = "N",
+                     .participation = {linear, 0, 0, 0, 0, 0, 0, linear, 0, 0, 0, 0, 0, 0, linear, 0, 0, 0},
+                     .total = {1, 0, 0, 0, 1, 0, 0, 0, 1},
+                     .moment = std::vector<double>(9, 0),
+                     .residual = std::vector<double>(9, 0)}};
+  return kernel;
+}
+
 }  // namespace
 
 int main(int, char** arguments) {
   ricochet::save_kernel(bob(), arguments[1]);
+  ricochet::save_kernel(ball(), arguments[2]);
 
   ricochet::Scene scene;
   scene.rate_hz = 1000;
