@@ -8,6 +8,7 @@
 #include <complex>
 #include <numeric>
 #include <random>
+#include <utility>
 
 namespace ricochet::kernels {
 namespace {
@@ -73,6 +74,22 @@ void keep_columns(std::vector<T>& matrix, const std::vector<bool>& keep) {
   for (std::size_t from = 0; from < matrix.size(); ++from)
     if (keep[from % keep.size()]) matrix[to++] = matrix[from];
   matrix.resize(to);
+}
+
+/// Keeps the pairs of kept modes, renumbered.
+void keep_pairs(Coriolis& coriolis, const std::vector<bool>& keep) {
+  std::vector<std::int64_t> number(keep.size());
+  std::exclusive_scan(keep.begin(), keep.end(), number.begin(), std::int64_t{0});
+  Coriolis kept;
+  for (std::size_t k = 0; 2 * k < coriolis.pair.size(); ++k) {
+    const auto m = static_cast<std::size_t>(coriolis.pair[2 * k]),
+               n = static_cast<std::size_t>(coriolis.pair[2 * k + 1]);
+    if (!keep[m] || !keep[n]) continue;
+    kept.pair.insert(kept.pair.end(), {number[m], number[n]});
+    const auto g = coriolis.coupling.begin() + static_cast<std::ptrdiff_t>(3 * k);
+    kept.coupling.insert(kept.coupling.end(), g, g + 3);
+  }
+  coriolis = std::move(kept);
 }
 
 /// Adds left_k right_kᵀ / λ to block `at` of a matrix (rows, blocks · width), where left_k and right_k are
@@ -244,6 +261,7 @@ void truncate(Kernel& kernel, const std::vector<bool>& keep) {
        {&kernel.modes.angular_frequency, &kernel.modes.decay_rate, &kernel.modes.residual,
         &kernel.surface.shape, &kernel.loads.body_force, &kernel.loads.rotation})
     keep_columns(*matrix, keep);
+  keep_pairs(kernel.modes.coriolis, keep);
   for (Load& load : kernel.applied) keep_columns(load.participation, keep);
   for (Motion& motion : kernel.motions) keep_columns(motion.participation, keep);
   for (Receiver& receiver : kernel.receivers) keep_columns(receiver.shape, keep);

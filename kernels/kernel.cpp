@@ -141,6 +141,16 @@ void validate_modes(const Modes& modes, const Validator& check) {
     check.fail("group \"/modes/certificate\"", "contains a number that is negative or not finite.");
 }
 
+void validate_coriolis(const Modes& modes, const Validator& check) {
+  const std::string pairs = "/modes/coriolis/pair";
+  const auto& [pair, coupling] = modes.coriolis;
+  check.indices(pairs, pair, modes.size());
+  check.length("/modes/coriolis/coupling", coupling.size(), pair.size() / 2 * 3);
+  for (std::size_t k = 0; k + 1 < pair.size(); k += 2)
+    if (pair[k] >= pair[k + 1] || modes.angular_frequency[pair[k]] == 0)
+      check.fail_dataset(pairs, base::format("is not of two ascending elastic modes in row {}.", k / 2));
+}
+
 /// @param surface  Surface or WholeSurface, @param group  of its datasets
 void validate_candidates(const auto& surface, const std::string& group, const Validator& check) {
   check.each(
@@ -225,6 +235,7 @@ void validate(const Kernel& kernel, const std::string& origin) {
   validate_components(kernel.surface, check);
   list_kernel(check, kernel);
   validate_modes(kernel.modes, check);
+  validate_coriolis(kernel.modes, check);
   validate_candidates(kernel.surface, "/surface", check);
   if (kernel.surface.whole) validate_whole(kernel.surface, check);
   validate_symmetry(kernel.surface, check);

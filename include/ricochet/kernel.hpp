@@ -37,12 +37,24 @@ struct Certificate {
   bool operator==(const Certificate&) const = default;
 };
 
+/// Whether a rotation mixes two elastic modes: they differ by less than 2 % in frequency.
+inline bool nearly_equal(double lower, double upper) { return lower > 0 && upper - lower < 0.02 * lower; }
+
+/// The pairs of nearly equal modes of a free solid, for the Coriolis force if it turns. Empty if it has no
+/// such pairs, and in files of earlier versions.
+struct Coriolis {
+  std::vector<std::int64_t> pair;  ///< (P,2) modes m < n, ascending
+  std::vector<double> coupling;  ///< (P,3) ∫ρ φ_m × φ_n along the axes of the body [1], at most 1 in length
+  bool operator==(const Coriolis&) const = default;
+};
+
 struct Modes {
   std::string basis = "modes";  ///< or "contact" (contact-adapted), or "imported" (nothing is proved)
   std::vector<double> angular_frequency;  ///< (N) ω_n [rad/s], ascending; rigid modes first, exactly 0
   std::vector<double> decay_rate;         ///< (N) δ_n = ζ_n ω_n [1/s]
   std::vector<double> residual;  ///< (N) ‖Kφ − ω²Mφ‖₂ / ‖Kφ‖₂ (rigid: over ‖diag K‖∞ ‖φ‖₂)
   Certificate certificate;
+  Coriolis coriolis;
   std::size_t size() const { return angular_frequency.size(); }
   /// Whether these are the load-dependent Ritz vectors of a contact-adapted basis. They are not modes of the
   /// body, and the basis is useful only as a whole.

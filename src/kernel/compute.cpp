@@ -13,6 +13,7 @@
 #include "src/modes/search.hpp"
 #include "src/modes/validate.hpp"
 #include "src/reduction/contact_basis.hpp"
+#include "src/reduction/coriolis.hpp"
 #include "src/surface/trace.hpp"
 
 namespace ricochet::kernel {
@@ -152,6 +153,8 @@ kernels::Kernel compute(const scene::KernelRequest& request, const std::filesyst
   kernel.modes.residual = modes.residual;
   kernel.modes.certificate = modes.certificate;
   kernel.modes.decay_rate = kernels::decay_rates(body.damping, modes.angular_frequency);
+  if (!kernel.supported && mesh.dim == 3)
+    kernel.modes.coriolis = reduction::coriolis(teams, matrices.mass, modes);
   const bool corrected = request.modes.residual_flexibility && patches.geometry.size() > 0;
   const surface::Correction form = !corrected                ? surface::Correction::none
                                    : request.normal_residual ? surface::Correction::normal

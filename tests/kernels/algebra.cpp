@@ -258,6 +258,18 @@ TEST(Truncation, to_a_number_keeps_multiple_modes_whole) {
   EXPECT_EQ(truncated_to_count(kernel, 40).modes.certificate.upto_hz, kernel.modes.certificate.upto_hz);
 }
 
+TEST(Truncation, renumbers_the_pairs_of_the_modes_that_it_keeps) {
+  Kernel kernel = Bar{}.kernel();
+  kernel.modes.coriolis = {.pair = {1, 2, 1, 3, 3, 5, 4, 5},
+                           .coupling = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
+  std::vector<bool> keep(kernel.modes.size(), true);
+  keep[2] = false;
+  truncate(kernel, keep);
+  EXPECT_EQ(kernel.modes.coriolis.pair, (std::vector<std::int64_t>{1, 2, 2, 4, 3, 4}));
+  EXPECT_EQ(kernel.modes.coriolis.coupling, (std::vector<double>{4, 5, 6, 7, 8, 9, 10, 11, 12}));
+  EXPECT_EQ(truncated_to_count(kernel, 2).modes.coriolis, Coriolis{});
+}
+
 // Even one mode that was truncated: the rest are not all modes below the end.
 TEST(Truncation, is_refused_after_a_truncation_that_left_gaps) {
   Kernel kernel = Bar{}.kernel();
@@ -386,6 +398,7 @@ TEST(Rescaling, gives_each_datum_the_factor_of_its_unit) {
   expect_unit(made.inertia, had.inertia, {1, 2, 0}, "inertia");
   expect_unit(made.outline, had.outline, {0, 1, 0}, "outline");
   expect_unit(made.modes.angular_frequency, had.modes.angular_frequency, {0, 0, -1}, "omega");
+  EXPECT_EQ(made.modes.coriolis, had.modes.coriolis);
   expect_unit(made.surface.centroid, had.surface.centroid, {0, 1, 0}, "centroid");
   expect_unit(made.surface.bulge, had.surface.bulge, {0, 1, 0}, "bulge");
   EXPECT_EQ(made.surface.element_normal, had.surface.element_normal);

@@ -72,6 +72,7 @@ inline Kernel sample_kernel(int components, std::size_t n = 5, std::size_t m = 4
                        .complete = true,
                        .orthonormality = 3e-14,
                        .flexibility_error = 1e-3};
+  if (n > 4) modes.coriolis = {.pair = {1, 2, 3, 4}, .coupling = {0.1, -0.2, 0.3, 0.5, -0.0, 1e-310}};
 
   Surface& surface = kernel.surface;
   surface.components = components;
