@@ -77,15 +77,15 @@ double FloatingBody::kinetic() const {
   return 0.5 * mass * velocity.squaredNorm() + 0.5 * own.dot(inertia.inverse * own);
 }
 
-void FloatingBody::drift(double time) noexcept {
+Vector3d FloatingBody::drift(double time) noexcept {
   add(time * velocity, position, position_carry);
-  turn_freely(attitude, momentum, inertia, time, of_contact);
+  return turn_freely(attitude, momentum, inertia, time, of_contact);
 }
 
-void FloatingBody::fly(double time) noexcept {
+Vector3d FloatingBody::fly(double time) noexcept {
   add(time * velocity + 0.5 * time * time * acceleration(), position, position_carry);
   add(time * acceleration(), velocity, velocity_carry);
-  turn_freely(attitude, momentum, inertia, time, of_flight);
+  return turn_freely(attitude, momentum, inertia, time, of_flight);
 }
 
 Vector3d FloatingBody::free_displacement(const Vector3d& arm, double step) const {

@@ -69,8 +69,9 @@ struct FloatingBody {
   /// times.
   Eigen::Vector3d position_carry{0, 0, 0}, velocity_carry{0, 0, 0};
 
-  void drift(double time) noexcept;  ///< without forces, for a part of a contact step [s]
-  void fly(double time) noexcept;    ///< without contact and torque [s]
+  // Return ∫Ω dt in body axes [rad].
+  Eigen::Vector3d drift(double time) noexcept;  ///< without forces, for a part of a contact step [s]
+  Eigen::Vector3d fly(double time) noexcept;    ///< without contact and torque [s]
   /// Changes velocity and momentum by forces and torques on it, constant over a step [s], beside gravity,
   /// loads and those from outside. Returns the work of the latter two [J]. @param contact, moment  body axes
   double kick(const Eigen::Vector3d& contact, const Eigen::Vector3d& moment, double step) noexcept;

@@ -16,10 +16,11 @@ Inertia Inertia::of(const Eigen::Matrix3d& tensor) {
   return {tensor, tensor.inverse(), 1 / least};
 }
 
-void turn_freely(Quaterniond& attitude, const Vector3d& momentum, const Inertia& inertia, double time,
-                 double angle) noexcept {
+Vector3d turn_freely(Quaterniond& attitude, const Vector3d& momentum, const Inertia& inertia, double time,
+                     double angle) noexcept {
+  Vector3d turned = Vector3d::Zero();
   const double most = momentum.norm() * inertia.largest_inverse * time;
-  if (!(most > 0)) return;
+  if (!(most > 0)) return turned;
   const double steps = std::max(1.0, std::ceil(most / angle)), h = time / steps;
   for (double k = 0; k < steps; ++k) {
     const Vector3d start = attitude.conjugate() * momentum;
@@ -36,7 +37,9 @@ void turn_freely(Quaterniond& attitude, const Vector3d& momentum, const Inertia&
     }
     const Vector3d half = 0.5 * h * (inertia.inverse * middle);
     attitude = (attitude * Quaterniond(1, half.x(), half.y(), half.z())).normalized();
+    turned += 2 * half;
   }
+  return turned;
 }
 
 }  // namespace ricochet::contact

@@ -27,10 +27,10 @@ struct Inertia {
   static Inertia of(const Eigen::Matrix3d& tensor);
 };
 
-/// Turns the attitude A, from body axes to world axes, over `time` [s].
+/// Turns the attitude A, from body axes to world axes, over `time` [s]. Returns ∫Ω dt in body axes [rad].
 /// @param momentum  L [kg m²/s], world axes
 /// @param angle  largest angle of a step [rad], at most 1/4
-void turn_freely(Eigen::Quaterniond& attitude, const Eigen::Vector3d& momentum, const Inertia& inertia,
-                 double time, double angle) noexcept;
+Eigen::Vector3d turn_freely(Eigen::Quaterniond& attitude, const Eigen::Vector3d& momentum,
+                            const Inertia& inertia, double time, double angle) noexcept;
 
 }  // namespace ricochet::contact

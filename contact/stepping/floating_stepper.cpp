@@ -47,6 +47,9 @@ FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepO
       state_((check(options), model), options),
       bodies_(floating_bodies(*model)),
       kept_(bodies_),
+      coriolis_(coriolis_of(*state_.system->model)),
+      mixes_(!std::ranges::all_of(coriolis_, &Coriolis::empty)),
+      turned_(bodies_.size()),
       turning_(*initial_turning(*model, options)),
       points_(*model, *state_.system),
       loads_(*state_.system->model, bodies_, state_.forcing, points_),
@@ -65,7 +68,7 @@ FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepO
                        "{}. Raise time.contact_rate_hz, or lower it.",
                        model->bodies[k].name, turn, largest_turn));
   }
-  for (Vector* x : {&dq_, &modal_force_, &displaced_}) x->setZero(model->omega.size());
+  for (Vector* x : {&dq_, &modal_force_, &displaced_, &kept_q_, &kept_v_}) x->setZero(model->omega.size());
   for (Vector* x : {&rest_, &rest_force_}) x->setZero(model->rows());
   for (std::size_t k = 0; k < bodies_.size(); ++k)
     travels_[k].distance = std::numeric_limits<double>::infinity();  // the first call finds all feet
@@ -136,15 +139,15 @@ StepStatus FloatingStepper::step() noexcept {
   const StepSystem& system = *state_.system;
   Slip* const slip = contact_.slip.any() ? &contact_.slip : nullptr;
   if (steps_ >= search_at_) search();
-  kept_ = bodies_;
+  keep();
   before_ = contact_.mean;
   const auto undo = [&](StepStatus status) {
-    bodies_ = kept_;
+    restore();
     contact_.mean = before_;
     place(time());
     return status;
   };
-  for (FloatingBody& body : bodies_) body.drift(0.5 * options_.step);
+  drift(Coriolis::Half::before, state_.q, state_.v);
   contact_.slip.begin(system.model->belts, steps_ + 1);
   drive();
   points_.advance(bodies_, dq_, options_.step, contact_.mean);
@@ -162,10 +165,33 @@ StepStatus FloatingStepper::step() noexcept {
   const StepTrial trial = law_.solve(matrices, contact_.mean, slip);
   if (!has_forces(trial.status)) return undo(failure(trial.status));
   const Work work = kick(trial);
-  for (FloatingBody& body : bodies_) body.drift(0.5 * options_.step);
+  drift(Coriolis::Half::after, state_.next_q, state_.next_v);
   if (!commit(work, trial.in_residual, static_cast<double>(steps_ + 1) * options_.step))
     return undo(StepStatus::not_finite);
   return end(trial);
+}
+
+/// Moves the frames for half a step, and mixes nearly equal modes.
+void FloatingStepper::drift(Coriolis::Half half, Vector& q, Vector& v) noexcept {
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const Vector3d angle = bodies_[k].drift(0.5 * options_.step);
+    coriolis_[k].turn(angle, options_.step, half, q, v);
+  }
+}
+
+/// Keeps what drifts change.
+void FloatingStepper::keep() noexcept {
+  kept_ = bodies_;
+  if (!mixes_) return;
+  kept_q_ = state_.q;
+  kept_v_ = state_.v;
+}
+
+void FloatingStepper::restore() noexcept {
+  bodies_ = kept_;
+  if (!mixes_) return;
+  state_.q = kept_q_;
+  state_.v = kept_v_;
 }
 
 /// Counts searches that find all bodies at rest.
@@ -386,26 +412,42 @@ bool FloatingStepper::push(int number, const Vector3d& force, const Vector3d& to
   return true;
 }
 
-/// Flies to the next output sample, if nothing can touch before it. Returns the number of steps crossed.
+/// Steps to the next output sample, or an equal part of them if modes mix.
+int FloatingStepper::steps_to_cross() const noexcept {
+  const auto steps = static_cast<int>(options_.steps_per_sample - steps_ % options_.steps_per_sample);
+  double longest = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < bodies_.size(); ++k)
+    longest = std::min(longest,
+                       coriolis_[k].longest(bodies_[k].momentum.norm() * bodies_[k].inertia.largest_inverse));
+  const double parts = std::ceil(std::min(1.0 * steps, steps * options_.step / longest));
+  return parts > 1 ? static_cast<int>(std::ceil(steps / parts)) : steps;
+}
+
+/// Flies towards the next output sample, if nothing can touch before it. Returns the number of steps crossed.
 int FloatingStepper::cross() noexcept {
   for (const FloatingBody& body : bodies_)
     if (!body.torque.isZero(0)) return 0;
-  const auto steps = static_cast<int>(options_.steps_per_sample - steps_ % options_.steps_per_sample);
+  const int steps = steps_to_cross();
   const double from = time(), to = static_cast<double>(steps_ + steps) * options_.step;
   if (!is_steady(to - from) || loads_.act_on_free(from, to)) return 0;
   TurningLoads::release(bodies_);
   if (steps_ + steps > clear_until_) clear_until_ = find_clear_until();
   if (steps_ + steps > clear_until_) return 0;
   set_flight(steps);
-  kept_ = bodies_;
-  for (FloatingBody& body : bodies_) body.fly(to - from);
+  keep();
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    turned_[k] = bodies_[k].fly(to - from);
+    coriolis_[k].turn(0.5 * turned_[k], to - from, Coriolis::Half::before, state_.q, state_.v);
+  }
   modal_force_.setZero();
   state_.forcing.interval(from, to, state_.now);
   Work work = move_modes(over_);
   for (std::size_t k = 0; k < bodies_.size(); ++k)
+    coriolis_[k].turn(0.5 * turned_[k], to - from, Coriolis::Half::after, state_.next_q, state_.next_v);
+  for (std::size_t k = 0; k < bodies_.size(); ++k)
     work.forcing += bodies_[k].push.dot(bodies_[k].position - kept_[k].position);
   if (!commit(work, 0, to)) {
-    bodies_ = kept_;
+    restore();
     return 0;
   }
   search_at_ = steps_ + steps;

@@ -5,8 +5,9 @@
 // A step drifts by half of it, kicks, and drifts by the other half. The drifts move the frames without forces
 // and conserve energy, momentum and angular momentum. Contact acts at the geometry of the middle, with the
 // true gaps of the start: the step of contact/law gives the forces, and the kick changes velocities, angular
-// momenta and modes. The work of the kick is that of the mean forces over the displacements d of
-// moving_points.hpp, so that the theorem of mean_force.hpp holds for any rotation. Two things are new:
+// momenta and modes. Nearly equal modes of bodies that turn mix in the drifts (coriolis.hpp). The work of the
+// kick is that of the mean forces over the displacements d of moving_points.hpp, so that the theorem of
+// mean_force.hpp holds for any rotation. Two things are new:
 //
 //   - The forces of the last step keep their directions, in the world or in the body that a point meets,
 //   while
@@ -18,10 +19,12 @@
 // Bodies that have come to rest on obstacles that do not move stay at rest, with their last forces, until
 // they are pushed.
 //
-// Flight is crossed from sample to sample while no point can touch, nothing but gravity acts on free bodies,
-// and no load or support changes. A change wakes bodies that rest.
+// Flight is crossed from sample to sample, or in parts that resolve the mixing of modes, while no point can
+// touch, nothing but gravity acts on free bodies, and no load or support changes. A change wakes bodies that
+// rest.
 #pragma once
 
+#include "contact/motion/coriolis.hpp"
 #include "contact/stepping/moving_points.hpp"
 #include "contact/stepping/stepper.hpp"
 #include "contact/stepping/turning_loads.hpp"
@@ -47,6 +50,10 @@ class FloatingStepper final : public Stepper {
   bool wakes() noexcept;
   void place(double time) noexcept;
   void drive() noexcept;
+  void drift(Coriolis::Half half, Vector& q, Vector& v) noexcept;
+  void keep() noexcept;
+  void restore() noexcept;
+  int steps_to_cross() const noexcept;
   int cross() noexcept;
   std::int64_t find_clear_until() noexcept;
   void set_flight(int steps) noexcept;
@@ -64,6 +71,10 @@ class FloatingStepper final : public Stepper {
 
   ModalState state_;
   std::vector<FloatingBody> bodies_, kept_;  ///< now; at the start of the step
+  std::vector<Coriolis> coriolis_;           ///< by body
+  bool mixes_;                               ///< whether any body has nearly equal modes
+  Vector kept_q_, kept_v_;                   ///< if so, at the start of the step
+  std::vector<Eigen::Vector3d> turned_;      ///< by body, ∫Ω dt of a flight, body axes [rad]
   Turning turning_;
   MovingPoints points_;
   TurningLoads loads_;

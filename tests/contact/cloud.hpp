@@ -22,12 +22,14 @@ struct Cloud {
   double mass = 0;
   Vector3d centre{0, 0, 0};
   Matrix3d inertia = Matrix3d::Zero();
+  Eigen::MatrixXd shape;  ///< (81,N) of all masses, also of the one that is no candidate [kg^-1/2]
   kernels::Kernel kernel;
 
   /// @param lowest  frequency of the first elastic mode [Hz]  @param flexibility  R_ii [m/N], 0: no R
   /// @param irregular  share by which places and masses vary; 0: a box of equal masses, whose faces are flat
+  /// @param swirl  whether the second elastic mode is the first one turned about the steady axis, nearly
   Cloud(const Vector3d& size, double lowest, double flexibility, unsigned seed, bool elastic = true,
-        double irregular = 0.2) {
+        double irregular = 0.2, bool swirl = false) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> spread(1 - irregular, 1 + irregular);
     for (int k = 0; k < 27; ++k) {
@@ -42,7 +44,28 @@ struct Cloud {
       const Vector3d arm = place[k] - centre;
       inertia += weight[k] * (arm.squaredNorm() * Matrix3d::Identity() - arm * arm.transpose());
     }
-    make_kernel(lowest, flexibility, random, elastic);
+    make_kernel(lowest, flexibility, random, elastic, swirl);
+  }
+
+  /// The principal axis with the largest moment, about which a free body spins steadily.
+  Vector3d steady_axis() const {
+    return Eigen::SelfAdjointEigenSolver<Matrix3d>(inertia).eigenvectors().col(2);
+  }
+
+  /// Adds the Coriolis coupling Σ m φ_m × φ_n of nearly equal modes, which may have new frequencies.
+  void couple() {
+    kernels::Coriolis& out = kernel.modes.coriolis = {};
+    const std::vector<double>& omega = kernel.modes.angular_frequency;
+    for (int m = 6; m < std::ssize(omega); ++m)
+      for (int n = m + 1; n < std::ssize(omega); ++n) {
+        if (omega[static_cast<std::size_t>(n)] >= 1.02 * omega[static_cast<std::size_t>(m)]) continue;
+        Vector3d sum = Vector3d::Zero();
+        for (int k = 0; k < 27; ++k)
+          sum += weight[static_cast<std::size_t>(k)] *
+                 Vector3d(shape.block<3, 1>(3 * k, m)).cross(Vector3d(shape.block<3, 1>(3 * k, n)));
+        out.pair.insert(out.pair.end(), {m, n});
+        out.coupling.insert(out.coupling.end(), sum.begin(), sum.end());
+      }
   }
 
   /// Holds the body by springs, so that it has no rigid modes.
@@ -65,7 +88,7 @@ struct Cloud {
   }
 
  private:
-  void make_kernel(double lowest, double flexibility, std::mt19937& random, bool elastic) {
+  void make_kernel(double lowest, double flexibility, std::mt19937& random, bool elastic, bool swirl) {
     std::normal_distribution<double> normal;
     const int modes = elastic ? 81 : 6;
     // M^½ φ: the rigid motions, completed by any others, made orthonormal.
@@ -77,9 +100,12 @@ struct Cloud {
         Vector3d field(normal(random), normal(random), normal(random));
         if (n < 3) field = Vector3d::Unit(n);
         if (n >= 3 && n < 6) field = Vector3d::Unit(n - 3).cross(arm);
+        if (swirl && n == 7) field = steady_axis().cross(Vector3d(fields.block<3, 1>(3 * k, 6))) / root;
         fields.block<3, 1>(3 * k, n) = root * field;
       }
     const Eigen::MatrixXd basis = Eigen::HouseholderQR<Eigen::MatrixXd>(fields).householderQ();
+    shape = basis.leftCols(modes);
+    for (int k = 0; k < 81; ++k) shape.row(k) /= std::sqrt(weight[static_cast<std::size_t>(k / 3)]);
     kernel.body = "cloud";
     kernel.mass = mass;
     kernel.centre = {centre.x(), centre.y(), centre.z()};
@@ -106,8 +132,7 @@ struct Cloud {
       const auto at = static_cast<std::size_t>(k);
       add_candidate(kernel, place[at], (place[at] - centre).normalized(), 1e-6);
       for (int axis = 0; axis < 3; ++axis)
-        for (int n = 0; n < modes; ++n)
-          kernel.surface.shape.push_back(basis(3 * k + axis, n) / std::sqrt(weight[at]));
+        for (int n = 0; n < modes; ++n) kernel.surface.shape.push_back(shape(3 * k + axis, n));
     }
     for (int axis = 0; axis < 3; ++axis)
       for (const int side : {0, 2})

@@ -188,7 +188,8 @@ TEST(Floating, a_ball_in_gross_slip_gains_the_speed_of_Coulomb) {
 
 #if RICOCHET_HEAP_COUNTED
 TEST(Floating, a_step_does_not_touch_the_heap) {
-  const Cloud cloud({0.05, 0.04, 0.03}, 2000, 1e-7, 8);
+  Cloud cloud({0.05, 0.04, 0.03}, 2000, 1e-7, 8);
+  cloud.couple();
   for (const double rate : {2e3, 1e5}) {  // with folded modes, and without
     const auto model = over_floor(cloud, {.rotation = turn(0.2, {1, 0.3, 0}),
                                           .velocity = {0.3, 0, -1},
