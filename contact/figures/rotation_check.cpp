@@ -4,14 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 namespace ricochet::contact {
 namespace {
 
 constexpr double largest_strain = 1e-3;  // (Ωr/c)²
-constexpr double nearly_equal = 0.02;    // of the frequency: the rotation couples such modes
 constexpr double most_turned = 0.1;      // [rad]: smaller turns of a pattern do not show
+constexpr double most_mixed = 0.01;      // of the amplitude: likewise
 
 }  // namespace
 
@@ -19,19 +20,32 @@ RotationCheck::RotationCheck(const Model& model, double wave_speed)
     : model_(model), wave_speed_(wave_speed), bodies_(model.bodies.size()) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const Bodies::Block& block = model.bodies[k];
+    Body& body = bodies_[k];
     const std::vector<double>& places = block.kernel->surface.places();
     for (std::size_t i = 0; i < places.size(); i += 3)
-      bodies_[k].radius = std::max(
-          bodies_[k].radius, (Eigen::Map<const Eigen::Vector3d>(&places[i]) - block.own_centre()).norm());
+      body.radius =
+          std::max(body.radius, (Eigen::Map<const Eigen::Vector3d>(&places[i]) - block.own_centre()).norm());
     const auto omega = model.omega.segment(block.first_mode, block.modes);
-    for (int n = 0; n + 1 < block.modes && bodies_[k].first < 0; ++n)
-      if (omega(n) > 0 && omega(n + 1) - omega(n) < nearly_equal * omega(n)) bodies_[k].first = n + 1;
+    const bool coupled = !block.kernel->modes.coriolis.pair.empty();
+    int modes = block.modes;
+    while (modes > 0 && std::ranges::binary_search(model.folded.modes, block.first_mode + modes - 1)) --modes;
+    for (int m = 0; m < modes; ++m) {
+      if (omega(m) == 0) continue;
+      if (body.lowest == 0) body.lowest = omega(m);
+      int n = m + 1;
+      while (coupled && n < modes && kernels::nearly_equal(omega(m), omega(n))) ++n;
+      if (n == modes || (body.apart > 0 && omega(n) - omega(m) >= body.apart)) continue;
+      // Modes that differ by round-off alone are as far apart as round-off.
+      body.apart = std::max(omega(n) - omega(m), 1e-15 * omega(m));
+      body.first = kernels::nearly_equal(omega(m), omega(n)) ? m + 1 : -1;
+    }
   }
 }
 
 void RotationCheck::observe(const Stepper& stepper) {
   const double passed = stepper.time() - time_;
   time_ = stepper.time();
+  turns_ = !stepper.poses().empty();
   for (std::size_t k = 0; k < stepper.poses().size(); ++k) {
     const double spin = stepper.poses()[k].spin.norm();
     bodies_[k].fastest = std::max(bodies_[k].fastest, spin);
@@ -39,22 +53,37 @@ void RotationCheck::observe(const Stepper& stepper) {
   }
 }
 
+Neglected RotationCheck::neglected(const Body& body) const {
+  Neglected out;
+  if (wave_speed_ > 0) out.centrifugal_strain = std::pow(body.fastest * body.radius / wave_speed_, 2);
+  if (body.lowest > 0) out.frequency_shift = std::pow(body.fastest / body.lowest, 2);
+  if (body.apart > 0) out.mode_mixing = std::min(1.0, 2 * body.fastest / body.apart);
+  return out;
+}
+
+std::map<std::string, Neglected> RotationCheck::neglected() const {
+  std::map<std::string, Neglected> out;
+  for (std::size_t k = 0; k < bodies_.size() && turns_; ++k)
+    if (!model_.bodies[k].supported) out[model_.bodies[k].name] = neglected(bodies_[k]);
+  return out;
+}
+
 std::vector<std::string> RotationCheck::warnings() const {
   std::vector<std::string> out;
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const Body& body = bodies_[k];
     const std::string& name = model_.bodies[k].name;
-    const double rim = body.fastest * body.radius / (wave_speed_ > 0 ? wave_speed_ : 1);
-    if (wave_speed_ > 0 && rim * rim > largest_strain)
+    const Neglected sizes = neglected(body);
+    if (sizes.centrifugal_strain.value_or(0) > largest_strain)
       out.push_back(fmt::format(
           "{} spins at {:.4g} rad/s: the centrifugal strain, about {:.2g} (above {:g}), is neglected", name,
-          body.fastest, rim * rim, largest_strain));
-    if (body.first > 0 && body.turned > most_turned)
+          body.fastest, *sizes.centrifugal_strain, largest_strain));
+    if (body.first > 0 && body.turned > most_turned && sizes.mode_mixing > most_mixed)
       out.push_back(fmt::format(
-          "modes {} and {} of {} differ by less than {:g} % in frequency: the rotation couples them "
-          "(Coriolis), "
-          "which is neglected, so their pattern may be off by up to the {:.3g} degrees that the body turns",
-          body.first, body.first + 1, name, 100 * nearly_equal, body.turned * 180 / std::numbers::pi));
+          "modes {} and {} of {} are nearly equal, and its kernel lacks their coupling by the rotation "
+          "(Coriolis): their pattern may be off by up to the {:.3g} degrees that the body turns. Compute the "
+          "kernel again, from a mesh or from matrices",
+          body.first, body.first + 1, name, body.turned * 180 / std::numbers::pi));
   }
   return out;
 }

@@ -21,6 +21,14 @@ struct Sound {
   double rate_hz = 0;             ///< of the file
 };
 
+/// Sizes of what finite rotations neglect for a body, the largest of the run.
+struct Neglected {
+  std::optional<double> centrifugal_strain;  ///< (Ωr/c)², about; no value if the wave speed is not known
+  double frequency_shift = 0;                ///< (Ω/ω)² of the lowest elastic mode, about
+  /// Bound 2Ω/(ω_n − ω_m) on the share of amplitude that modes exchange which no Coriolis force couples.
+  double mode_mixing = 0;
+};
+
 struct Summary : ImpactFigures {
   /// Largest deviation of the ledger, relative to the largest of kinetic + strain + residual energy, work of
   /// loads, and energy lost in contact. No value with sampled responses.
@@ -43,8 +51,9 @@ struct Summary : ImpactFigures {
   std::map<std::string, std::string> basis;  ///< by body, from kernels::Modes::kind
   int modes_in_residual = 0;             ///< modes above half the rate, which are quasi-static in this run
   Rotation rotation = Rotation::linear;  ///< of free bodies
-  Precision precision = Precision::float64;  ///< precision of the products of steps
-  int candidates = 0;                        ///< number of contact points, m
+  std::map<std::string, Neglected> neglected;  ///< by free body, with finite rotations
+  Precision precision = Precision::float64;    ///< precision of the products of steps
+  int candidates = 0;                          ///< number of contact points, m
   int unpaired = 0;
   std::optional<ErrorEstimate> error_estimate;  ///< set by the caller; no value if not estimated
   std::map<std::string, Sound> sounds;          ///< by receiver; set by the caller

@@ -85,6 +85,7 @@ Summary SummaryObserver::summary() const {
       out.friction_impulse_ns = friction_impulse_.colwise().norm().sum();
       out.max_slip_m = slipped_.maxCoeff();
     }
+    out.neglected = checks_->neglected();
     out.warnings = checks_->warnings(out);
     if (out.contact_end_s) add_band(out);
   }

@@ -50,7 +50,7 @@ Json json_of(const Sound& sound) {
 
 Json json_of(const Summary& summary) {
   Json episodes = Json::array(), touches = Json::array(), exit_velocity = Json::object(),
-       sounds = Json::object();
+       neglected = Json::object(), sounds = Json::object();
   for (const Episode& episode : summary.episodes)
     episodes.push_back({{"start_s", episode.start_s},
                         {"end_s", number(episode.end_s)},
@@ -64,6 +64,10 @@ Json json_of(const Summary& summary) {
                        {"bodies", {touch.a, touch.b}},
                        {"impulse_ns", touch.impulse.norm()}});
   for (const auto& [name, v] : summary.exit_velocity) exit_velocity[name] = {v.x(), v.y(), v.z()};
+  for (const auto& [name, sizes] : summary.neglected)
+    neglected[name] = {{"centrifugal_strain", number(sizes.centrifugal_strain)},
+                       {"frequency_shift", sizes.frequency_shift},
+                       {"mode_mixing", sizes.mode_mixing}};
   for (const auto& [name, sound] : summary.sounds) sounds[name] = json_of(sound);
   Json out{{"contact_start_s", number(summary.contact_start_s)},
            {"contact_end_s", number(summary.contact_end_s)},
@@ -71,6 +75,7 @@ Json json_of(const Summary& summary) {
            {"episodes", episodes},
            {"touches", touches},
            {"rotation", summary.rotation == Rotation::finite ? "finite" : "linear"},
+           {"neglected", neglected},
            {"peak_force_n", summary.peak_force_n},
            {"impulse_ns", summary.impulse_ns},
            {"exit_velocity", exit_velocity},

@@ -16,19 +16,23 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// The warnings of a flight of 0.05 s.
-std::vector<std::string> warnings(Model& model, double wave_speed, Rotation rotation = Rotation::finite) {
+/// Observes a flight of 0.05 s.
+RotationCheck check_of(Model& model, double wave_speed, Rotation rotation = Rotation::finite) {
   const auto stepper = make_stepper(model, stepping(1e4, rotation));
   RotationCheck check(model, wave_speed);
   for (int k = 0; k < 500; ++k) {
     EXPECT_EQ(stepper->step(), StepStatus::ok);
     check.observe(*stepper);
   }
-  return check.warnings();
+  return check;
+}
+
+std::vector<std::string> warnings(Model& model, double wave_speed, Rotation rotation = Rotation::finite) {
+  return check_of(model, wave_speed, rotation).warnings();
 }
 
 TEST(RotationCheck, states_the_strain_and_the_coupling_that_are_neglected) {
-  const Cloud cloud({0.1, 0.1, 0.1}, 500, 0, 4);
+  Cloud cloud({0.1, 0.1, 0.1}, 500, 0, 4);
   double radius = 0;
   for (std::size_t k = 0; k < 27; ++k)
     if (k != 13) radius = std::max(radius, (cloud.place[k] - cloud.centre).norm());
@@ -47,6 +51,17 @@ TEST(RotationCheck, states_the_strain_and_the_coupling_that_are_neglected) {
   EXPECT_THAT(warnings(*model, 0),
               ElementsAre(AllOf(HasSubstr("modes 9 and 10 of cloud"), HasSubstr("up to the 11"))));
   EXPECT_THAT(warnings(*model, 1, Rotation::linear), IsEmpty());
+  EXPECT_THAT(check_of(*model, 1, Rotation::linear).neglected(), IsEmpty());
+
+  const auto sizes = [&] { return check_of(*model, 100).neglected().at("cloud"); };
+  EXPECT_NEAR(*sizes().centrifugal_strain, std::pow(spin * radius / 100, 2),
+              0.1 * std::pow(spin * radius / 100, 2));
+  EXPECT_NEAR(sizes().frequency_shift, std::pow(spin / model->omega(6), 2), 1e-5);
+  EXPECT_NEAR(sizes().mode_mixing, 2 * spin / (0.01 * model->omega(8)), 0.1);
+  cloud.kernel.modes.coriolis = {.pair = {8, 9}, .coupling = {0, 0, 0.5}};
+  EXPECT_THAT(warnings(*model, 0), IsEmpty());
+  // The lowest two modes are the nearest that are left, 5 % apart.
+  EXPECT_NEAR(sizes().mode_mixing, 2 * spin / (0.05 * model->omega(6)), 0.05);
 }
 
 /// A rigid body bounces: each touch is a sequence of steps with a force, and its impulse is the change of
