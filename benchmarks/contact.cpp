@@ -4,14 +4,20 @@
 //
 //   bench_contact [--benchmark_…]      look-ahead blocks against single steps
 //   bench_contact --worst [STEPS]      percentiles of the time of a step and of a block of 64 steps
+//   bench_contact --turning [ROUNDS]   bodies that turn: a step of two and of eight bodies, and flight
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <ctime>
 #include <map>
+#include <memory>
 #include <string_view>
+#include <vector>
 
+#include "benchmarks/lattice.hpp"
 #include "benchmarks/plates.hpp"
 #include "contact/stepping/stepper.hpp"
 #include "ricochet/denormals.hpp"
@@ -128,12 +134,144 @@ void worst(std::int64_t steps) {
       }
 }
 
+/// CPU time of the thread [µs].
+double now() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return 1e6 * static_cast<double>(t.tv_sec) + 1e-3 * static_cast<double>(t.tv_nsec);
+}
+
+/// Bodies that turn, from a state of a scene on.
+struct TurningScene {
+  std::string name;
+  std::vector<kernels::Kernel> kernels{};
+  contact::Model model{};
+  std::unique_ptr<Stepper> stepper{};
+  int warm = 0, steps = 0;  ///< before the measurement; of a round
+};
+
+StepOptions turning_options(int steps_per_sample) {
+  return {.scheme = ricochet::Scheme::compliant,
+          .rotation = ricochet::Rotation::finite,
+          .step = 1 / rate,
+          .steps_per_sample = steps_per_sample,
+          .block = 1};
+}
+
+/// Two boxes that are pressed on each other and spin in opposite senses. The lower one has no candidate below
+/// the upper one, all of whose lowest candidates touch.
+TurningScene pressed(int touching) {
+  TurningScene out{.name = fmt::format("two bodies, {} points", touching), .warm = 500, .steps = 1000};
+  const std::array<int, 3> count = touching == 40   ? std::array{8, 5, 4}
+                                   : touching == 20 ? std::array{5, 4, 6}
+                                                    : std::array{5, 2, 11};
+  const benchmarks::Lattice upper{.count = count, .spacing = {0.01, 0.01, 0.01}},
+      lower{.count = {4, 4, 7}, .spacing = {0.1, 0.1, 0.01}};
+  out.kernels = {benchmarks::kernel_of(upper), benchmarks::kernel_of(lower)};
+  std::vector<contact::PlacedBody> bodies(2);
+  for (std::size_t k = 0; k < 2; ++k) bodies[k].kernel = &out.kernels[k];
+  bodies[0].translation = {0, 0, 0.5 * 0.01 * (count[2] - 1) + 0.03};
+  bodies[0].angular_velocity = {0, 0, 20};
+  bodies[1].angular_velocity = {0, 0, -1};
+  out.model = benchmarks::all_meet(bodies, 0.3, false, 0);
+  out.stepper = contact::make_stepper(out.model, turning_options(1));
+  const double force = 20 * 9.81 * out.kernels[0].mass;
+  out.stepper->push(0, {0, 0, -force}, {0, 0, 0});
+  out.stepper->push(1, {0, 0, force}, {0, 0, 0});
+  return out;
+}
+
+/// Eight boxes with four feet each over a floor: they spin on it, or fall from above and tumble.
+TurningScene eight(bool tumble) {
+  TurningScene out{.name = tumble ? "eight bodies that tumble" : "eight bodies, 4 points each",
+                   .warm = tumble ? 0 : 3000,
+                   .steps = tumble ? 22050 : 1000};
+  const benchmarks::Lattice box{
+      .count = {5, 5, 5}, .spacing = {0.01, 0.01, 0.01}, .damping = 0.1, .foot = 1e-3};
+  out.kernels = {benchmarks::kernel_of(box)};
+  std::vector<contact::PlacedBody> bodies(8);
+  for (int k = 0; k < 8; ++k) {
+    contact::PlacedBody& body = bodies[static_cast<std::size_t>(k)];
+    body.kernel = out.kernels.data();
+    body.translation = {0.12 * (k % 4), 0.12 * (k / 4), 0.021 + 1e-5};
+    body.angular_velocity = {0, 0, 100 + 2.0 * k};
+    if (!tumble) continue;
+    body.translation.z() += 0.03 + 0.003 * k;
+    body.angular_velocity = {40 - 3.0 * k, 20 + 5.0 * k, 10};
+  }
+  out.model = benchmarks::all_meet(bodies, 0.3, true, 9.81);
+  out.stepper = contact::make_stepper(out.model, turning_options(1));
+  for (int k = 0; k < 8 && !tumble; ++k)
+    out.stepper->push(k, {0, 0, -20 * 9.81 * out.kernels[0].mass}, {0, 0, 0});
+  return out;
+}
+
+/// Two boxes that turn far from each other.
+TurningScene flying(int steps_per_sample) {
+  TurningScene out{.name = fmt::format("1 s of flight, {:.0f} samples", rate / steps_per_sample),
+                   .steps = static_cast<int>(rate) / steps_per_sample};
+  const benchmarks::Lattice box{.count = {5, 5, 5}, .spacing = {0.01, 0.01, 0.01}};
+  out.kernels = {benchmarks::kernel_of(box)};
+  std::vector<contact::PlacedBody> bodies(2);
+  for (int k = 0; k < 2; ++k) {
+    contact::PlacedBody& body = bodies[static_cast<std::size_t>(k)];
+    body.kernel = out.kernels.data();
+    body.translation = {0.3 * k, 0, 100};
+    body.angular_velocity = {10, 20, 30};
+  }
+  out.model = benchmarks::all_meet(bodies, 0.3, true, 9.81);
+  out.stepper = contact::make_stepper(out.model, turning_options(steps_per_sample));
+  return out;
+}
+
+/// Rounds begin from the same state. Of each step, the least time of all rounds counts: other programs
+/// lengthen some.
+void turning(int rounds) {
+  fmt::print("| scene | touching | us a step: mean | median | p99 | largest | s a second |\n|{}\n",
+             "---|---|---|---|---|---|---|");
+  std::vector<TurningScene> scenes;
+  for (const int touching : {10, 20, 40}) scenes.push_back(pressed(touching));
+  for (const bool tumble : {false, true}) scenes.push_back(eight(tumble));
+  for (const int steps_per_sample : {441, 44100}) scenes.push_back(flying(steps_per_sample));
+  for (TurningScene& scene : scenes) {
+    for (int k = 0; k < scene.warm; ++k)
+      if (scene.stepper->step() != ricochet::StepStatus::ok) std::abort();
+    const std::unique_ptr<Stepper> begin = scene.stepper->clone();
+    std::vector<double> least(static_cast<std::size_t>(scene.steps), 1e99);
+    double touching = 0;
+    std::int64_t crossed = 0;
+    for (int round = 0; round < rounds; ++round) {
+      scene.stepper->assign(*begin);
+      for (double& time : least) {
+        const double start = now();
+        if (scene.stepper->step() != ricochet::StepStatus::ok) std::abort();
+        time = std::min(time, now() - start);
+        touching += scene.stepper->active();
+      }
+      crossed = scene.stepper->steps() - begin->steps();
+    }
+    double sum = 0;
+    for (const double time : least) sum += time;
+    std::sort(least.begin(), least.end());
+    const auto count = static_cast<double>(scene.steps);
+    fmt::print("| {} | {:.1f} | {:.2f} | {:.2f} | {:.1f} | {:.1f} | {:.3g} |\n", scene.name,
+               touching / count / rounds, sum / count, least[least.size() / 2],
+               least[least.size() * 99 / 100], least.back(),
+               1e-6 * sum * rate / static_cast<double>(crossed));
+    std::fflush(stdout);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   const FlushDenormals scope;  // as in Simulation and the player
   if (argc > 1 && std::string_view(argv[1]) == "--worst") {
     worst(argc > 2 ? std::atoll(argv[2]) : 1000000);
+    return 0;
+  }
+  if (argc > 1 && std::string_view(argv[1]) == "--turning") {
+    turning(argc > 2 ? std::atoi(argv[2]) : 5);
     return 0;
   }
   for (const Size& size : sizes)
