@@ -63,6 +63,12 @@ class ContactSolver {
     friction_.reset();
     newton_.reset();
   }
+  /// The next problem has another matrix with the same contacts.
+  void change_matrix() noexcept {
+    frictionless_.change_matrix();
+    friction_.change_matrix();
+    newton_.reset();
+  }
   /// Of the last problem.
   const SolveResidual& residual() const {
     if (stopped_.scale > 0) return stopped_;

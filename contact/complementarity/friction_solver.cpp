@@ -23,13 +23,13 @@ FrictionSolver::FrictionSolver(int capacity, const FrictionOptions& options)
   touching_.resize(n);
   states_.resize(n);
   slips_.resize(n);
+  runs_.reserve(n);
   for (Eigen::VectorXd* x : {&root_, &work_, &forces_}) x->setZero(static_cast<Eigen::Index>(n));
 }
 
 void FrictionSolver::reset() noexcept {
   frictionless_.reset();
-  system_.clear();
-  for (int k = 0; k < point_count_; ++k) points_[k].touches = false;
+  choose_none();
   known_ = 0;
   point_count_ = 0;
   gathered_ = false;
@@ -59,16 +59,23 @@ bool FrictionSolver::know(const Symmetric& S, std::span<const FrictionContact> c
   if (!same_points || !options_.same_matrix || changed_) {
     if (!std::isfinite(S.diagonal().sum())) return false;
     changed_ = false;
+    // Factors of other matrices are far from it, and so are those of a problem that needed several.
+    if (!options_.same_matrix || !gathered_) choose_none();
     root_.head(S.rows()) = S.diagonal().cwiseMax(0).cwiseSqrt();
     gathered_ = false;
   }
   known_ = S.rows();
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const double coefficient = std::max(contacts[k].coefficient, 0.0);
-    if ((points_[k].coefficient > 0) != (coefficient > 0)) gathered_ = false;
+    if ((points_[k].coefficient > 0) != (coefficient > 0)) choose_none();
     points_[k].coefficient = coefficient;
   }
   return true;
+}
+
+void FrictionSolver::choose_none() noexcept {
+  system_.clear();
+  for (int k = 0; k < point_count_; ++k) points_[k].touches = false;
 }
 
 /// Chooses the points of the system: those with a force in the guess. Those of the last choice are kept
@@ -81,9 +88,8 @@ void FrictionSolver::choose(const Forces& p) noexcept {
     ++forces;
     missing += points_[k].touches ? 0 : 1;
   }
-  if (!gathered_ || system_.points() + missing > forces + forces / 4 + 1) {
-    system_.clear();
-    for (int k = 0; k < point_count_; ++k) points_[k].touches = false;
+  if (system_.points() + missing > forces + forces / 4 + 1) {
+    choose_none();
     missing = forces;
   }
   gathered_ = gathered_ && missing == 0;
@@ -106,19 +112,21 @@ void FrictionSolver::gather(const Symmetric& S, const Right& r) noexcept {
     system_[k].coefficient = point.coefficient;
   }
   if (gathered_) return;
+  runs_.clear();
+  for (int k = 0; k < system_.points(); ++k)
+    for (int d = 0; d < system_[k].rows(); ++d) {
+      const int row = points_[touching_[k]].row(d);
+      if (!runs_.empty() && runs_.back().row + runs_.back().size == row)
+        ++runs_.back().size;
+      else
+        runs_.push_back({.row = row, .of_system = system_[k].row + d, .size = 1});
+    }
   auto A = system_.A();
-  for (int j = 0; j < system_.points(); ++j)
-    for (int d = 0; d < system_[j].rows(); ++d) {
-      const double* const column = &S.coeffRef(0, points_[touching_[j]].row(d));
-      double* const out = &A.coeffRef(0, system_[j].row + d);
-      for (int i = 0; i < system_.points(); ++i) {
-        const Point& point = points_[touching_[i]];
-        double* const at = out + system_[i].row;
-        at[0] = column[point.normal];
-        if (system_[i].rows() == 1) continue;
-        at[1] = column[point.tangential];
-        at[2] = column[point.tangential + 1];
-      }
+  for (const Run& of_columns : runs_)
+    for (int j = 0; j < of_columns.size; ++j) {
+      const double* const column = &S.coeffRef(0, of_columns.row + j);
+      double* const out = &A.coeffRef(0, of_columns.of_system + j);
+      for (const Run& run : runs_) std::copy_n(column + run.row, run.size, out + run.of_system);
     }
   system_.set_matrix();
   gathered_ = true;
@@ -276,7 +284,8 @@ SolveStatus FrictionSolver::solve(const Symmetric& S, const Right& r,
   for (int k = 0; k < point_count_; ++k)
     largest_normal_r_ = std::max(largest_normal_r_, std::abs(r(points_[k].normal)));
   if (!std::isfinite(p.sum())) p.setZero();
-  const std::int64_t pivots = statistics_.pivots, fallbacks = statistics_.fallbacks;
+  const std::int64_t pivots = statistics_.pivots, fallbacks = statistics_.fallbacks,
+                     renewals = statistics_.renewals;
   SolveStatus status = iterate(S, r, p);
   p.setZero();
   if (status == SolveStatus::not_finite) {
@@ -297,6 +306,7 @@ SolveStatus FrictionSolver::solve(const Symmetric& S, const Right& r,
     several_ =
         system_.has_negative_determinant() || (system_.find_another(statistics_) && !add_closing(S, r));
   }
+  if (statistics_.renewals > renewals + 1 || statistics_.fallbacks > fallbacks) gathered_ = false;
   return status;
 }
 

@@ -58,8 +58,8 @@ class FrictionSolver {
 
   /// Discards what is known of S and of the contacts.
   void reset() noexcept;
-  /// With `same_matrix`: the next problem has another matrix with the same contacts, the states of which are
-  /// kept.
+  /// With `same_matrix`: the next problem has another matrix with the same contacts. Their states are kept,
+  /// and the factor, which serves as long as it is near enough to converge fast.
   void change_matrix() noexcept { changed_ = true; }
 
   /// Here, pivots are rounds that changed states, fallbacks are solves that Newton's method alone did not
@@ -87,6 +87,7 @@ class FrictionSolver {
   };
 
   bool know(const Symmetric& S, std::span<const FrictionContact> contacts) noexcept;
+  void choose_none() noexcept;
   void choose(const Forces& p) noexcept;
   void add(int k) noexcept;
   void gather(const Symmetric& S, const Right& r) noexcept;
@@ -95,6 +96,11 @@ class FrictionSolver {
   SolveStatus iterate(const Symmetric& S, const Right& r, Forces p) noexcept;
   void answer(Forces p) noexcept;
   void limit(const Symmetric& S, const Right& r, Forces p) noexcept;
+
+  /// Consecutive rows of the problem that are consecutive in the system.
+  struct Run {
+    int row, of_system, size;
+  };
 
   FrictionOptions options_;
   SolveStatistics statistics_;
@@ -110,6 +116,7 @@ class FrictionSolver {
   double largest_r_ = 0, largest_normal_r_ = 0;  ///< |r|_∞, and over normal rows
   std::vector<Point> points_;                    ///< all normal rows, those of contacts first
   std::vector<int> touching_;                    ///< points of the system
+  std::vector<Run> runs_;                        ///< scratch: their rows
   std::vector<ContactState> states_;
   std::vector<double> slips_;             ///< |w_t| of slip
   Eigen::VectorXd root_, work_, forces_;  ///< (n) √S_ii; scratch

@@ -378,7 +378,13 @@ SolveStatus FrictionSystem::solve(double largest_r, double largest_normal_r, int
   sizes_.r = largest_r;
   sizes_.normal_r = largest_normal_r;
   keep_answer();
+  const bool has_earlier_factor = has_factor_;  // perhaps of another matrix
   SolveStatus status = try_newton(left, statistics);
+  if (status == SolveStatus::limited && has_earlier_factor) {
+    discard_factor();
+    restore_answer();
+    status = try_newton(left, statistics);
+  }
   if (status == SolveStatus::limited && left > 0) {
     ++statistics.fallbacks;
     exact_ = true;

@@ -111,14 +111,15 @@ void ContactLaw::hold(std::span<const int> rows) noexcept {
   for (const int row : rows_) position_[row] = -1;
   rows_.assign(rows.begin(), rows.end());
   for (std::size_t k = 0; k < rows_.size(); ++k) position_[rows_[k]] = static_cast<int>(k);
-  change_matrices();
-}
-
-void ContactLaw::change_matrices() noexcept {
-  knows_products_ = false;
   problem_.last.clear();
   euler_.reset();
   mean_.reset();
+}
+
+void ContactLaw::change_matrices() noexcept {
+  knows_products_ = problem_.has_matrices = false;
+  euler_.change_matrix();
+  mean_.change_matrix();
 }
 
 StepTrial ContactLaw::solve(const StepMatrices& matrices, const MeanForce& before, Slip* slip) noexcept {
@@ -221,8 +222,10 @@ StepTrial ContactLaw::solve_island(int island, const StepMatrices& matrices, con
     euler_.reset();
     mean_.reset();
     p.last = p.held;
-    if (!all) gather(matrices, before.is_conserving());
+    p.has_matrices = false;
   }
+  if (!all && !p.has_matrices) gather(matrices, before.is_conserving());
+  p.has_matrices = true;
   gather(before, slip);
 
   bool shock = false, begins = true;

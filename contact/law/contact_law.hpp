@@ -87,6 +87,7 @@ class ContactLaw {
   struct Island {
     Eigen::Index size = 0;
     std::vector<int> held, last;  ///< positions; those of the problem that was solved before
+    bool has_matrices = false;    ///< whether the matrices below are those of the step
     Vector free, start, rest, gap, belt, before, now;
     Vector in_modes_now, in_modes_before, force, end, u, end_rest, in_modes, end_in_modes, right;
     std::vector<int> pair, law;
