@@ -37,7 +37,6 @@ ComplementaritySolver::ComplementaritySolver(int capacity, const SolveOptions& o
 
 void ComplementaritySolver::reset() noexcept {
   active_set_.clear();
-  weight_.setZero();
   known_ = 0;
   warm_ = stopped_ = descending_ = false;
   changed_ = true;
@@ -49,7 +48,7 @@ bool ComplementaritySolver::know(const Symmetric& S) noexcept {
   if (options_.same_matrix && known_ == S.rows()) return true;
   if (!std::isfinite(S.diagonal().sum())) return false;
   known_ = S.rows();
-  seen_.push.setZero();
+  seen_.push.head(known_).setZero();
   seen_.sum = seen_.square = seen_.tolerance = 0;
   root_.head(known_) = S.diagonal().cwiseMax(0).cwiseSqrt();
   if (!renew(S)) warm_ = descending_ = false;
@@ -59,7 +58,7 @@ bool ComplementaritySolver::know(const Symmetric& S) noexcept {
 bool ComplementaritySolver::renew(const Symmetric& S) noexcept {
   if (active_set_.size() > 0) ++statistics_.renewals;
   const bool whole = active_set_.renew(S);
-  weight_.setZero();
+  weight_.head(S.rows()).setZero();
   for (int k = 0; k < active_set_.size(); ++k) weight_.head(S.rows()) += S.col(active_set_[k]).cwiseAbs();
   changed_ = true;
   return whole;
@@ -81,7 +80,7 @@ void ComplementaritySolver::drop(const Symmetric& S, int position) noexcept {
   changed_ = true;
   ++statistics_.pivots;
   --budget_.pivots;
-  if (active_set_.size() == 0) weight_.setZero();
+  if (active_set_.size() == 0) weight_.head(S.rows()).setZero();
 }
 
 /// Computes w = S λ − r and its tolerance for λ_P = on_set, the minimiser on the active set. Rows that cannot

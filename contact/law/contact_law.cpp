@@ -451,7 +451,10 @@ void ContactLaw::accept(MeanForce& mean, const Vector& end) noexcept {
   // Where the history restarts, the force before is not the one of the step before.
   if (std::any_of(next_.begin(), next_.end(), [](const MeanForce::Pair& pair) { return pair.restarts; }))
     knows_products_ = false;
-  mean.advance(end, next_);
+  if (moves_)
+    mean.advance(rows_, end, next_);  // all rows with a force are held
+  else
+    mean.advance(end, next_);
 }
 
 }  // namespace ricochet::contact

@@ -41,7 +41,30 @@ void MeanForce::advance(const Vector& force, const std::vector<Pair>& pairs) noe
     if (pair.restarts) before = end;
     pair.carries = pair.carries || (end.cwiseMax(before).array() > 0).any();
   }
+  find_carriers();
+}
+
+void MeanForce::advance(std::span<const int> rows, const Vector& force,
+                        const std::vector<Pair>& pairs) noexcept {
+  std::copy(pairs.begin(), pairs.end(), pairs_.begin());
+  for (Pair& pair : pairs_) pair.carries = false;
+  for (const int row : rows) {
+    Pair& pair = pairs_[pair_of_row_[row]];
+    before_(row) = pair.restarts ? force(row) : end_(row);
+    end_(row) = force(row);
+    pair.carries = pair.carries || std::max(end_(row), before_(row)) > 0;
+  }
+  find_carriers();
+}
+
+void MeanForce::find_carriers() noexcept {
   carries_ = std::any_of(pairs_.begin(), pairs_.end(), [](const Pair& pair) { return pair.carries; });
+}
+
+void MeanForce::restore(std::span<const int> rows, const Vector& end,
+                        const std::vector<Pair>& pairs) noexcept {
+  std::copy(pairs.begin(), pairs.end(), pairs_.begin());
+  for (std::size_t j = 0; j < rows.size(); ++j) end_(rows[j]) = end(static_cast<Eigen::Index>(j));
 }
 
 double MeanForce::draw(int pair, double energy) noexcept {

@@ -40,6 +40,7 @@
 // their payments for others.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "contact/model/model.hpp"
@@ -80,6 +81,10 @@ class MeanForce {
 
   /// Completes a step: λ⁺ (n) becomes the force at the last instant. @param pairs  `carries` is computed
   void advance(const Vector& force, const std::vector<Pair>& pairs) noexcept;
+  /// The same if only these rows have or had a force.
+  void advance(std::span<const int> rows, const Vector& force, const std::vector<Pair>& pairs) noexcept;
+  /// Sets forces at the last instant, by position among some rows, and the state of the pairs.
+  void restore(std::span<const int> rows, const Vector& end, const std::vector<Pair>& pairs) noexcept;
   /// Draws energy from the part of the bank of a pair. Returns what is missing, 0 if the part suffices. A
   /// negative energy is paid in.
   double draw(int pair, double energy) noexcept;
@@ -94,6 +99,8 @@ class MeanForce {
     int pair;
     Eigen::Index first, size;
   };
+
+  void find_carriers() noexcept;
 
   std::vector<int> pair_of_row_;
   std::vector<Segment> segments_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace ricochet::contact {
 
@@ -11,6 +12,8 @@ Slip::Slip(Eigen::Index points, Eigen::Index rows, double step) : step_(step) {
   for (Vector* x : {&speed_, &heat_, &next_speed_, &next_heat_}) x->setZero(points);
   state_.assign(static_cast<std::size_t>(points), ContactState::open);
   next_state_ = state_;
+  is_next_listed_.assign(state_.size(), false);
+  for (List* x : {&list_, &next_list_}) x->point.resize(state_.size());
 }
 
 void Slip::begin(std::span<const Model::Belt> belts, std::int64_t k) noexcept {
@@ -27,14 +30,23 @@ double Slip::coefficient(const Friction& law, Eigen::Index f, bool closed, doubl
          (law.static_coefficient - law.dynamic_coefficient) * std::exp(-ratio * ratio);
 }
 
+/// Of all points, few are recorded, so that only these are undone.
 void Slip::begin_trial() noexcept {
-  next_speed_.setZero();
-  next_heat_.setZero();
-  std::fill(next_state_.begin(), next_state_.end(), ContactState::open);
+  for (std::size_t k = 0; k < next_list_.count; ++k) {
+    const int f = next_list_.point[k];
+    next_speed_(f) = next_heat_(f) = 0;
+    next_state_[f] = ContactState::open;
+    is_next_listed_[f] = false;
+  }
+  next_list_.count = 0;
 }
 
 double Slip::record(Eigen::Index f, ContactState state, const double* mean, const double* slip) noexcept {
   const double heat = mean[0] * slip[0] + mean[1] * slip[1];
+  if (!is_next_listed_[f]) {
+    is_next_listed_[f] = true;
+    next_list_.point[next_list_.count++] = static_cast<int>(f);
+  }
   next_state_[f] = state;
   next_speed_(f) = next_heat_(f) = 0;
   if (state == ContactState::stick) return heat;
@@ -48,12 +60,18 @@ void Slip::accept() noexcept {
   speed_.swap(next_speed_);
   heat_.swap(next_heat_);
   state_.swap(next_state_);
+  for (const auto& [list, is_listed] : {std::pair(&next_list_, false), {&list_, true}})
+    for (std::size_t k = 0; k < list->count; ++k) is_next_listed_[list->point[k]] = is_listed;
+  std::swap(list_, next_list_);
 }
 
 void Slip::clear() noexcept {
-  speed_.setZero();
-  heat_.setZero();
-  std::fill(state_.begin(), state_.end(), ContactState::open);
+  for (std::size_t k = 0; k < list_.count; ++k) {
+    const int f = list_.point[k];
+    speed_(f) = heat_(f) = 0;
+    state_[f] = ContactState::open;
+  }
+  list_.count = 0;
 }
 
 }  // namespace ricochet::contact

@@ -59,6 +59,13 @@ class Slip {
   Vector speed_, heat_;            ///< (f) of the last step; of the slip so far [J]
   Vector next_speed_, next_heat_;  ///< (f) of the trial
   std::vector<ContactState> state_, next_state_;
+  /// Points that may not be open; the records of others are 0.
+  struct List {
+    std::vector<int> point;  ///< (f), the first `count` of them
+    std::size_t count = 0;
+  };
+  List list_, next_list_;
+  std::vector<char> is_next_listed_;  ///< (f)
 };
 
 }  // namespace ricochet::contact
