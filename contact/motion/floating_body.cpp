@@ -14,8 +14,8 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 // Largest angles of a step of the free rotation [rad]: within a contact step, where the step itself is
-// shorter, and in flight, where the error of a turn is a twelfth of its square.
-constexpr double of_contact = 0.25, of_flight = 2e-3;
+// shorter, and in flight, where the attitude errs by about 1e-7 of the turn.
+constexpr double of_contact = 0.25, of_flight = 0.1;
 
 void check(const Model& model, const Bodies::Block& block) {
   const auto own = model.omega.segment(block.first_mode, block.modes);
@@ -85,7 +85,7 @@ Vector3d FloatingBody::drift(double time) noexcept {
 Vector3d FloatingBody::fly(double time) noexcept {
   add(time * velocity + 0.5 * time * time * acceleration(), position, position_carry);
   add(time * acceleration(), velocity, velocity_carry);
-  return turn_freely(attitude, momentum, inertia, time, of_flight);
+  return fly_freely(attitude, momentum, inertia, time, of_flight);
 }
 
 Vector3d FloatingBody::free_displacement(const Vector3d& arm, double step) const {

@@ -19,7 +19,7 @@ Inertia Inertia::of(const Eigen::Matrix3d& tensor) {
 Vector3d turn_freely(Quaterniond& attitude, const Vector3d& momentum, const Inertia& inertia, double time,
                      double angle) noexcept {
   Vector3d turned = Vector3d::Zero();
-  const double most = momentum.norm() * inertia.largest_inverse * time;
+  const double most = momentum.norm() * inertia.largest_inverse * std::abs(time);
   if (!(most > 0)) return turned;
   const double steps = std::max(1.0, std::ceil(most / angle)), h = time / steps;
   for (double k = 0; k < steps; ++k) {
@@ -39,6 +39,18 @@ Vector3d turn_freely(Quaterniond& attitude, const Vector3d& momentum, const Iner
     attitude = (attitude * Quaterniond(1, half.x(), half.y(), half.z())).normalized();
     turned += 2 * half;
   }
+  return turned;
+}
+
+Vector3d fly_freely(Quaterniond& attitude, const Vector3d& momentum, const Inertia& inertia, double time,
+                    double angle) noexcept {
+  const double most = momentum.norm() * inertia.largest_inverse * time,
+               steps = std::max(1.0, std::ceil(most / angle));
+  Vector3d turned = Vector3d::Zero();
+  const double part = 1 / (4 - std::cbrt(4.0));
+  for (double k = 0; k < steps; ++k)
+    for (const double share : {part, part, 1 - 4 * part, part, part})
+      turned += turn_freely(attitude, momentum, inertia, share * time / steps, angle);
   return turned;
 }
 

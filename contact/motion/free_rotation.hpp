@@ -27,10 +27,16 @@ struct Inertia {
   static Inertia of(const Eigen::Matrix3d& tensor);
 };
 
-/// Turns the attitude A, from body axes to world axes, over `time` [s]. Returns ∫Ω dt in body axes [rad].
+/// Turns the attitude A, from body axes to world axes, over `time` [s], which may be negative. Returns ∫Ω dt
+/// in body axes [rad].
 /// @param momentum  L [kg m²/s], world axes
 /// @param angle  largest angle of a step [rad], at most 1/4
 Eigen::Vector3d turn_freely(Eigen::Quaterniond& attitude, const Eigen::Vector3d& momentum,
                             const Inertia& inertia, double time, double angle) noexcept;
+
+/// The same with an error of fourth order, by five such steps in place of one, the third of which goes back
+/// (Suzuki 1990).
+Eigen::Vector3d fly_freely(Eigen::Quaterniond& attitude, const Eigen::Vector3d& momentum,
+                           const Inertia& inertia, double time, double angle) noexcept;
 
 }  // namespace ricochet::contact
