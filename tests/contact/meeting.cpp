@@ -9,54 +9,11 @@
 #include "contact/stepping/floating_stepper.hpp"
 #include "tests/contact/cloud.hpp"
 #include "tests/contact/heap_counter.hpp"
+#include "tests/contact/meeting.hpp"
 #include "tests/support.hpp"
 
 namespace ricochet::contact::test {
 namespace {
-
-struct Meeting {
-  std::vector<const Cloud*> clouds;
-  std::vector<PlacedBody> bodies;
-  std::optional<Friction> friction{};
-  Vector3d gravity{0, 0, 0};
-  bool floor = false;
-  bool turns = true;
-};
-
-std::shared_ptr<Model> meet(const Meeting& scene) {
-  std::vector<PlacedBody> bodies = scene.bodies;
-  std::vector<PairRequest> pairs;
-  for (std::size_t k = 0; k < bodies.size(); ++k) {
-    bodies[k].name = "b" + std::to_string(k);
-    bodies[k].kernel = &scene.clouds[k]->kernel;
-    for (std::size_t j = 0; j < k; ++j) pairs.push_back({bodies[j].name, bodies[k].name, {}, {}, {}});
-    if (scene.floor) pairs.push_back({bodies[k].name, "floor", {}, {}, {}});
-  }
-  for (PairRequest& pair : pairs) {
-    pair.friction = scene.friction;
-    pair.everywhere = scene.turns;
-  }
-  return std::make_shared<Model>(build_model(
-      bodies, {{.name = "floor", .point = {0, 0, 0}, .normal = Vector3d::UnitZ()}}, pairs, scene.gravity));
-}
-
-Vector3d momentum(const Meeting& scene, const Stepper& stepper) {
-  Vector3d out = Vector3d::Zero();
-  for (std::size_t k = 0; k < scene.clouds.size(); ++k)
-    out += scene.clouds[k]->mass * stepper.poses()[k].velocity;
-  return out;
-}
-
-Vector3d angular_momentum(const Meeting& scene, const Stepper& stepper) {
-  Vector3d out = Vector3d::Zero();
-  for (std::size_t k = 0; k < scene.clouds.size(); ++k) {
-    const Pose& pose = stepper.poses()[k];
-    const Matrix3d A = pose.attitude.toRotationMatrix();
-    out += A * scene.clouds[k]->inertia * A.transpose() * pose.spin +
-           scene.clouds[k]->mass * pose.position.cross(pose.velocity);
-  }
-  return out;
-}
 
 /// Irregular bodies with modes, R, spins and friction, from few to many steps in a touch.
 TEST(Meeting, keeps_the_balances) {

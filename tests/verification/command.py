@@ -19,6 +19,7 @@ OTHERS = {
     "--readings": "readings",
     "--rods": "random_rods",
     "--kills": "kills",
+    "--meetings": "random_meetings",
     "--peers": "peers_table",
     "--tutorials": "walk",
 }

@@ -24,3 +24,7 @@ foreach(file ${cases})
       ENVIRONMENT "${one_thread};${waiting};RICOCHET_BIN=${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
   endif()
 endforeach()
+
+# Built on demand by scripts/verify --meetings.
+add_executable(random_meetings EXCLUDE_FROM_ALL verification/random_meetings.cpp)
+target_link_libraries(random_meetings PRIVATE ricochet_core fmt::fmt Eigen3::Eigen)
