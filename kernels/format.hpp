@@ -92,9 +92,9 @@ void list_modes(auto& file, auto& modes) {
   const std::size_t shifts = file.rows(group + "/shift", certificate.shift, 1);
   file.optional_dataset(group + "/shift", certificate.shift, {shifts}, "rad^2/s^2");
   file.optional_dataset(group + "/modes_below", certificate.modes_below, {shifts}, "1");
-  const std::size_t pairs = file.rows("/modes/coriolis/pair", modes.coriolis.pair, 2);
-  file.optional_dataset("/modes/coriolis/pair", modes.coriolis.pair, {pairs, 2}, "1");
-  file.optional_dataset("/modes/coriolis/coupling", modes.coriolis.coupling, {pairs, 3}, "1");
+  const std::size_t pairs = file.rows("/modes/coriolis_pair", modes.coriolis.pair, 2);
+  file.optional_dataset("/modes/coriolis_pair", modes.coriolis.pair, {pairs, 2}, "1");
+  file.optional_dataset("/modes/coriolis_coupling", modes.coriolis.coupling, {pairs, 3}, "1");
 }
 
 /// @param surface  Surface or WholeSurface

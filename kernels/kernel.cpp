@@ -142,10 +142,10 @@ void validate_modes(const Modes& modes, const Validator& check) {
 }
 
 void validate_coriolis(const Modes& modes, const Validator& check) {
-  const std::string pairs = "/modes/coriolis/pair";
+  const std::string pairs = "/modes/coriolis_pair";
   const auto& [pair, coupling] = modes.coriolis;
   check.indices(pairs, pair, modes.size());
-  check.length("/modes/coriolis/coupling", coupling.size(), pair.size() / 2 * 3);
+  check.length("/modes/coriolis_coupling", coupling.size(), pair.size() / 2 * 3);
   for (std::size_t k = 0; k + 1 < pair.size(); k += 2)
     if (pair[k] >= pair[k + 1] || modes.angular_frequency[pair[k]] == 0)
       check.fail_dataset(pairs, base::format("is not of two ascending elastic modes in row {}.", k / 2));

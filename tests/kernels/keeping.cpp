@@ -21,6 +21,7 @@ Kernel kernel_of(int components) {
   for (std::size_t i = 0; i < kernel.surface.shape.size(); ++i)
     for (const std::size_t k : {3U, 10U, 11U, 39U})
       if (i % n == k) kernel.surface.shape[i] = 0;
+  kernel.modes.coriolis.pair = {3, 4, 20, 21};  // of elastic modes
   return kernel;
 }
 

@@ -63,6 +63,8 @@ TEST(TheDefaultOfAKey, given_in_the_scene_changes_nothing) {
   int found = 0;
   for_each_key([&](const Section& section, const Key& key) {
     if (!key.fallback.starts_with('`')) return;
+    // Axes of loads need finite rotations, which exclude most of what this scene has.
+    if (key.name == "axes" && section.title.starts_with("[[loads")) return;
     const std::string value = key.fallback.substr(1, key.fallback.find('`', 1) - 1);
     bool taken = false;
     for (const std::string law : {"compliant", "impulse", "static"}) {
