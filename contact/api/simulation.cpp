@@ -147,7 +147,7 @@ struct Simulation::Impl {
   }
   double rate_of(const TurningPickup& pickup) const noexcept {
     return pickup.direction.dot(stepper->poses()[pickup.body].velocity_at(
-        arm(pickup), elastic(pickup, stepper->modal()->v, &contact::History::slope)));
+        arm(pickup), elastic(pickup, stepper->turning()->rates, &contact::History::slope)));
   }
   /// @param v  (N) modal rates, those of the present with finite rotations
   double velocity(std::size_t pickup, const double* v) const noexcept {

@@ -25,6 +25,7 @@ Receivers::Receivers(const Model& model, const StepOptions& options)
     own_.push_back(
         &*std::ranges::find(model.bodies[static_cast<std::size_t>(receiver.body)].kernel->receivers,
                             receiver.name, &kernels::Receiver::name));
+  coriolis_ = coriolis_of(model);
   update(0, *turning, model.q0, model.initial_rates());
 }
 
@@ -72,7 +73,8 @@ void Receivers::turn(std::size_t receiver, const Eigen::Quaterniond& attitude) n
 }
 
 /// The same for bodies that turn. A point is at x = c + A (X + w) with its elastic displacement w in body
-/// axes, so that ẍ = c̈ + α × r + Ω × (Ω × r) + 2 Ω × Aẇ + Aẅ, with r = A (X + w).
+/// axes, so that ẍ = c̈ + α × r + Ω × (Ω × r) + 2 Ω × Aẇ + Aẅ, with r = A (X + w). With the turn a of nearly
+/// equal modes (coriolis.hpp), q̇ = v + a q and q̈ = v̇ + a q̇ + ȧ q.
 void Receivers::update(double t, const Turning& turning, const Vector& q, const Vector& v) noexcept {
   q_ = q;
   for (int number = 0; number < static_cast<int>(turning.poses.size()); ++number) {
@@ -87,10 +89,14 @@ void Receivers::update(double t, const Turning& turning, const Vector& q, const 
     const Eigen::Matrix3d inertia = body.own_inertia();
     Vector3d spin_up = Vector3d::Zero();
     if (!body.supported) spin_up = inertia.inverse() * (torque - spin.cross(inertia * spin));
+    const Coriolis& turns = coriolis_[static_cast<std::size_t>(number)];
+    turns.add_turn(spin, spin.norm(), false, v, acceleration_);
+    turns.add_turn(spin, spin.norm(), true, turning.rates, acceleration_);
+    turns.add_turn(spin_up, spin.norm(), true, q, acceleration_);
     for (std::size_t k = 0; k < model_.receivers.size(); ++k) {
       if (!is_own(model_.receivers[k])) continue;
       const ReceiverMotion within =
-          elastic(k, t, pose, turning.candidate_force[static_cast<std::size_t>(number)], v);
+          elastic(k, t, pose, turning.candidate_force[static_cast<std::size_t>(number)], turning.rates);
       const Vector3d arm = Eigen::Map<const Vector3d>(own_[k]->point.data()) - body.own_centre() +
                            within.displacement,
                      relative = spin_up.cross(arm) + spin.cross(spin.cross(arm)) +

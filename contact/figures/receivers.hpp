@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "contact/model/model.hpp"
+#include "contact/motion/coriolis.hpp"
 #include "contact/stepping/stepper.hpp"
 
 namespace ricochet::contact {
@@ -47,6 +48,7 @@ class Receivers {
   // With finite rotations
   std::vector<const kernels::Receiver*> own_;  ///< of each receiver, in body axes
   Vector q_;                                   ///< (N) with folded modes
+  std::vector<Coriolis> coriolis_;             ///< by body
 };
 
 }  // namespace ricochet::contact

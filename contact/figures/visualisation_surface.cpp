@@ -94,7 +94,7 @@ const SurfaceMotion& VisualisationSurface::in_frame(double t, const Turning& tur
 
 const SurfaceMotion& VisualisationSurface::at(double t, const Vector& q, const Vector& v, const Vector& force,
                                               const Turning* turning) {
-  if (turning) return in_frame(t, *turning, q, v);
+  if (turning) return in_frame(t, *turning, q, turning->rates);
   const Index rows = shape_.rows(), elastic = body_.modes - rigid_;
   all_q_ = q;
   all_v_ = v;

@@ -43,16 +43,28 @@ Coriolis::Coriolis(const Model& model, const Bodies::Block& block) {
 
 void Coriolis::turn(const Vector3d& angle, double time, Half half, Vector& q, Vector& v) const noexcept {
   if (pairs_.empty() || angle.isZero(0)) return;
-  const double spin = 2 * angle.norm() / time;
-  const auto end = std::ranges::upper_bound(pairs_, spin, {}, &Pair::slowest) - pairs_.begin();
-  for (Index k = 0; k < end; ++k) {
-    const Pair& pair = pairs_[static_cast<std::size_t>(half == Half::before ? k : end - 1 - k)];
+  const std::span<const Pair> pairs = turned_at(2 * angle.norm() / time);
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const Pair& pair = pairs[half == Half::before ? k : pairs.size() - 1 - k];
     // cos and sin of the angle a by its tangent t = tan ½a = ½a + a³/24: c² + s² = 1 to round-off.
     const double a = pair.coupling.dot(angle), t = a * (0.5 + a * a / 24), whole = 1 + t * t,
                  cosine = (1 - t * t) / whole, sine = 2 * t / whole;
     turn_pair(cosine, sine, pair.m, pair.n, pair.ratio, q);
     turn_pair(cosine, sine, pair.m, pair.n, 1, v);
   }
+}
+
+void Coriolis::add_turn(const Vector3d& spin, double speed, bool of_q, const Vector& x,
+                        Vector& out) const noexcept {
+  for (const Pair& pair : turned_at(speed)) {
+    const double a = pair.coupling.dot(spin), ratio = of_q ? pair.ratio : 1;
+    out(pair.m) += a * ratio * x(pair.n);
+    out(pair.n) -= a / ratio * x(pair.m);
+  }
+}
+
+std::span<const Coriolis::Pair> Coriolis::turned_at(double speed) const noexcept {
+  return {pairs_.begin(), std::ranges::upper_bound(pairs_, speed, {}, &Pair::slowest)};
 }
 
 double Coriolis::longest(double spin) const noexcept {

@@ -17,6 +17,7 @@
 // A pair exchanges at most the share 2|Ω·g|/(ω_n − ω_m) of its amplitude. Pairs below 1 % are left alone.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "contact/model/model.hpp"
@@ -35,6 +36,11 @@ class Coriolis {
   /// @param angle  ∫Ω dt over half of this time, body axes [rad]
   void turn(const Eigen::Vector3d& angle, double time, Half half, Vector& q, Vector& v) const noexcept;
 
+  /// Adds Σ_n a_mn x_n to `out`, at a spin Ω or at its rate (N of all bodies). @param speed  |Ω|, which
+  /// selects the pairs [rad/s]  @param of_q  whether x is q, with ω_n/ω_m in each term; otherwise rates
+  void add_turn(const Eigen::Vector3d& spin, double speed, bool of_q, const Vector& x,
+                Vector& out) const noexcept;
+
   /// Longest time between two halves [s] that leaves an error of about 1e-3 of the turn, at most; ∞ if
   /// nothing is turned. @param spin  |Ω|, at most [rad/s]
   double longest(double spin) const noexcept;
@@ -46,6 +52,8 @@ class Coriolis {
     double ratio;              ///< ω_n/ω_m
     double slowest;            ///< spin below which it is left alone [rad/s]
   };
+  std::span<const Pair> turned_at(double speed) const noexcept;
+
   std::vector<Pair> pairs_;  ///< by `slowest`, ascending
   double widest_ = 0;        ///< largest ω_n − ω_m [rad/s]
 };

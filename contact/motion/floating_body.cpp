@@ -137,6 +137,7 @@ std::optional<Turning> initial_turning(const Model& model, const StepOptions& op
   for (const FloatingBody& body : floating_bodies(model)) out.poses.push_back(body.pose());
   for (const Selection& selection : model.selection)
     out.candidate_force.push_back(Vector::Zero(selection.cols()));
+  out.rates = model.initial_rates();
   return out;
 }
 

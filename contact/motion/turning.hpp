@@ -22,6 +22,7 @@ struct Turning {
   };
   std::vector<Wrench> pushed;           ///< by body
   std::vector<Vector> candidate_force;  ///< by body (3M), in its axes, at the end of the last step [N]
+  Vector rates{};  ///< (N) q̇ of the elastic modes, in body axes: v, and the turn of nearly equal modes
 };
 
 /// At t = 0, with finite rotations; otherwise no value. Throws InputError as FloatingBody's constructor does.

@@ -367,7 +367,12 @@ bool FloatingStepper::commit(const Work& work, double residual, double time) noe
   if (!state_.ledger.close(now, work)) return false;
   state_.q.swap(state_.next_q);
   state_.v.swap(state_.next_v);
-  for (std::size_t k = 0; k < bodies_.size(); ++k) turning_.poses[k] = bodies_[k].pose();
+  turning_.rates = state_.v;
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    turning_.poses[k] = bodies_[k].pose();
+    const Vector3d spin = bodies_[k].own_spin();
+    coriolis_[k].add_turn(spin, spin.norm(), true, state_.q, turning_.rates);
+  }
   place(time);
   points_.write_frames(bodies_, turning_.frames);
   return true;

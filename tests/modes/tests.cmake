@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-add_mpi_tests(modes modes
+# Two ranks leave out what takes long and shows for whole spectra what other tests show for parts.
+add_mpi_tests(modes modes NOT_ON_TWO Eps.of_other_types_* Search.finds_no_elastic_* Factorisation.in_low_rank_*
   FILES slicing products operators checkpoint factorisation eps modes certificate search)
 # These take minutes; two ranks, which form teams, reach nearly all that one or three do.
 set_tests_properties(modes.np1 modes.np3 PROPERTIES LABELS "mpi;long")
