@@ -173,15 +173,37 @@ double MovingPoints::clearance(const Model::PairBlock& pair, std::span<const Flo
   if (spheres > swing) return spheres - swing;
   // A point of a face is at most as far from its nearest candidate as that of an equilateral triangle.
   double facet = 0;
+  Vector3d out_of_a = Vector3d::Zero();
   for (const int k : {pair.a, pair.b}) facet = std::max(facet, body(k).shape.element_size() / std::sqrt(3.0));
   for (int i = pair.first_point; i < pair.first_point + pair.candidates_of_a + pair.candidates_of_b; ++i) {
     const Point& point = points_[static_cast<std::size_t>(i)];
     const Side own = side(point.own().body, bodies), other = side(point.other().body, bodies);
     const Vector3d x = other.place_of(point.place, own);
     if (other.shape.box().exteriorDistance(x) >= least) continue;
-    least = std::min(least, std::abs(other.shape.closest(x).distance));
+    const Foot foot = other.shape.closest(x);
+    if (std::abs(foot.distance) >= least) continue;
+    least = std::abs(foot.distance);
+    out_of_a = (point.kind == Kind::candidate_of_a ? 1 : -1) * (other.state.attitude * (foot.point - x));
   }
+  if (const double length = out_of_a.norm(); length > 0)
+    return std::max(least - facet, gap_along(pair, bodies, out_of_a / length)) - swing;
   return least - facet - swing;
+}
+
+/// How far two bodies are apart along a unit direction out of a, whatever their shapes between their nodes;
+/// negative if no plane across it separates them [m].
+double MovingPoints::gap_along(const Model::PairBlock& pair, std::span<const FloatingBody> bodies,
+                               const Vector3d& n) const noexcept {
+  double gap = 0;
+  for (const int k : {pair.a, pair.b}) {
+    const Side one = side(k, bodies);
+    const Vector3d outward = (k == pair.a ? 1 : -1) * (one.state.attitude.conjugate() * n);
+    double farthest = -std::numeric_limits<double>::infinity();
+    for (const Vector3d& x : one.shape.surface().node)
+      farthest = std::max(farthest, outward.dot(x - one.centre));
+    gap -= farthest + one.shape.camber() + (k == pair.a ? 1 : -1) * n.dot(one.state.position);
+  }
+  return gap;
 }
 
 void MovingPoints::watch(int number) noexcept {

@@ -129,6 +129,8 @@ class MovingPoints {
   }
   void add_points(const Model& model, int pair);
   double apart(const Model::PairBlock& pair, std::span<const FloatingBody> bodies) const noexcept;
+  double gap_along(const Model::PairBlock& pair, std::span<const FloatingBody> bodies,
+                   const Eigen::Vector3d& n) const noexcept;
   double swing_of(const Model::PairBlock& pair, std::span<const Travel> travels) const noexcept;
   double margin(const Model::PairBlock& pair, std::span<const Travel> travels) const noexcept;
   double swing_of(const Point& point, std::span<const Travel> travels) const noexcept;

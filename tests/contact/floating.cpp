@@ -333,7 +333,7 @@ TEST(Floating, tumbling_keeps_the_balances) {
   std::uniform_real_distribution<double> spread(-1, 1), unit(0, 1);
   int touches = 0;
   double turned = 0, deepest = 0;
-  for (int scene = 0; scene < 40; ++scene) {
+  for (int scene = 0; scene < 24; ++scene) {
     const double size = std::pow(10, -2 + 1.5 * unit(random));
     const Cloud cloud({size, 0.7 * size, 0.4 * size}, 100 / size, scene % 4 == 3 ? 0 : 1e-8,
                       static_cast<unsigned>(100 + scene));

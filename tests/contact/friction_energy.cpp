@@ -18,7 +18,7 @@ using namespace ricochet::contact::test;
 
 std::int64_t steps_wanted() {
   const char* const text = std::getenv("RICOCHET_RANDOM_STEPS");
-  return text != nullptr ? std::atoll(text) : 20'000;
+  return text != nullptr ? std::atoll(text) : 10'000;
 }
 
 struct Found {

@@ -166,6 +166,23 @@ TEST(Meeting, of_a_supported_body_without_a_turn_is_the_compliant_step) {
   EXPECT_NEAR(energy.total(), linear->modal()->energy().total(), 1e-3 * std::abs(energy.total()));
 }
 
+/// Two boxes 10 mm apart, within their spheres, fly towards each other, face to face. Their flight is crossed
+/// in samples until shortly before they touch, when the way is flown.
+TEST(Meeting, of_boxes_is_awaited_in_jumps_of_samples) {
+  const Cloud cloud({0.1, 0.08, 0.06}, 2000, 1e-8, 1, false, 0);
+  const double way = 0.01, speed = 1, step = 1e-5;
+  const Meeting scene{.clouds = {&cloud, &cloud},
+                      .bodies = {at({0, 0, 0}), at({0.1 + way, 0, 0}, Matrix3d::Identity(), {-speed, 0, 0})}};
+  auto stepper = make_stepper(meet(scene), stepping(1 / step, Rotation::finite, 50));
+  int calls = 0;
+  while (stepper->active() == 0 && calls < 2000) {
+    ASSERT_EQ(stepper->step(), StepStatus::ok);
+    ++calls;
+  }
+  EXPECT_NEAR(stepper->time(), way / speed, 2 * step);
+  EXPECT_LT(calls, 150) << "of 1000 steps";
+}
+
 /// A soft box with a finer mesh strikes another one. Which of them is body a exchanges all kinds of points.
 TEST(Meeting, does_not_depend_on_the_order_of_the_bodies) {
   const Cloud small({0.02, 0.02, 0.02}, 100, 1e-8, 1, true, 0),
