@@ -181,7 +181,7 @@ def pressure_chart(result: LoadedResult) -> Chart:
     row = int(np.argmax(result.forces.per_row()))
     order, where, what = result.positions()
     pressure = result.pressures.of_row(row)[order]
-    pressing = pressure > 0
+    pressing = result.forces.of_row(row)[order] > 0  # where creases cross, there is a force, but no patch
     far = 1.6 * np.abs(where[pressing]).max()
     near = np.abs(where) <= max(far, np.abs(where).min())  # points farther away are open
     note = f"{np.count_nonzero(pressing)} of {len(order)} points press" + (
