@@ -178,7 +178,8 @@ struct Drop {
 };
 
 /// The cloud over the half-space z ≤ 0.
-inline std::shared_ptr<Model> over_floor(const Cloud& cloud, const Drop& drop) {
+inline std::shared_ptr<Model> over_floor(const Cloud& cloud, const Drop& drop,
+                                         const std::vector<ForcingRequest>& forcing = {}) {
   PlacedBody body{.name = "cloud", .kernel = &cloud.kernel, .rotation = drop.rotation};
   body.velocity = drop.velocity;
   body.angular_velocity = drop.spin;
@@ -186,7 +187,7 @@ inline std::shared_ptr<Model> over_floor(const Cloud& cloud, const Drop& drop) {
   pair.friction = drop.friction;
   pair.everywhere = drop.turns;
   return std::make_shared<Model>(
-      build_model({body}, {{.name = "floor", .normal = Vector3d::UnitZ()}}, {pair}, drop.gravity));
+      build_model({body}, {{.name = "floor", .normal = Vector3d::UnitZ()}}, {pair}, drop.gravity, forcing));
 }
 
 inline StepOptions stepping(double rate, Rotation rotation = Rotation::finite, int per_sample = 1) {

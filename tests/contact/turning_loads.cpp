@@ -53,25 +53,13 @@ ForcingRequest push(const Vector3d& force, History history = {}, std::optional<A
   return {.body = "cloud", .name = "push", .vector = force, .history = std::move(history), .axes = axes};
 }
 
-std::shared_ptr<Model> loaded(const Cloud& cloud, const Drop& drop,
-                              const std::vector<ForcingRequest>& forcing) {
-  PlacedBody body{.name = "cloud", .kernel = &cloud.kernel, .rotation = drop.rotation};
-  body.velocity = drop.velocity;
-  body.angular_velocity = drop.spin;
-  PairRequest pair{"cloud", "floor", {}, drop.height, {}};
-  pair.friction = drop.friction;
-  pair.everywhere = drop.turns;
-  return std::make_shared<Model>(
-      build_model({body}, {{.name = "floor", .normal = Vector3d::UnitZ()}}, {pair}, drop.gravity, forcing));
-}
-
 /// Steps both schemes side by side and compares forces, receivers and energies.
 void expect_equal(const Cloud& cloud, Drop drop, const std::vector<ForcingRequest>& forcing, double rate,
                   int steps) {
   const StepOptions of_finite = stepping(rate), of_linear = stepping(rate, Rotation::linear);
-  const auto turning = fold(loaded(cloud, drop, forcing), of_finite);
+  const auto turning = fold(over_floor(cloud, drop, forcing), of_finite);
   drop.turns = false;
-  const auto fixed = fold(loaded(cloud, drop, forcing), of_linear);
+  const auto fixed = fold(over_floor(cloud, drop, forcing), of_linear);
   auto finite = make_stepper(turning, of_finite), linear = make_stepper(fixed, of_linear);
   Receivers heard(*turning, of_finite), expected(*fixed, of_linear);
   double peak = 0, most = 0, work = 0;
@@ -145,9 +133,9 @@ TEST(TurningLoads, that_have_always_acted_let_supported_bodies_start_at_rest) {
     Drop drop{.rotation = turn(0.3, {1, 2, 0}), .height = 0.1};
     const std::vector<ForcingRequest> forcing{push({4, 1, -30}, dead_load)};
     const StepOptions options = stepping(rate), of_linear = stepping(rate, Rotation::linear);
-    const auto model = fold(loaded(cloud, drop, forcing), options);
+    const auto model = fold(over_floor(cloud, drop, forcing), options);
     drop.turns = false;
-    const auto fixed = fold(loaded(cloud, drop, forcing), of_linear);
+    const auto fixed = fold(over_floor(cloud, drop, forcing), of_linear);
     auto stepper = make_stepper(model, options);
     EXPECT_EQ(stepper->modal()->modes_in_residual() > 0, rate < 1e5);
     const auto linear = make_stepper(fixed, of_linear);
@@ -177,7 +165,8 @@ TEST(TurningLoads, of_the_world_accelerate_the_centre_and_work_on_the_way_of_the
     Cloud cloud({0.1, 0.08, 0.06}, 500, 0, 3, false);
     add_sources(cloud, 4);
     const Vector3d force(0.3, -0.2, 0.5);
-    const auto model = loaded(cloud, {.spin = {3, 20, 5}, .height = 5, .gravity = {0, 0, 0}}, {push(force)});
+    const auto model =
+        over_floor(cloud, {.spin = {3, 20, 5}, .height = 5, .gravity = {0, 0, 0}}, {push(force)});
     auto stepper = make_stepper(model, stepping(rate));
     const Energy before = stepper->modal()->energy();
     const Pose start = stepper->poses()[0];
@@ -212,8 +201,8 @@ TEST(TurningLoads, of_the_body_turn_with_it) {
     load.unit = unit;
     const Matrix3d placed = turn(0.7, {0, 0, 1});  // the vector of the load is given in the world
     auto stepper = make_stepper(
-        loaded(cloud, {.rotation = placed, .spin = {0, 0, spin}, .height = 5, .gravity = {0, 0, 0}},
-               {push({force, 0, 0}, {}, axes)}),
+        over_floor(cloud, {.rotation = placed, .spin = {0, 0, spin}, .height = 5, .gravity = {0, 0, 0}},
+                   {push({force, 0, 0}, {}, axes)}),
         stepping(rate));
     for (int k = 0; k < std::lround(t * rate); ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
     const Vector3d turned =
@@ -232,7 +221,7 @@ TEST(Receivers, of_a_rigid_body_that_spins_move_on_a_circle) {
   const StepOptions options = stepping(rate);
   const Matrix3d placed = turn(0.4, {1, 2, 3});
   const Vector3d axis = placed * Vector3d::UnitZ();
-  const auto model = loaded(
+  const auto model = over_floor(
       cloud,
       {.rotation = placed, .velocity = {1, 2, 0}, .spin = spin * axis, .height = 5, .gravity = {0, 0, 0}},
       {});
@@ -263,8 +252,8 @@ TEST(Receivers, of_a_loaded_body_that_turns_have_the_rates_of_their_displacement
   Cloud cloud({0.1, 0.08, 0.06}, 200, 1e-7, 3);
   add_sources(cloud, 4);
   const StepOptions options = stepping(1e5);
-  const auto model =
-      fold(loaded(cloud, {.spin = {20, 0, 10}, .height = 5}, {push({3, 5, 4}, {{0, 1}, {0, 1}})}), options);
+  const auto model = fold(
+      over_floor(cloud, {.spin = {20, 0, 10}, .height = 5}, {push({3, 5, 4}, {{0, 1}, {0, 1}})}), options);
   auto stepper = make_stepper(model, options);
   Receivers receivers(*model, options);
   std::vector<ReceiverMotion> seen;
@@ -330,9 +319,9 @@ TEST(TurningLoads, lower_a_supported_body_to_the_floor) {
                              .vector = {0, 0, -1e-4},
                              .history = {{0.01005, 0.21005}, {0, 1}}};
   Drop drop{.rotation = turn(0.3, {1, 2, 0}), .height = 5e-5, .gravity = {0, 0, 0}};
-  auto finite = make_stepper(loaded(cloud, drop, {sinks}), stepping(1e4, Rotation::finite, 16));
+  auto finite = make_stepper(over_floor(cloud, drop, {sinks}), stepping(1e4, Rotation::finite, 16));
   drop.turns = false;
-  auto linear = make_stepper(loaded(cloud, drop, {sinks}), stepping(1e4, Rotation::linear, 16));
+  auto linear = make_stepper(over_floor(cloud, drop, {sinks}), stepping(1e4, Rotation::linear, 16));
   double peak = 0, most = 0;
   int calls = 0;
   for (int sample = 1; sample <= 150; ++sample) {
@@ -351,8 +340,8 @@ TEST(TurningLoads, are_stepped_through_and_the_rest_is_flown) {
   Cloud cloud({0.1, 0.08, 0.06}, 500, 1e-8, 3);
   add_sources(cloud, 4);
   const Vector3d force(0, 0.4, 0);
-  auto stepper = make_stepper(loaded(cloud, {.height = 5, .gravity = {0, 0, 0}},
-                                     {push(force, {{0.012305, 0.023405, 0.034505}, {0, 1, 0}})}),
+  auto stepper = make_stepper(over_floor(cloud, {.height = 5, .gravity = {0, 0, 0}},
+                                         {push(force, {{0.012305, 0.023405, 0.034505}, {0, 1, 0}})}),
                               stepping(1e5, Rotation::finite, 100));
   const double impulse = 0.5 * 0.0222;
   int calls = 0;
@@ -378,8 +367,8 @@ TEST(TurningLoads, wake_a_body_that_rests) {
   add_sources(box, 4);
   box.kernel.applied[0].moment = values(cross_matrix(box.centre));
   const double weight = 9.81 * box.mass, rate = 5e4, begins = 2;
-  auto stepper = make_stepper(loaded(box, {.height = 1e-5, .friction = Friction{0.5, 0.5, 0}},
-                                     {push({0, 0, 2 * weight}, {{begins}, {1}})}),
+  auto stepper = make_stepper(over_floor(box, {.height = 1e-5, .friction = Friction{0.5, 0.5, 0}},
+                                         {push({0, 0, 2 * weight}, {{begins}, {1}})}),
                               stepping(rate));
   Vector3d before = stepper->poses()[0].position;
   int still = 0;
@@ -405,9 +394,9 @@ TEST(TurningLoads, on_a_body_that_tumbles_close_the_ledger) {
     Drop drop{
         .rotation = turn(3 * spread(random), any()), .velocity = any(), .spin = 20 * any(), .height = 0.01};
     if (scene % 2 == 0) drop.friction = Friction{0.5, 0.5, 0};
-    const auto model = loaded(cloud, drop,
-                              {push(5 * any(), {{0.003, 0.05, 0.0501}, {0, 1, 0.2}}),
-                               push(3 * any(), {{0}, {1}}, Axes::body), push(2 * any(), dead_load)});
+    const auto model = over_floor(cloud, drop,
+                                  {push(5 * any(), {{0.003, 0.05, 0.0501}, {0, 1, 0.2}}),
+                                   push(3 * any(), {{0}, {1}}, Axes::body), push(2 * any(), dead_load)});
     auto stepper = make_stepper(model, stepping(2e4 * (1 + scene)));
     const double start = stepper->modal()->energy().total();
     double scale = start;
