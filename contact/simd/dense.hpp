@@ -8,6 +8,17 @@
 
 namespace ricochet::contact::simd {
 
+/// A point of a body: the mean displacement of up to three candidates and of its frame, along three
+/// directions.
+struct Lever {
+  double direction[3][4];   ///< columns of the directions (3,3) in body axes; the last entries are 0
+  double moment[3][4];      ///< the same of −D r̂, with the arm r of the point
+  double weight[3];         ///< of its candidates
+  std::size_t at[3];        ///< first row of each among the rows of all candidates
+  std::size_t count;        ///< of candidates
+  std::size_t first, rows;  ///< its rows in the matrix of all points: 1, or 3
+};
+
 struct Dense {
   /// C (m,n) −= A (m,k) B (k,n), with the distances of their columns.
   void (*subtract_product)(std::size_t m, std::size_t n, std::size_t k, const double* A, std::size_t of_A,
@@ -19,6 +30,13 @@ struct Dense {
   /// x (n) = (L Lᵀ)⁻¹ x of a lower triangle L. Faster than blocked solvers for some tens of rows.
   /// @param reciprocal  (n) of the diagonal of L
   void (*solve_factor)(std::size_t n, const double* L, std::size_t of_L, const double* reciprocal, double* x);
+  /// y_k = row_k · x of three rows (n).
+  void (*three_products)(std::size_t n, const double* const* row, const double* x, double* y);
+  /// Adds to the columns of the first lever, in its rows and below, the displacements of the levers: to A
+  /// those of candidates (of_u,3), u, and of the frame, D (shift + θ × r) with shift (3,3) and θ = turn
+  /// (3,3); to B those of candidates v, unless v is null. One number beyond each column of u and v is read.
+  void (*displace)(const Lever* levers, std::size_t count, const double* u, const double* v, std::size_t of_u,
+                   const double* shift, const double* turn, double* A, double* B, std::size_t of_A);
 };
 
 /// Of this processor.

@@ -127,9 +127,73 @@ void solve_factor(std::size_t n, const double* L, std::size_t of_L, const double
   }
 }
 
+void three_products(std::size_t n, const double* const* row, const double* x, double* y) {
+  V::type sum[3][2] = {};
+  std::size_t i = 0;
+  for (; i + 2 * V::size <= n; i += 2 * V::size)
+    for (std::size_t r = 0; r < 2; ++r) {
+      const auto xi = V::load(x + i + r * V::size);
+      for (std::size_t k = 0; k < 3; ++k) sum[k][r] += V::load(row[k] + i + r * V::size) * xi;
+    }
+  for (std::size_t k = 0; k < 3; ++k) {
+    y[k] = V::sum(sum[k][0] + sum[k][1]);
+    for (std::size_t rest = i; rest < n; ++rest) y[k] += row[k][rest] * x[rest];
+  }
+}
+
+/// Four numbers, the last of which is not used.
+struct Triple {
+  using Part = Lanes<double, (V::size < 4 ? V::size : 4)>;
+  static constexpr std::size_t parts = 4 / Part::size;
+  Part::type part[parts];
+
+  static Triple load(const double* x) {
+    Triple out;
+    for (std::size_t k = 0; k < parts; ++k) out.part[k] = Part::load(x + k * Part::size);
+    return out;
+  }
+  double operator[](std::size_t i) const { return part[i / Part::size][i % Part::size]; }
+  void add(double factor, const Triple& x) {
+    for (std::size_t k = 0; k < parts; ++k) part[k] += factor * x.part[k];
+  }
+  void add_to(double* out, std::size_t count) const {
+    for (std::size_t k = 0; k < count; ++k) out[k] += (*this)[k];
+  }
+};
+
+void displace(const Lever* levers, std::size_t count, const double* u, const double* v, std::size_t of_u,
+              const double* shift, const double* turn, double* A, double* B, std::size_t of_A) {
+  for (std::size_t f = 0; f < count; ++f) {
+    const Lever& lever = levers[f];
+    Triple D[3], G[3];
+    for (std::size_t x = 0; x < 3; ++x) {
+      D[x] = Triple::load(lever.direction[x]);
+      G[x] = Triple::load(lever.moment[x]);
+    }
+    for (std::size_t i = 0; i < levers[0].rows; ++i) {
+      const std::size_t out = (levers[0].first + i) * of_A + lever.first;
+      const auto of_candidates = [&](const double* of) {
+        Triple mean{}, along{};
+        for (std::size_t j = 0; j < lever.count; ++j)
+          mean.add(lever.weight[j], Triple::load(of + i * of_u + lever.at[j]));
+        for (std::size_t x = 0; x < 3; ++x) along.add(mean[x], D[x]);
+        return along;
+      };
+      Triple moved = of_candidates(u);
+      for (std::size_t x = 0; x < 3; ++x) {
+        moved.add(shift[3 * i + x], D[x]);
+        moved.add(turn[3 * i + x], G[x]);
+      }
+      moved.add_to(A + out, lever.rows);
+      if (v != nullptr) of_candidates(v).add_to(B + out, lever.rows);
+    }
+  }
+}
+
 }  // namespace
 
 extern const Dense RICOCHET_DENSE;
-const Dense RICOCHET_DENSE{subtract_product, symmetric_product, subtract_columns, solve_factor};
+const Dense RICOCHET_DENSE{subtract_product, symmetric_product, subtract_columns,
+                           solve_factor,     three_products,    displace};
 
 }  // namespace ricochet::contact::simd

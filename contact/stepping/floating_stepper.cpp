@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/format.hpp"
+#include "contact/simd/dense.hpp"
 #include "ricochet/error.hpp"
 
 namespace ricochet::contact {
@@ -57,8 +58,9 @@ FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepO
       islands_(static_cast<int>(bodies_.size()), sides_of(*model)),
       // A moving obstacle may speed a body up; without it, the energy of a body bounds its motion.
       epoch_(model->belts.empty() ? search_every : 1),
+      energy_of_(bodies_.size()),
       stored_(model->pairs.size(), 0),
-      before_(contact_.mean),
+      pairs_before_(contact_.mean.pairs()),
       over_(*state_.system) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const double turn = turning_.poses[k].spin.norm() * options.step;
@@ -69,13 +71,13 @@ FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepO
                        model->bodies[k].name, turn, largest_turn));
   }
   for (Vector* x : {&dq_, &modal_force_, &displaced_, &kept_q_, &kept_v_}) x->setZero(model->omega.size());
-  for (Vector* x : {&rest_, &rest_force_}) x->setZero(model->rows());
+  for (Vector* x : {&rest_, &rest_force_, &end_before_}) x->setZero(model->rows());
+  for (std::vector<int>* x : {&written_, &next_written_}) x->reserve(static_cast<std::size_t>(model->rows()));
   for (std::size_t k = 0; k < bodies_.size(); ++k)
     travels_[k].distance = std::numeric_limits<double>::infinity();  // the first call finds all feet
   points_.watch(bodies_, travels_, contact_.mean);
   place(0);
   points_.write_frames(bodies_, turning_.frames);
-  u_ = points_.all();
 }
 
 /// ½q̇² + ½ω²q² of the elastic modes of a body [J].
@@ -132,18 +134,16 @@ StepStatus FloatingStepper::step() noexcept {
   }
   if (contact_.mean.begins())
     if (const int crossed = cross(); crossed > 0) {
-      land(crossed);
-      u_ = points_.all();
+      fly(crossed);
       return StepStatus::ok;
     }
   const StepSystem& system = *state_.system;
   Slip* const slip = contact_.slip.any() ? &contact_.slip : nullptr;
   if (steps_ >= search_at_) search();
   keep();
-  before_ = contact_.mean;
   const auto undo = [&](StepStatus status) {
     restore();
-    contact_.mean = before_;
+    contact_.mean.restore(points_.rows(), end_before_, pairs_before_);
     place(time());
     return status;
   };
@@ -158,8 +158,10 @@ StepStatus FloatingStepper::step() noexcept {
       if (const auto spring = points_.spring(j)) law_.spring(points_.rows()[j]) = *spring;
   const StepMatrices matrices =
       points_.matrices(bodies_, options_.step, contact_.mean.is_conserving() ? conserving_mean.end : 0);
-  carry_forces(matrices);
   const auto k = std::ssize(points_.rows());
+  end_before_.head(k) = end_force()(points_.rows());
+  std::copy(contact_.mean.pairs().begin(), contact_.mean.pairs().end(), pairs_before_.begin());
+  carry_forces(matrices);
   law_.start.head(k) = points_.at_start().head(k) - rest_.head(k);
   law_.free.head(k) = points_.free().head(k);
   const StepTrial trial = law_.solve(matrices, contact_.mean, slip);
@@ -196,19 +198,21 @@ void FloatingStepper::restore() noexcept {
 
 /// Counts searches that find all bodies at rest.
 void FloatingStepper::look_for_rest() noexcept {
-  bool rests = contact_.active > 0 && state_.system->model->belts.empty() &&
-               is_steady(search_every * options_.step) &&
-               (contact_.force - rest_force_).norm() <= resting * contact_.force.norm();
-  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+  const bool was_slow = slow_;
+  slow_ =
+      contact_.active > 0 && state_.system->model->belts.empty() && is_steady(search_every * options_.step);
+  for (std::size_t k = 0; k < bodies_.size() && slow_; ++k) {
     const FloatingBody& body = bodies_[k];
     const double fall =
                      body.mass * state_.system->model->gravity.norm() * points_.radius(static_cast<int>(k)),
                  kinetic = body.kinetic() +
                            0.5 * state_.v.segment(body.first_elastic(), body.elastic()).squaredNorm();
-    rests = rests && body.torque.isZero(0) && kinetic <= resting * resting * fall;
+    slow_ = body.torque.isZero(0) && kinetic <= resting * resting * fall;
   }
+  const bool rests =
+      was_slow && slow_ && (contact_.force - rest_force_).norm() <= resting * contact_.force.norm();
   at_rest_ = rests ? at_rest_ + 1 : 0;
-  rest_force_ = contact_.force;
+  if (slow_) rest_force_ = contact_.force;
 }
 
 /// Finds the points that may touch before the next search.
@@ -230,6 +234,8 @@ void FloatingStepper::set_travels(double time) noexcept {
   const double now = this->time(), then = now + time;
   // A moving obstacle or support may speed a body up beyond its energy.
   const double share = model.belts.empty() && !loads_.move(now, then) ? 1 : 2;
+  for (std::size_t k = 0; k < bodies_.size(); ++k)
+    energy_of_[k] = bodies_[k].kinetic() + elastic_energy(bodies_[k]);
   islands_.separate();
   for (bool joined = true; joined;) {
     joined = false;
@@ -239,7 +245,7 @@ void FloatingStepper::set_travels(double time) noexcept {
         if (!islands_.same(k, j)) continue;
         const FloatingBody& body = bodies_[static_cast<std::size_t>(j)];
         const double of_body = body.pull() + loads_.pull(j, now, then);
-        energy += share * (body.kinetic() + elastic_energy(body));
+        energy += share * energy_of_[static_cast<std::size_t>(j)];
         pull += of_body * of_body;
         driven += 2 * loads_.speed(j, now, then);
       }
@@ -271,9 +277,10 @@ void FloatingStepper::carry_forces(const StepMatrices& matrices) noexcept {
   const Model& model = *state_.system->model;
   const auto product = [&] {
     rest_.head(std::ssize(rows)).setZero();
+    simd::ColumnSum sum(rows.size(), rest_.data());
     for (std::size_t j = 0; j < rows.size(); ++j)
       if (const double p = end_force()(rows[j]); p != 0)
-        rest_.head(std::ssize(rows)) += p * matrices.R.col(static_cast<Index>(j));
+        sum.subtract(matrices.R.col(static_cast<Index>(j)).data(), -p);
   };
   product();
   const auto pairs = static_cast<int>(model.pairs.size());
@@ -378,14 +385,14 @@ bool FloatingStepper::commit(const Work& work, double residual, double time) noe
   return true;
 }
 
-/// Completes a step that is committed.
+/// Completes a step that is committed. Vectors of all rows change in few of them.
 StepStatus FloatingStepper::end(const StepTrial& trial) noexcept {
-  next_force_.setZero();
-  next_end_.setZero();
-  next_u_ = points_.all();
+  for (const int row : next_written_) next_force_(row) = 0;
+  for (const int row : written_) next_end_(row) = 0;
   double power = 0;
   std::fill(stored_.begin(), stored_.end(), 0.0);
   const auto rows = points_.rows();
+  int active = 0;
   for (std::size_t j = 0; j < rows.size(); ++j) {
     const auto at = static_cast<Index>(j);
     const int row = rows[j];
@@ -394,17 +401,43 @@ StepStatus FloatingStepper::end(const StepTrial& trial) noexcept {
     double yielded = law_.yielded()(at), stored = 0;
     const double moved = law_.u()(at) - law_.start(at);
     // Where points slide, tangential displacements add up from step to step.
-    next_u_(row) = row >= points() && points_.slides(j) ? u_(row) + moved : next_u_(row) - yielded;
-    if (row < points()) power -= next_force_(row) * moved / options_.step;
+    rest_(at) = row >= points() && points_.slides(j) ? next_u_(row) + moved : points_.u(row) - yielded;
+    if (row < points()) {
+      power -= next_force_(row) * moved / options_.step;
+      active += p > 0 ? 1 : 0;
+    }
     if (const PatchSpring spring = spring_of(row); spring.bulge > 0 && p > 0) {
       yielded -= spring.displacement(p);
       stored = spring.energy(p);
     }
     stored_[static_cast<std::size_t>(points_.pair_of(j))] += stored + 0.5 * p * yielded;
   }
+  for (const int row : written_) next_u_(row) = 0;
+  next_u_(rows) = rest_.head(std::ssize(rows));
   if (trial.several) ++contact_.ambiguous;
   points_.write_forces(law_.end(), turning_.candidate_force);
-  return complete(static_cast<int>((next_end_.head(points()).array() > 0).count()), power, trial.violation);
+  end_contact(active, power, trial.violation);
+  next_written_.swap(written_);
+  written_.assign(rows.begin(), rows.end());
+  ++steps_;
+  return StepStatus::ok;
+}
+
+/// Ends a flight over some steps. If it goes on, there is nothing to clear.
+void FloatingStepper::fly(int crossed) noexcept {
+  if (written_.empty()) {
+    steps_ += crossed;
+    return;
+  }
+  land(crossed);
+  for (const int row : written_) next_end_(row) = next_u_(row) = 0;
+  written_.clear();
+}
+
+const Vector& FloatingStepper::displacement() const noexcept {
+  points_.write_displacements(bodies_, u_);
+  for (const int row : written_) u_(row) = next_u_(row);
+  return u_;
 }
 
 bool FloatingStepper::push(int number, const Vector3d& force, const Vector3d& torque) noexcept {
@@ -440,6 +473,8 @@ int FloatingStepper::cross() noexcept {
   if (steps_ + steps > clear_until_) return 0;
   set_flight(steps);
   keep();
+  points_.watch_none();
+  search_at_ = steps_;  // also if the flight fails
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     turned_[k] = bodies_[k].fly(to - from);
     coriolis_[k].turn(0.5 * turned_[k], to - from, Coriolis::Half::before, state_.q, state_.v);

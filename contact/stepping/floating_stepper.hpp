@@ -43,6 +43,7 @@ class FloatingStepper final : public Stepper {
   /// displacements are 0.
   const ModalState* modal() const noexcept override { return &state_; }
   const Turning* turning() const noexcept override { return &turning_; }
+  const Vector& displacement() const noexcept override;
   bool push(int body, const Eigen::Vector3d& force, const Eigen::Vector3d& torque) noexcept override;
 
  private:
@@ -56,6 +57,7 @@ class FloatingStepper final : public Stepper {
   int steps_to_cross() const noexcept;
   int cross() noexcept;
   std::int64_t find_clear_until() noexcept;
+  void fly(int crossed) noexcept;
   void set_flight(int steps) noexcept;
   void search() noexcept;
   void set_travels(double time) noexcept;
@@ -79,15 +81,21 @@ class FloatingStepper final : public Stepper {
   MovingPoints points_;
   TurningLoads loads_;
   std::vector<MovingPoints::Travel> travels_;
-  Islands islands_;               ///< scratch: of forces at the start of a step; of what may meet
-  int epoch_;                     ///< steps between two searches
-  std::int64_t search_at_ = 0;    ///< step of the next one
-  std::int64_t clear_until_ = 0;  ///< step before which nothing can touch
-  int at_rest_ = 0;               ///< searches in a row that found the bodies at rest
-  Vector rest_force_;             ///< (n) p̄ at the last search [N]
-  std::vector<double> stored_;    ///< by pair, in R after the last step [J]
-  MeanForce before_;              ///< the forces that the step starts with
-  ModeConstants over_;            ///< (N) of a flight over constants_of_ steps
+  Islands islands_;                ///< scratch: of forces at the start of a step; of what may meet
+  int epoch_;                      ///< steps between two searches
+  std::int64_t search_at_ = 0;     ///< step of the next one
+  std::int64_t clear_until_ = 0;   ///< step before which nothing can touch
+  int at_rest_ = 0;                ///< searches in a row that found the bodies at rest
+  bool slow_ = false;              ///< whether the last search found their speeds at rest
+  std::vector<double> energy_of_;  ///< by body, scratch [J]
+  Vector rest_force_;              ///< (n) p̄ at the last search [N]
+  std::vector<double> stored_;     ///< by pair, in R after the last step [J]
+  Vector end_before_;              ///< p at the start of the step, by position
+  std::vector<MeanForce::Pair> pairs_before_;
+  /// Rows of the last step, which may not be 0 in force_; those of the step before it, in next_force_. The
+  /// former have their u in next_u_.
+  std::vector<int> written_, next_written_;
+  ModeConstants over_;  ///< (N) of a flight over constants_of_ steps
   int constants_of_ = 0;
   Vector dq_, modal_force_;  ///< (N) of the free motion; of contact under p̄
   Vector displaced_;         ///< (N) q with static displacements

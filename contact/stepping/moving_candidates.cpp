@@ -31,7 +31,7 @@ MovingCandidates::MovingCandidates(const Bodies::Block& block, const BodySurface
     }
   for (int i = 0; i < static_cast<int>(M); ++i) {
     double give = (shape(i).colwise().squaredNorm().array() / omega.square()).sum();
-    if (yields()) give += flexibility(i, i).trace();
+    if (has_residual()) give += flexibility(i, i).trace();
     give_.push_back(std::sqrt(give));
     largest_give_ = std::max(largest_give_, give_.back());
   }
@@ -51,7 +51,7 @@ MovingCandidates::MovingCandidates(const Bodies::Block& block, const BodySurface
 Matrix3d MovingCandidates::flexibility_of(int candidate) const {
   const Matrix own = shape(candidate);
   Matrix3d out = own * folded_.asDiagonal() * own.transpose();
-  if (yields()) out += flexibility(candidate, candidate);
+  if (has_residual()) out += flexibility(candidate, candidate);
   return out;
 }
 
@@ -128,7 +128,9 @@ const Vector3d& MovingCandidates::of(Lazy& known, int candidate, const Vector& m
   const auto i = static_cast<std::size_t>(candidate);
   if (known.call[i] == calls_) return known.value[i];
   known.call[i] = calls_;
-  known.value[i].noalias() = shape(candidate) * modal.segment(first_elastic_, elastic_);
+  const double* const rows[] = {row(candidate, 0), row(candidate, 1), row(candidate, 2)};
+  simd::dense().three_products(static_cast<std::size_t>(elastic_), rows, modal.data() + first_elastic_,
+                               known.value[i].data());
   if (!static_.empty()) known.value[i] += respond(candidate, part);
   return known.value[i];
 }
@@ -146,7 +148,7 @@ void MovingCandidates::join(int candidate) noexcept {
   const auto s = static_cast<Index>(joined_.size());
   number_of_[static_cast<std::size_t>(candidate)] = static_cast<int>(s);
   joined_.push_back(candidate);
-  for (CandidateBlocks* blocks : {&in_modes_, &residual_}) blocks->resize(s + 1);
+  for (CandidateMatrix* blocks : {&in_modes_, &residual_}) blocks->resize(s + 1);
   const auto own = shape(candidate);
   // Φ d Φᵀ, entry by entry: a product of matrices would allocate.
   const auto block = [&](const auto& diagonal, const auto& other) {
@@ -157,12 +159,13 @@ void MovingCandidates::join(int candidate) noexcept {
   };
   for (Index t = 0; t <= s; ++t) {
     const int other = joined_[static_cast<std::size_t>(t)];
-    in_modes_(s, t) = block(c_, shape(other));
-    if (yields())
-      residual_(s, t) = flexibility(candidate, other);
-    else
-      residual_(s, t).setZero();
-    if (folds_) residual_(s, t) += block(folded_, shape(other));
+    const Matrix3d of_modes = block(c_, shape(other));
+    Matrix3d yielding = has_residual() ? Matrix3d(flexibility(candidate, other)) : Matrix3d::Zero();
+    if (folds_) yielding += block(folded_, shape(other));
+    in_modes_.block(t, s) = of_modes.transpose();
+    in_modes_.block(s, t) = of_modes;
+    residual_.block(t, s) = yielding.transpose();
+    residual_.block(s, t) = yielding;
   }
 }
 
@@ -173,12 +176,12 @@ void MovingCandidates::keep(const std::vector<char>& marks) noexcept {
   Index kept = 0;
   for (std::size_t s = 0; s < joined_.size(); ++s) {
     if (!stays(joined_[s])) continue;
-    Index column = 0;
-    for (std::size_t t = 0; t <= s; ++t) {
+    Index row = 0;
+    for (std::size_t t = 0; t < joined_.size(); ++t) {
       if (!stays(joined_[t])) continue;
-      for (CandidateBlocks* blocks : {&in_modes_, &residual_})
-        (*blocks)(kept, column) = Matrix3d((*blocks)(static_cast<Index>(s), static_cast<Index>(t)));
-      ++column;
+      for (CandidateMatrix* blocks : {&in_modes_, &residual_})
+        blocks->block(row, kept) = Matrix3d(blocks->block(static_cast<Index>(t), static_cast<Index>(s)));
+      ++row;
     }
     ++kept;
   }
@@ -188,17 +191,6 @@ void MovingCandidates::keep(const std::vector<char>& marks) noexcept {
   });
   for (std::size_t s = 0; s < joined_.size(); ++s)
     number_of_[static_cast<std::size_t>(joined_[s])] = static_cast<int>(s);
-}
-
-void MovingCandidates::add_blocks(int i, int j, double weight, Matrix3d& in_modes,
-                                  Matrix3d& residual) const noexcept {
-  const Index x = number_of_[static_cast<std::size_t>(i)], y = number_of_[static_cast<std::size_t>(j)];
-  in_modes_.add(x, y, weight, in_modes);
-  residual_.add(x, y, weight, residual);
-}
-
-void MovingCandidates::push(int candidate, const Vector3d& force, Vector& modal) const noexcept {
-  modal.segment(first_elastic_, elastic_).noalias() += shape(candidate).transpose() * force;
 }
 
 }  // namespace ricochet::contact

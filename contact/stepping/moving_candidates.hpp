@@ -4,40 +4,34 @@
 // candidate joins.
 #pragma once
 
-#include <algorithm>
 #include <span>
 #include <vector>
 
 #include "base/reserved.hpp"
 #include "contact/motion/body_surface.hpp"
+#include "contact/simd/dense.hpp"
 #include "contact/stepping/step_system.hpp"
 
 namespace ricochet::contact {
 
-/// The blocks (3k,3k) of a symmetric matrix between k candidates. Entries are written once.
-class CandidateBlocks {
+/// A matrix (3k,3k) between k candidates, whose number may change without allocation.
+class CandidateMatrix {
  public:
-  explicit CandidateBlocks(Eigen::Index candidates)
-      : entries_(static_cast<std::size_t>(first(candidates, 0))) {}
-  /// @param j  at most i
-  Eigen::Map<Eigen::Matrix3d> operator()(Eigen::Index i, Eigen::Index j) noexcept {
-    return Eigen::Map<Eigen::Matrix3d>(entries_.data() + first(i, j));
+  explicit CandidateMatrix(Eigen::Index candidates)
+      : stride_(3 * candidates), entries_(static_cast<std::size_t>(stride_ * stride_)) {}
+  auto block(Eigen::Index i, Eigen::Index j) noexcept {
+    return Eigen::Map<Eigen::Matrix3d, 0, Eigen::OuterStride<>>(entries_.data() + 3 * (j * stride_ + i),
+                                                                Eigen::OuterStride<>(stride_));
   }
-  /// Adds a multiple of a block to `out`.
-  void add(Eigen::Index i, Eigen::Index j, double weight, Eigen::Matrix3d& out) const noexcept {
-    const Eigen::Map<const Eigen::Matrix3d> block(entries_.data() + first(std::max(i, j), std::min(i, j)));
-    if (i >= j)
-      out += weight * block;
-    else
-      out += weight * block.transpose();
+  const double* column(std::size_t j) const noexcept {
+    return entries_.data() + static_cast<Eigen::Index>(j) * stride_;
   }
-  /// Makes room for candidates 0 … count − 1.
-  void resize(Eigen::Index count) noexcept { entries_.resize(static_cast<std::size_t>(first(count, 0))); }
+  Eigen::Index stride() const { return stride_; }
+  /// Makes room for candidates 0 … count − 1; entries keep their places.
+  void resize(Eigen::Index count) noexcept { entries_.resize(static_cast<std::size_t>(3 * count * stride_)); }
 
  private:
-  /// Rows of the lower triangle follow each other, so that candidates are added at the end.
-  static Eigen::Index first(Eigen::Index i, Eigen::Index j) { return 9 * (i * (i + 1) / 2 + j); }
-
+  Eigen::Index stride_;
   base::Reserved<double> entries_;
 };
 
@@ -74,9 +68,12 @@ class MovingCandidates {
   void join(int candidate) noexcept;
   /// Keeps those that are marked (M).
   void keep(const std::vector<char>& marks) noexcept;
-  /// Adds multiples of the blocks between two that have joined.
-  void add_blocks(int i, int j, double weight, Eigen::Matrix3d& in_modes,
-                  Eigen::Matrix3d& residual) const noexcept;
+  int joined() const { return static_cast<int>(joined_.size()); }  ///< their number
+  /// Place of a candidate among those that have joined.
+  int place_of(int candidate) const { return number_of_[static_cast<std::size_t>(candidate)]; }
+  const CandidateMatrix& in_modes() const { return in_modes_; }  ///< Φ c Φᵀ, by place
+  const CandidateMatrix& residual() const { return residual_; }  ///< R_body
+  bool yields() const { return folds_ || has_residual(); }       ///< whether R_body is not 0
 
   /// A point that moves between candidates: means of what candidates on patches of one size have. R between
   /// the patches themselves would ripple by half.
@@ -86,8 +83,21 @@ class MovingCandidates {
   };
   Patch patch(std::span<const int> candidates, std::span<const double> weights) const noexcept;
 
-  /// Adds Φᵀ f to the modal forces (N). @param force  body axes [N]
-  void push(int candidate, const Eigen::Vector3d& force, Vector& modal) const noexcept;
+  /// Adds Φᵀ f of candidates to the modal forces (N), at the latest when it is destroyed.
+  class Push {
+   public:
+    Push(const MovingCandidates& candidates, Vector& modal) noexcept
+        : candidates_(candidates),
+          sum_(static_cast<std::size_t>(candidates.elastic_), modal.data() + candidates.first_elastic_) {}
+    /// @param force  body axes [N]
+    void add(int candidate, const Eigen::Vector3d& force) noexcept {
+      for (int axis = 0; axis < 3; ++axis) sum_.subtract(candidates_.row(candidate, axis), -force(axis));
+    }
+
+   private:
+    const MovingCandidates& candidates_;
+    simd::ColumnSum sum_;
+  };
 
  private:
   /// Values of candidates that are computed when they are asked for.
@@ -103,7 +113,11 @@ class MovingCandidates {
     return Eigen::Map<const Matrix>(surface_->shape.data() + 3 * candidate * modes_, 3, modes_)
         .rightCols(elastic_);
   }
-  bool yields() const { return !surface_->residual_flexibility.empty(); }
+  /// (elastic) the shapes of a component.
+  const double* row(int candidate, int axis) const {
+    return surface_->shape.data() + (3 * candidate + axis) * modes_ + (modes_ - elastic_);
+  }
+  bool has_residual() const { return !surface_->residual_flexibility.empty(); }
   /// (3,3) R between two candidates
   auto flexibility(int i, int j) const {
     const auto M = static_cast<Eigen::Index>(3 * surface_->size());
@@ -123,7 +137,7 @@ class MovingCandidates {
   std::int64_t calls_ = 0;
   Lazy displacement_, change_;
   std::vector<int> joined_, number_of_;  ///< candidates; (M) place among them, or −1
-  CandidateBlocks in_modes_, residual_;
+  CandidateMatrix in_modes_, residual_;
   std::vector<Patch> patches_;  ///< (M), or empty if no element is curved
 };
 

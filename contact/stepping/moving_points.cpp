@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/format.hpp"
+#include "contact/simd/dense.hpp"
 #include "ricochet/error.hpp"
 
 namespace ricochet::contact {
@@ -51,6 +52,12 @@ void check(const Model& model, const Rows::PairBlock& pair) {
   }
 }
 
+/// Writes U of a candidate over a half-space, from its displacement in world axes.
+void write_over(const MovingPoint& point, int number, const Vector3d& moved, Vector& u) {
+  u(number) = point.row.row(0).dot(moved);
+  if (point.tangential >= 0) u.segment<2>(point.tangential).noalias() = point.row.bottomRows<2>() * moved;
+}
+
 }  // namespace
 
 MovingPoints::Body::Body(const Bodies::Block& block, const Model& model, const StepSystem& system)
@@ -63,18 +70,28 @@ MovingPoints::Body::Body(const Bodies::Block& block, const Model& model, const S
 }
 
 MovingPoints::MovingPoints(const Model& model, const StepSystem& system)
-    : pairs_(model.pairs), M_(model.rows()), R_(model.rows()), S_(model.rows()), S_mean_(model.rows()) {
+    : pairs_(model.pairs),
+      far_(model.pairs.size(), -1),
+      M_(model.rows()),
+      R_(model.rows()),
+      S_(model.rows()),
+      S_mean_(model.rows()) {
   bodies_.reserve(model.bodies.size());  // copies would lose the reserve of their lists
   for (const Bodies::Block& block : model.bodies) bodies_.emplace_back(block, model, system);
   const auto m = static_cast<std::size_t>(model.points()), n = static_cast<std::size_t>(model.rows());
   points_.resize(m);
   is_watched_.assign(m, false);
   member_of_.assign(m, -1);
-  for (std::vector<int>* x : {&watched_, &members_, &tangents_at_}) x->reserve(m);
-  for (std::vector<int>* x : {&rows_, &owner_, &along_}) x->reserve(n);
+  for (std::vector<int>* x : {&watched_, &members_, &first_of_}) x->reserve(m);
+  for (std::vector<int>* x : {&rows_, &owner_}) x->reserve(n);
+  levers_.reserve(m);
+  ends_.reserve(m);
   crossings_.reserve(m);
   summits_.reserve(most_found);
   near_.reserve(m);
+  std::size_t most = 0;
+  for (const Body& one : bodies_) most = std::max(most, one.used.size());
+  displaced_.setZero(static_cast<Index>(2 * (3 * (3 * most + 1) + 1)));
   forced_.reserve(6 * m);
   for (Vector* x : {&start_, &free_, &u_}) x->setZero(model.rows());
   for (int pair = 0; pair < static_cast<int>(model.pairs.size()); ++pair) {
@@ -211,16 +228,25 @@ void MovingPoints::watch(int number) noexcept {
   is_watched_[static_cast<std::size_t>(number)] = true;
 }
 
-void MovingPoints::watch(std::span<const FloatingBody> bodies, std::span<const Travel> travels,
-                         const MeanForce& forces) noexcept {
-  std::fill(is_watched_.begin(), is_watched_.end(), false);
+void MovingPoints::watch_none() noexcept {
+  for (const int i : watched_) is_watched_[static_cast<std::size_t>(i)] = false;
   watched_.clear();
   near_.clear();
+}
+
+void MovingPoints::watch(std::span<const FloatingBody> bodies, std::span<const Travel> travels,
+                         const MeanForce& forces) noexcept {
+  watch_none();
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     const Model::PairBlock& pair = pairs_[k];
     if (pair.b >= 0) {
-      find_feet(static_cast<int>(k), bodies, margin(pair, travels), forces);
-      find_crossings(static_cast<int>(k), bodies, margin(pair, travels), forces);
+      const double spheres = apart(pair, bodies), reach = margin(pair, travels);
+      const bool is_far = spheres >= reach && !forces.pairs()[k].carries;
+      if (!is_far || far_[k] < 0) {
+        find_feet(static_cast<int>(k), bodies, reach, forces);
+        find_crossings(static_cast<int>(k), bodies, reach, forces);
+      }
+      far_[k] = is_far ? spheres : -1;
       continue;
     }
     const auto& [energy, distance] = travels[static_cast<std::size_t>(pair.a)];
@@ -429,18 +455,6 @@ Matrix3d MovingPoints::in_world(const Point& point, std::span<const FloatingBody
 
 void MovingPoints::place(std::span<const FloatingBody> bodies, const Vector& q) noexcept {
   for (Body& one : bodies_) one.candidates.begin();
-  for (const Model::PairBlock& pair : pairs_) {
-    if (pair.b >= 0) continue;
-    const FloatingBody& state = bodies[static_cast<std::size_t>(pair.a)];
-    const Matrix3d A = state.attitude.toRotationMatrix();
-    for (int i = pair.first_point; i < pair.first_point + pair.candidates_of_a; ++i) {
-      const Point& point = points_[static_cast<std::size_t>(i)];
-      const Vector3d moved = state.position + A * point.place - point.initial;
-      u_(i) = point.row.row(0).dot(moved);
-      if (point.tangential >= 0)
-        u_.segment<2>(point.tangential).noalias() = point.row.bottomRows<2>() * moved;
-    }
-  }
   follow_summits(bodies);
   for (const int i : watched_) {
     Point& point = points_[static_cast<std::size_t>(i)];
@@ -448,16 +462,48 @@ void MovingPoints::place(std::span<const FloatingBody> bodies, const Vector& q) 
       place_between(i, bodies, q);
       continue;
     }
-    if (point.kind == Kind::summit)
-      u_(i) = point.gap - point.height(bodies[static_cast<std::size_t>(point.end[0].body)]);
     const Vector3d w = elastic(point.end[0], q);
     point.place_now = point.place + w;
-    const Vector3d turned = bodies[static_cast<std::size_t>(point.end[0].body)].attitude * w;
-    u_(i) += point.row.row(0).dot(turned);
-    if (point.kind == Kind::obstacle && point.tangential >= 0)
-      u_.segment<2>(point.tangential).noalias() += point.row.bottomRows<2>() * turned;
+    const FloatingBody& state = bodies[static_cast<std::size_t>(point.end[0].body)];
+    if (point.kind == Kind::summit)
+      u_(i) = point.gap - point.height(state) + point.row.row(0).dot(state.attitude * w);
+    else
+      place_over(i, bodies, w, u_);
   }
+  for (const Near& one : near_)
+    if (!is_watched_[static_cast<std::size_t>(one.candidate)])
+      place_over(one.candidate, bodies, Vector3d::Zero(), u_);
   stand_back();
+}
+
+/// Writes U of a candidate over a half-space. @param w  its elastic displacement, body axes [m]
+void MovingPoints::place_over(int number, std::span<const FloatingBody> bodies, const Vector3d& w,
+                              Vector& u) const noexcept {
+  const Point& point = points_[static_cast<std::size_t>(number)];
+  const FloatingBody& state = bodies[static_cast<std::size_t>(point.end[0].body)];
+  // A displacement is far smaller than a place: its digits must not be lost.
+  const Vector3d moved = state.position + state.attitude * point.place - point.initial + state.attitude * w;
+  write_over(point, number, moved, u);
+}
+
+void MovingPoints::write_displacements(std::span<const FloatingBody> bodies, Vector& u) const noexcept {
+  u = u_;
+  for (std::size_t k = 0; k < pairs_.size(); ++k) {
+    const Model::PairBlock& pair = pairs_[k];
+    const FloatingBody& state = bodies[static_cast<std::size_t>(pair.a)];
+    const Matrix3d A = state.attitude.toRotationMatrix();
+    for (int i = pair.first_point; i < pair.first_point + pair.points; ++i) {
+      if (is_watched_[static_cast<std::size_t>(i)]) continue;
+      const Point& point = points_[static_cast<std::size_t>(i)];
+      if (point.kind == Kind::obstacle)
+        write_over(point, i, state.position + A * point.place - point.initial, u);
+      else if (point.kind == Kind::summit && !point.open)
+        u(i) = point.gap - point.height(state);
+      else if (far_[k] >= 0)
+        u(i) = point.gap - far_[k];
+    }
+  }
+  for (const Near& one : near_) u(one.candidate) = u_(one.candidate);
 }
 
 /// Follows a point between two bodies.
@@ -566,20 +612,62 @@ bool MovingPoints::repeats(const Point& point) const noexcept {
 void MovingPoints::list_rows() noexcept {
   rows_.clear();
   owner_.clear();
-  along_.clear();
-  tangents_at_.clear();
-  const auto add = [&](int row, std::size_t member, int along) {
-    rows_.push_back(row);
-    owner_.push_back(static_cast<int>(member));
-    along_.push_back(along);
-  };
-  for (std::size_t s = 0; s < members_.size(); ++s) add(members_[s], s, 0);
+  first_of_.clear();
   for (std::size_t s = 0; s < members_.size(); ++s) {
-    const int tangential = points_[static_cast<std::size_t>(members_[s])].tangential;
-    tangents_at_.push_back(static_cast<int>(rows_.size()));
-    if (tangential < 0) continue;
-    add(tangential, s, 1);
-    add(tangential + 1, s, 2);
+    const Point& point = points_[static_cast<std::size_t>(members_[s])];
+    first_of_.push_back(static_cast<int>(rows_.size()));
+    for (int along = 0; along < point.rows(); ++along) {
+      rows_.push_back(along == 0 ? members_[s] : point.tangential + along - 1);
+      owner_.push_back(static_cast<int>(s));
+    }
+  }
+}
+
+/// Adds the flexibility of a body to the lower triangles of M and R: for each end, the displacements of all
+/// candidates under forces along the directions of the end, and from these, those of the ends below.
+void MovingPoints::add_flexibility(int number, const FloatingBody& state, double share) noexcept {
+  const MovingCandidates& candidates = body(number).candidates;
+  levers_.clear();
+  ends_.clear();
+  for (std::size_t s = 0; s < members_.size(); ++s) {
+    const Point& point = points_[static_cast<std::size_t>(members_[s])];
+    for (const End& end : point.end) {
+      if (end.body != number) continue;
+      simd::Lever lever{};
+      lever.count = static_cast<std::size_t>(end.count);
+      lever.first = static_cast<std::size_t>(position(s, 0));
+      lever.rows = static_cast<std::size_t>(point.rows());
+      const Matrix3d moment = -end.direction * cross_matrix(end.arm);
+      for (Index x = 0; x < 3; ++x) {
+        Eigen::Map<Vector3d>(lever.direction[x]) = end.direction.col(x);
+        Eigen::Map<Vector3d>(lever.moment[x]) = moment.col(x);
+      }
+      for (std::size_t j = 0; j < lever.count; ++j) {
+        lever.weight[j] = end.weight[j];
+        lever.at[j] = 3 * static_cast<std::size_t>(candidates.place_of(end.candidate[j]));
+      }
+      levers_.push_back(lever);
+      ends_.push_back(&end);
+    }
+  }
+  const simd::Dense& loops = simd::dense();
+  const auto size = static_cast<std::size_t>(3 * candidates.joined()), stride = size + 1;
+  const auto displace = [&](const CandidateMatrix& matrix, std::size_t e, double* out) {
+    std::fill_n(out, 3 * stride, 0.0);
+    for (std::size_t j = 0; j < levers_[e].count; ++j) {
+      const Matrix3d forces = -levers_[e].weight[j] * ends_[e]->direction.transpose();
+      loops.subtract_product(size, 3, 3, matrix.column(levers_[e].at[j]),
+                             static_cast<std::size_t>(matrix.stride()), forces.data(), 3, out, stride);
+    }
+  };
+  double *const u = displaced_.data(), *const v = candidates.yields() ? u + 3 * stride + 1 : nullptr;
+  for (std::size_t e = 0; e < levers_.size(); ++e) {
+    const Matrix3d forces = ends_[e]->direction.transpose(), shift = share * state.inverse_mass * forces,
+                   turn = share * state.inertia.inverse * cross_matrix(ends_[e]->arm) * forces;
+    displace(candidates.in_modes(), e, u);
+    if (v != nullptr) displace(candidates.residual(), e, v);
+    loops.displace(&levers_[e], levers_.size() - e, u, v, stride, shift.data(), turn.data(), M_.column(0),
+                   R_.column(0), static_cast<std::size_t>(M_.stride()));
   }
 }
 
@@ -587,37 +675,37 @@ StepMatrices MovingPoints::matrices(std::span<const FloatingBody> bodies, double
   const auto k = static_cast<Index>(rows_.size());
   auto M = M_.begin(k), R = R_.begin(k), S = S_.begin(k);
   auto S_mean = S_mean_.begin(a > 0 ? k : 0);
-  const double share = 0.5 * step * step;
-  for (std::size_t s = 0; s < members_.size(); ++s) {
-    const Point& point = points_[static_cast<std::size_t>(members_[s])];
-    for (std::size_t t = 0; t <= s; ++t) {
-      const Point& other = points_[static_cast<std::size_t>(members_[t])];
-      Matrix3d in_modes = Matrix3d::Zero(), in_residual = in_modes;
-      for (const End& here : point.end)
-        for (const End& there : other.end) {
-          if (here.body < 0 || here.body != there.body) continue;
-          const FloatingBody& state = bodies[static_cast<std::size_t>(here.body)];
-          Matrix3d modes = -share * cross_matrix(here.arm) * state.inertia.inverse * cross_matrix(there.arm),
-                   residual = Matrix3d::Zero();
-          modes.diagonal().array() += share * state.inverse_mass;
-          for (std::size_t i = 0; i < static_cast<std::size_t>(here.count); ++i)
-            for (std::size_t j = 0; j < static_cast<std::size_t>(there.count); ++j)
-              body(here.body).candidates.add_blocks(here.candidate[i], there.candidate[j],
-                                                    here.weight[i] * there.weight[j], modes, residual);
-          if (s == t && point.kind == Kind::summit) residual = patch(point).residual;
-          in_modes += here.direction * modes * there.direction.transpose();
-          in_residual += here.direction * residual * there.direction.transpose();
-        }
-      for (int i = 0; i < point.rows(); ++i)
-        for (int j = 0; j < other.rows(); ++j) {
-          const Index row = position(s, i), column = position(t, j);
-          M(row, column) = M(column, row) = in_modes(i, j);
-          R(row, column) = R(column, row) = in_residual(i, j);
-        }
+  M.setZero();
+  R.setZero();
+  for (int number = 0; number < static_cast<int>(bodies_.size()); ++number)
+    add_flexibility(number, bodies[static_cast<std::size_t>(number)], 0.5 * step * step);
+  for (std::size_t s = 0; s < members_.size(); ++s)
+    if (const Point& point = points_[static_cast<std::size_t>(members_[s])]; point.kind == Kind::summit) {
+      const Matrix3d& direction = point.end[0].direction;
+      const Matrix3d own = direction * patch(point).residual * direction.transpose();
+      const Index first = position(s, 0), rows = point.rows();
+      R.block(first, first, rows, rows) = own.topLeftCorner(rows, rows);
     }
-  }
-  S = M + R;
-  if (a > 0) S_mean = a * M + R;
+  // By blocks that stay in the cache
+  constexpr Index block = 8;
+  for (Index j = 0; j < k; j += block)
+    for (Index i = j; i < k; i += block) {
+      const Index rows = std::min(block, k - i), columns = std::min(block, k - j);
+      for (auto* x : {&M, &R}) {
+        auto below = x->block(i, j, rows, columns);
+        if (i == j)
+          below.triangularView<Eigen::StrictlyUpper>() = below.transpose();
+        else
+          x->block(j, i, columns, rows) = below.transpose();
+      }
+      const auto set = [&](Index row, Index column, Index height, Index width) {
+        const auto of = [&](auto& x) { return x.block(row, column, height, width); };
+        of(S) = of(M) + of(R);
+        if (a > 0) of(S_mean) = a * of(M) + of(R);
+      };
+      set(i, j, rows, columns);
+      if (i != j) set(j, i, columns, rows);
+    }
   return {.M = M, .R = R, .S = S, .S_mean = S_mean};
 }
 
@@ -629,7 +717,7 @@ MovingCandidates::Patch MovingPoints::patch(const Point& summit) const noexcept 
 
 std::optional<PatchSpring> MovingPoints::spring(std::size_t position) const noexcept {
   const Point& point = member_at(position);
-  if (point.kind != Kind::summit || along_[position] > 0) return std::nullopt;
+  if (point.kind != Kind::summit || rows_[position] >= std::ssize(points_)) return std::nullopt;
   const MovingCandidates::Patch under = patch(point);
   const Vector3d n = point.end[0].direction.row(0);
   const double flexibility = n.dot(under.residual * n);
@@ -638,6 +726,7 @@ std::optional<PatchSpring> MovingPoints::spring(std::size_t position) const noex
 
 MovingPoints::Load MovingPoints::load(int number, const Vector& p, Vector& modal) const noexcept {
   Load out;
+  MovingCandidates::Push push(body(number).candidates, modal);
   for (std::size_t s = 0; s < members_.size(); ++s) {
     const Point& point = points_[static_cast<std::size_t>(members_[s])];
     for (const End& end : point.end) {
@@ -646,10 +735,9 @@ MovingPoints::Load MovingPoints::load(int number, const Vector& p, Vector& modal
       if (force.isZero(0)) continue;
       out.force += force;
       out.torque += end.arm.cross(force);
-      const MovingCandidates& candidates = body(number).candidates;
       for (std::size_t j = 0; j < static_cast<std::size_t>(end.count); ++j) {
-        candidates.push(end.candidate[j], end.weight[j] * force, modal);
-        out.on_static += end.weight[j] * force.dot(candidates.static_change(end.candidate[j]));
+        push.add(end.candidate[j], end.weight[j] * force);
+        out.on_static += end.weight[j] * force.dot(body(number).candidates.static_change(end.candidate[j]));
       }
     }
   }
@@ -658,9 +746,10 @@ MovingPoints::Load MovingPoints::load(int number, const Vector& p, Vector& modal
 
 /// On an end of a member, in the axes of its body [N].
 Vector3d MovingPoints::force_on(const End& end, std::size_t member, const Vector& p) const noexcept {
-  Vector3d out = -p(static_cast<Index>(member)) * end.direction.row(0).transpose();
+  const Index first = position(member, 0);
+  Vector3d out = -p(first) * end.direction.row(0).transpose();
   if (points_[static_cast<std::size_t>(members_[member])].tangential >= 0)
-    out.noalias() -= end.direction.bottomRows<2>().transpose() * p.segment<2>(tangents_at_[member]);
+    out.noalias() -= end.direction.bottomRows<2>().transpose() * p.segment<2>(first + 1);
   return out;
 }
 

@@ -30,6 +30,7 @@
 #include "contact/complementarity/reserved_matrix.hpp"
 #include "contact/law/contact_law.hpp"
 #include "contact/motion/turning.hpp"
+#include "contact/simd/dense.hpp"
 #include "contact/stepping/moving_candidates.hpp"
 #include "contact/stepping/moving_point.hpp"
 
@@ -63,8 +64,9 @@ class MovingPoints {
   void watch(std::span<const FloatingBody> bodies, std::span<const Travel> travels,
              const MeanForce& forces) noexcept;
 
-  /// Computes U of all points, and where watched ones are; those that are not watched are taken without their
-  /// elastic displacement, or where they were. @param q  (N)
+  /// Watches no point until the next search: nothing can touch.
+  void watch_none() noexcept;
+  /// Computes U of the watched points, and where they are. @param q  (N)
   void place(std::span<const FloatingBody> bodies, const Vector& q) noexcept;
   /// In the middle of a step: displacements d of the watched points. Chooses the points that may touch.
   /// @param dq  (N) of the free elastic motion
@@ -75,7 +77,10 @@ class MovingPoints {
   /// By position among these rows
   const Vector& at_start() const { return start_; }  ///< U [m]; 0 in tangential rows of points that slide
   const Vector& free() const { return free_; }       ///< U + d [m]
-  const Vector& all() const { return u_; }           ///< (n) U of all rows [m]; likewise
+  double u(int row) const { return u_(row); }        ///< U of a row of the model [m]; likewise
+  /// Writes U of all rows (n). Points that are not watched are taken without their elastic displacement, or
+  /// where they were.
+  void write_displacements(std::span<const FloatingBody> bodies, Vector& u) const noexcept;
   int pair_of(std::size_t position) const { return member_at(position).pair; }
   /// Whether the point moves along its bodies, so that its tangential displacements are sums over steps.
   bool slides(std::size_t position) const { return member_at(position).kind != Kind::obstacle; }
@@ -119,8 +124,7 @@ class MovingPoints {
   }
   /// Of a row of a member among the rows.
   Eigen::Index position(std::size_t member, int along) const {
-    return along == 0 ? static_cast<Eigen::Index>(member)
-                      : static_cast<Eigen::Index>(tangents_at_[member] + along - 1);
+    return static_cast<Eigen::Index>(first_of_[member] + along);
   }
   Body& body(int k) { return bodies_[static_cast<std::size_t>(k)]; }
   const Body& body(int k) const { return bodies_[static_cast<std::size_t>(k)]; }
@@ -144,6 +148,8 @@ class MovingPoints {
                       const MeanForce& forces) noexcept;
   MovingCandidates::Patch patch(const Point& summit) const noexcept;
   Eigen::Vector3d elastic(const End& end, const Vector& q) noexcept;
+  void place_over(int number, std::span<const FloatingBody> bodies, const Eigen::Vector3d& w,
+                  Vector& u) const noexcept;
   void place_between(int number, std::span<const FloatingBody> bodies, const Vector& q) noexcept;
   Eigen::Matrix3d in_world(const Point& point, std::span<const FloatingBody> bodies) const noexcept;
   bool has_force(int number, const MeanForce& forces) const noexcept {
@@ -156,18 +162,20 @@ class MovingPoints {
   bool repeats(const Point& point) const noexcept;
   double deepest_start(const Point& point, double approach) const noexcept;
   void list_rows() noexcept;
+  void add_flexibility(int body, const FloatingBody& state, double share) noexcept;
   Eigen::Vector3d force_on(const End& end, std::size_t member, const Vector& p) const noexcept;
 
   std::vector<Model::PairBlock> pairs_;
   std::vector<Body> bodies_;
   std::vector<Point> points_;
   std::vector<std::vector<int>> point_of_a_;  ///< by pair and candidate of a, or −1
+  std::vector<double> far_;  ///< by pair, distance of bodies that could not meet at the last search, or −1
   std::vector<int> watched_;
-  std::vector<char> is_watched_;           ///< (m)
-  std::vector<int> members_;               ///< points that may touch
-  std::vector<int> member_of_;             ///< (m) position among members, or −1
-  std::vector<int> rows_, owner_, along_;  ///< row, member and direction by position
-  std::vector<int> tangents_at_;           ///< position of the first tangential row of each member
+  std::vector<char> is_watched_;   ///< (m)
+  std::vector<int> members_;       ///< points that may touch
+  std::vector<int> member_of_;     ///< (m) position among members, or −1
+  std::vector<int> rows_, owner_;  ///< row and member by position
+  std::vector<int> first_of_;      ///< position of the normal row of each member; tangents follow
   Vector start_, free_, u_;
   struct Crossing {
     int of_a, of_b;
@@ -181,6 +189,9 @@ class MovingPoints {
   };
   std::vector<Near> near_;                  ///< by summit
   std::vector<std::array<int, 2>> forced_;  ///< body and candidate with a force in write_forces
+  std::vector<simd::Lever> levers_;         ///< scratch: ends on a body
+  std::vector<const End*> ends_;            ///< the same
+  Vector displaced_;                        ///< 2 × (3C + 1,3) scratch: displacements of its candidates
   ReservedMatrix M_, R_, S_, S_mean_;
 };
 
