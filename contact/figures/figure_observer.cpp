@@ -31,7 +31,9 @@ void FigureObserver::observe(const Stepper& stepper) {
     now_.energy = stepper.modal()->energy();
     now_.rigid_energy = source_.rigid_energy(stepper);
   }
-  if (const Vector& gap = source_.gap(); gap.size() > 0) {
+  touched_ = std::exchange(touching_, (stepper.force().head(stepper.points()).array() > 0).any());
+  // What matters is how near the bodies come until they touch, and then how deep they are pressed.
+  if (const Vector& gap = source_.gap(); gap.size() > 0 && (touching_ || touched_ || !out_.contact_start_s)) {
     Eigen::Index point = 0;
     const double deepest = (stepper.displacement().head(gap.size()) - gap).maxCoeff(&point);
     out_.max_penetration_m = std::max(out_.max_penetration_m, deepest);
@@ -40,7 +42,6 @@ void FigureObserver::observe(const Stepper& stepper) {
       closest_point_ = point;
     }
   }
-  touched_ = std::exchange(touching_, (stepper.force().head(stepper.points()).array() > 0).any());
   if (touching_) {
     count(stepper);
   } else if (touched_) {

@@ -42,6 +42,7 @@ EntryRows::EntryRows(base::hdf5::Writer& file, const Model& model)
 
 void EntryRows::append(const Stepper& stepper) {
   const RowFrames& frames = stepper.turning()->frames;
+  const Vector& u = stepper.displacement();
   time_.append(stepper.time());
   first_.append(static_cast<double>(count_));
   for (Eigen::Index i = 0; i < model_.points(); ++i) {
@@ -50,18 +51,18 @@ void EntryRows::append(const Stepper& stepper) {
     if (stepper.force()(i) == 0 && !closed) continue;
     point_.append(static_cast<double>(i));
     force_.append(stepper.force()(i));
-    const double gap = model_.gap(i) - stepper.displacement()(i);
+    const double gap = model_.gap(i) - u(i);
     const Vector3d normal = frames.normal.row(i);
     gap_.append(gap);
     contact::append(place_, frames.point_b.row(i).transpose() - gap * normal);
     contact::append(normal_, normal);
-    if (state_ != nullptr) append_friction(stepper, i);
+    if (state_ != nullptr) append_friction(stepper, u, i);
     ++count_;
   }
 }
 
 /// Force τ on b, displacement of a relative to b, and state of a point; 0 without friction.
-void EntryRows::append_friction(const Stepper& stepper, Eigen::Index point) {
+void EntryRows::append_friction(const Stepper& stepper, const Vector& u, Eigen::Index point) {
   Vector3d pushed = Vector3d::Zero(), moved = pushed;
   ContactState state = ContactState::open;
   if (const int f = friction_of_[static_cast<std::size_t>(point)]; f >= 0) {
@@ -69,7 +70,7 @@ void EntryRows::append_friction(const Stepper& stepper, Eigen::Index point) {
     const auto tangents = stepper.turning()->frames.tangent.middleRows<2>(row - model_.points());
     state = stepper.slip().states()[static_cast<std::size_t>(f)];
     pushed = tangents.transpose() * stepper.force().segment<2>(row);
-    if (state != ContactState::open) moved = tangents.transpose() * stepper.displacement().segment<2>(row);
+    if (state != ContactState::open) moved = tangents.transpose() * u.segment<2>(row);
   }
   contact::append(*tangential_force_, pushed);
   contact::append(*tangential_displacement_, moved);

@@ -23,7 +23,7 @@ class EntryRows {
 
  private:
   using Rows = base::hdf5::Rows;
-  void append_friction(const Stepper& stepper, Eigen::Index point);
+  void append_friction(const Stepper& stepper, const Vector& u, Eigen::Index point);
 
   const Model& model_;
   Rows &time_, &first_, &point_, &force_, &gap_, &place_, &normal_;

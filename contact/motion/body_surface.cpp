@@ -44,7 +44,7 @@ struct NearestElement {
   const WorldSurface& surface;
   const Eigen::KdBVH<double, 3, int>& tree;
   Vector3d x;
-  double least = std::numeric_limits<double>::infinity();
+  double least;  ///< square of the distance
   int nearest = -1;
 };
 
@@ -125,10 +125,11 @@ Foot BodySurface::foot_on(int number, const Vector3d& x) const noexcept {
   return out;
 }
 
-Foot BodySurface::closest(const Vector3d& x) const noexcept {
-  NearestElement nearest{.surface = surface(), .tree = projection_.elements(), .x = x};
+Foot BodySurface::closest(const Vector3d& x, double within) const noexcept {
+  NearestElement nearest{
+      .surface = surface(), .tree = projection_.elements(), .x = x, .least = within * within};
   nearest.search(projection_.elements().getRootIndex());
-  return foot_on(nearest.nearest, x);
+  return nearest.nearest < 0 ? Foot{} : foot_on(nearest.nearest, x);
 }
 
 Foot BodySurface::follow(const Foot& earlier, const Vector3d& x) const noexcept {
@@ -136,15 +137,13 @@ Foot BodySurface::follow(const Foot& earlier, const Vector3d& x) const noexcept 
   double least = (x - best.point).squaredNorm();
   for (int move = 0; move < most_moves; ++move) {
     Foot next = best;
-    for (std::size_t j = 0; j < 3; ++j) {
-      const int beside = neighbour_[static_cast<std::size_t>(best.element)][j];
-      if (best.weight[(j + 2) % 3] > 0 || beside < 0) continue;
+    visit_beside(best, [&](int beside) {
       const Foot there = foot_on(beside, x);
       const double square = (x - there.point).squaredNorm();
-      if (square >= least * (1 - 1e-12)) continue;
+      if (square >= least * (1 - 1e-12)) return;
       next = there;
       least = square;
-    }
+    });
     if (next.element == best.element) break;
     best = next;
   }
@@ -169,21 +168,13 @@ Foot BodySurface::summit(int element, const Vector3d& n) const noexcept {
   double most = n.dot(best.point);
   for (int move = 0; move < most_moves; ++move) {
     Foot next = best;
-    const auto offer = [&](int number) {
-      if (number < 0 || number == best.element) return;
+    visit_beside(best, [&](int number) {
       const Foot there = on_element(number);
       const double height = n.dot(there.point);
       if (height <= most + 1e-14 * element_size_) return;
       next = there;
       most = height;
-    };
-    for (std::size_t j = 0; j < 3; ++j) {
-      if (best.weight[(j + 2) % 3] == 0) offer(neighbour_[static_cast<std::size_t>(best.element)][j]);
-      if (best.weight[j] == 1)
-        for (const int beside :
-             elements_at(surface().element[static_cast<std::size_t>(best.element)].corner[j]))
-          offer(beside);
-    }
+    });
     if (next.element == best.element) break;
     best = next;
   }
@@ -207,6 +198,31 @@ void BodySurface::summits(const Vector3d& n, double least, std::vector<Foot>& ou
   }
   std::sort(out.begin(), out.end(),
             [&](const Foot& one, const Foot& other) { return n.dot(one.point) > n.dot(other.point); });
+}
+
+/// From its place on the chords of its element, so that it stays where it is without a way.
+Foot BodySurface::beside(const Foot& foot, const Vector3d& way) const noexcept {
+  const WorldSurface::Element& element = surface().element[static_cast<std::size_t>(foot.element)];
+  Vector3d x = way;
+  for (std::size_t j = 0; j < 3; ++j)
+    x += foot.weight[j] * surface().node[static_cast<std::size_t>(element.corner[j])];
+  Foot out = follow(foot, x);
+  out.distance = 0;
+  return out;
+}
+
+Eigen::Matrix3d BodySurface::curvature(const Foot& foot) const noexcept {
+  const WorldSurface::Element& element = surface().element[static_cast<std::size_t>(foot.element)];
+  if (!element.curved) return Eigen::Matrix3d::Zero();
+  Eigen::Matrix<double, 3, 2> edges, turns;
+  for (int j = 0; j < 2; ++j) {
+    const auto corner = static_cast<std::size_t>(j + 1);
+    edges.col(j) = surface().node[static_cast<std::size_t>(element.corner[corner])] -
+                   surface().node[static_cast<std::size_t>(element.corner[0])];
+    turns.col(j) = element.normal[corner] - element.normal[0];
+  }
+  const Eigen::Matrix3d W = turns * (edges.transpose() * edges).inverse() * edges.transpose();
+  return 0.5 * (W + W.transpose());
 }
 
 double BodySurface::rise(int node, const Vector3d& n) const noexcept {

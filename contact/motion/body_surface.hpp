@@ -30,8 +30,10 @@ class BodySurface {
   const Eigen::AlignedBox3d& box() const { return box_; }
   double element_size() const { return element_size_; }  ///< the largest [m]
 
-  /// The foot of x, by a search through the tree.
-  Foot closest(const Eigen::Vector3d& x) const noexcept;
+  /// The foot of x, by a search through the tree. @param within  farther elements are not found; without one,
+  /// the element is −1 [m]
+  Foot closest(const Eigen::Vector3d& x,
+               double within = std::numeric_limits<double>::infinity()) const noexcept;
   /// The foot of x near an earlier one.
   Foot follow(const Foot& earlier, const Eigen::Vector3d& x) const noexcept;
 
@@ -72,6 +74,11 @@ class BodySurface {
   /// By how much the curved surface may rise over its nodes [m].
   double camber() const { return camber_; }
 
+  /// The point of the surface at the end of a way along it [m]. Its distance is 0.
+  Foot beside(const Foot& foot, const Eigen::Vector3d& way) const noexcept;
+  /// W (3,3) with dn = W dx along the element of a foot [1/m].
+  Eigen::Matrix3d curvature(const Foot& foot) const noexcept;
+
   /// Largest rise of the surface around a node towards n: its steepest edge, as a sine. A surface that
   /// touches something at the node alone falls away from it.
   double rise(int node, const Eigen::Vector3d& n) const noexcept;
@@ -82,6 +89,19 @@ class BodySurface {
   Foot foot_on(int element, const Eigen::Vector3d& x) const noexcept;
   double near_crease(const Foot& foot) const noexcept;
   bool is_peak(int node, const Eigen::Vector3d& n) const noexcept;
+  /// Visits the elements that share the edge or the corner at which a foot is.
+  template <class Visit>
+  void visit_beside(const Foot& foot, Visit visit) const noexcept {
+    const auto e = static_cast<std::size_t>(foot.element);
+    for (std::size_t j = 0; j < 3; ++j) {
+      if (foot.weight[j] == 1)
+        for (const int beside : elements_at(surface().element[e].corner[j]))
+          if (beside != foot.element) visit(beside);
+      if (foot.weight[(j + 2) % 3] == 0 && foot.weight[j] < 1 && foot.weight[(j + 1) % 3] < 1 &&
+          neighbour_[e][j] >= 0)
+        visit(neighbour_[e][j]);
+    }
+  }
   std::span<const int> elements_at(int node) const { return part(elements_at_, first_element_, node); }
   static std::span<const int> part(const std::vector<int>& all, const std::vector<int>& first, int node) {
     const auto at = static_cast<std::size_t>(node);

@@ -112,8 +112,23 @@ Pairing find_pairs(const SurfaceProjection& over_a, const Vector3d& shift, const
   return out;
 }
 
-/// The largest number of summits of a curved surface that may touch a half-space at a time.
-constexpr std::size_t most_summits = 6;
+const Pairing::Point& closest_pair(const Pairing& pairing) {
+  return *std::min_element(pairing.points.begin(), pairing.points.end(),
+                           [](const auto& p, const auto& q) { return p.gap < q.gap; });
+}
+
+/// The largest number of summits of a pair that may touch at a time.
+constexpr int most_summits = 6;
+
+bool is_curved(const WorldSurface& surface) {
+  return surface.corners == 3 && std::ranges::any_of(surface.element, &WorldSurface::Element::curved);
+}
+
+/// Adds points for summits of curved surfaces, which begin at a place.
+void add_summits(const Pairing::Point& begin, Pairing& out) {
+  out.summits = most_summits;
+  out.points.insert(out.points.end(), most_summits, begin);
+}
 
 /// @param everywhere  because bodies turn: takes all candidates, and adds points for summits, which begin at
 /// the lowest one
@@ -135,7 +150,7 @@ Pairing find_pairs(const PlacedBody& a, const HalfSpace& b, bool everywhere) {
   }
   if (!everywhere) return out;
   out.candidates_of_a = static_cast<int>(out.points.size());
-  if (from.corners != 3 || std::ranges::none_of(from.element, &WorldSurface::Element::curved)) return out;
+  if (!is_curved(from)) return out;
   Pairing::Point summit;
   summit.gap = std::numeric_limits<double>::infinity();
   for (const WorldSurface::Element& element : from.element) {
@@ -146,7 +161,7 @@ Pairing find_pairs(const PlacedBody& a, const HalfSpace& b, bool everywhere) {
   }
   summit.area = sum_of(from.area, summit.of_a);
   summit.bulge = std::max(0.0, sum_of(from.bulge, summit.of_a));
-  out.points.insert(out.points.end(), most_summits, summit);
+  add_summits(summit, out);
   return out;
 }
 
@@ -175,7 +190,7 @@ double mean_size(const WorldSurface& surface) {
 }
 
 /// All points of two bodies that may touch while they turn: the candidates of the one with the finer mesh,
-/// those of the other one on its creases, and points for creases that cross.
+/// those of the other one on its creases, and points for creases that cross and for summits.
 Pairing find_all(const SurfaceProjection& over_a, const SurfaceProjection& over_b) {
   const WorldSurface &a = over_a.surface(), &b = over_b.surface();
   const bool a_is_finer = mean_size(a) <= mean_size(b);
@@ -195,12 +210,13 @@ Pairing find_all(const SurfaceProjection& over_a, const SurfaceProjection& over_
     auto point = nearest((a.node[i] + a.node[j]) / 2, {{i, 0.5}, {j, 0.5}}, 0, over_b, false);
     if (point) out.points.push_back(std::move(*point));
   }
+  if ((is_curved(a) || is_curved(b)) && !out.points.empty()) {
+    Pairing::Point summit = closest_pair(out);
+    summit.area = sum_of(a.area, summit.of_a);
+    summit.bulge = std::max(0.0, sum_of(a.bulge, summit.of_a) + sum_of(b.bulge, summit.of_b));
+    add_summits(summit, out);
+  }
   return out;
-}
-
-const Pairing::Point& closest_pair(const Pairing& pairing) {
-  return *std::min_element(pairing.points.begin(), pairing.points.end(),
-                           [](const auto& p, const auto& q) { return p.gap < q.gap; });
 }
 
 void check_some(const Pairing& pairing, const PairRequest& request) {

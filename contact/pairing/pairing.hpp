@@ -63,7 +63,7 @@ struct Pairing {
     Weights of_b;                  ///< W: candidates of b around y_i; empty for a half-space
   };
   std::vector<Point> points;
-  int candidates_of_a = 0, candidates_of_b = 0;  ///< of bodies that turn, as in Rows::PairBlock
+  int candidates_of_a = 0, candidates_of_b = 0, summits = 0;  ///< of bodies that turn: see Rows::PairBlock
   int unpaired = 0;               ///< number of candidates of a that face nothing or lie beyond reach
   int beyond_reach = 0;           ///< number of points that lie beyond reach
   std::optional<double> reach{};  ///< [m] the initial gap at which pairs were dropped, by reach or zone

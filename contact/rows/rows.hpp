@@ -69,14 +69,13 @@ struct Rows : RowFrames {
     std::string obstacle{};       ///< name of the half-space, if b = −1
     int first_tangential = -1;    ///< with friction: the first of the 2 · points tangential rows
     double initial_gap = 0;       ///< g of the closest pair [m]
-    /// Of bodies that turn: the first points are candidates of a, the next ones candidates of b. The others
-    /// are for creases that cross, or over a half-space for summits of curved surfaces.
-    int candidates_of_a = 0, candidates_of_b = 0;
+    /// Of bodies that turn: the first points are candidates of a, the next ones candidates of b. Then come
+    /// points for creases that cross, and the last ones are for summits of curved surfaces.
+    int candidates_of_a = 0, candidates_of_b = 0, summits = 0;
     std::optional<TrueDistance> apart{};  ///< of the surfaces, at the start
-    /// Whether a point is a summit.
-    bool is_summit(int point) const {
-      return b < 0 && candidates_of_a > 0 && point >= first_point + candidates_of_a;
-    }
+    int candidates() const { return candidates_of_a + candidates_of_b; }
+    int first_summit() const { return first_point + points - summits; }
+    bool is_summit(int point) const { return point >= first_summit(); }
     /// x (n) at the rows of this pair, and 0 elsewhere.
     Vector part_of(const Vector& x) const;
   };

@@ -469,8 +469,14 @@ int FloatingStepper::cross() noexcept {
   const double from = time(), to = static_cast<double>(steps_ + steps) * options_.step;
   if (!is_steady(to - from) || loads_.act_on_free(from, to)) return 0;
   TurningLoads::release(bodies_);
-  if (steps_ + steps > clear_until_) clear_until_ = find_clear_until();
-  if (steps_ + steps > clear_until_) return 0;
+  if (steps_ + steps > clear_until_) {
+    if (steps_ < look_at_) return 0;
+    clear_until_ = find_clear_until(to - from);
+    if (steps_ + steps > clear_until_) {
+      look_at_ = steps_ + search_every;  // a look costs as much as some steps
+      return 0;
+    }
+  }
   set_flight(steps);
   keep();
   points_.watch_none();
@@ -494,8 +500,9 @@ int FloatingStepper::cross() noexcept {
   return steps;
 }
 
-/// The step before which nothing can touch if no load changes, or at which one does.
-std::int64_t FloatingStepper::find_clear_until() noexcept {
+/// The step before which nothing can touch if no load changes, or at which one does; an earlier one if that
+/// is nearer than `enough` [s].
+std::int64_t FloatingStepper::find_clear_until(double enough) noexcept {
   double clear = state_.forcing.piece(time()).to - time();
   for (std::size_t k = 0; k < bodies_.size(); ++k)
     travels_[k].energy = swing_energy(bodies_[k], elastic_energy(bodies_[k]));
@@ -513,6 +520,7 @@ std::int64_t FloatingStepper::find_clear_until() noexcept {
     // The time in which speed · t + g t²/2 reaches `way`.
     const double left = way > 0 ? 2 * way / (speed + std::sqrt(speed * speed + 2 * g * way)) : 0;
     clear = std::min(clear, left);
+    if (clear < enough) break;
   }
   constexpr double longest = 1e9;  // steps, so that the sum fits
   return steps_ + static_cast<std::int64_t>(std::min(clear / options_.step, longest));

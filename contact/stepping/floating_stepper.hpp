@@ -56,7 +56,7 @@ class FloatingStepper final : public Stepper {
   void restore() noexcept;
   int steps_to_cross() const noexcept;
   int cross() noexcept;
-  std::int64_t find_clear_until() noexcept;
+  std::int64_t find_clear_until(double enough) noexcept;
   void fly(int crossed) noexcept;
   void set_flight(int steps) noexcept;
   void search() noexcept;
@@ -85,6 +85,7 @@ class FloatingStepper final : public Stepper {
   int epoch_;                      ///< steps between two searches
   std::int64_t search_at_ = 0;     ///< step of the next one
   std::int64_t clear_until_ = 0;   ///< step before which nothing can touch
+  std::int64_t look_at_ = 0;       ///< step from which on it is computed anew
   int at_rest_ = 0;                ///< searches in a row that found the bodies at rest
   bool slow_ = false;              ///< whether the last search found their speeds at rest
   std::vector<double> energy_of_;  ///< by body, scratch [J]

@@ -44,7 +44,7 @@ MovingCandidates::MovingCandidates(const Bodies::Block& block, const BodySurface
   }
   number_of_.assign(M, -1);
   joined_.reserve(M);
-  if (on.camber() > 0) make_patches(on);
+  if (on.surface().corners == 3) make_patches(on);
 }
 
 /// R of a candidate, with folded modes.
@@ -92,7 +92,7 @@ void MovingCandidates::make_patches(const BodySurface& on) {
     add(i);
     for (const int j : on.around(static_cast<int>(i)))
       if (on_crease[static_cast<std::size_t>(j)] == on_crease[i]) add(static_cast<std::size_t>(j));
-    const double bulge = surface_->bulge.empty() ? 0 : std::max(0.0, surface_->bulge[i]);
+    const double bulge = surface_->bulge.empty() ? 0 : surface_->bulge[i];
     const double share = inverse[i] / largest;  // a_min/a_i
     patches_.push_back({sum / weights, bulge * share * share});
     double& most = missing[static_cast<std::size_t>(on_crease[i])];

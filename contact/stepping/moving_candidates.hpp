@@ -79,7 +79,7 @@ class MovingCandidates {
   /// the patches themselves would ripple by half.
   struct Patch {
     Eigen::Matrix3d residual;  ///< [m/N], at least that of the mean of the candidates
-    double bulge;              ///< [m]
+    double bulge;              ///< [m]; below 0 where the surface is hollow
   };
   Patch patch(std::span<const int> candidates, std::span<const double> weights) const noexcept;
 
@@ -138,7 +138,7 @@ class MovingCandidates {
   Lazy displacement_, change_;
   std::vector<int> joined_, number_of_;  ///< candidates; (M) place among them, or −1
   CandidateMatrix in_modes_, residual_;
-  std::vector<Patch> patches_;  ///< (M), or empty if no element is curved
+  std::vector<Patch> patches_;  ///< (M), or empty without triangles
 };
 
 }  // namespace ricochet::contact

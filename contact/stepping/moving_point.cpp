@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/stepping/moving_point.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -9,6 +10,9 @@
 namespace ricochet::contact {
 namespace {
 
+using Eigen::Matrix2d;
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 /// A candidate may touch along a normal towards which its surface rises by less than this sine, that of the
@@ -22,6 +26,14 @@ constexpr double beyond_end = 1e-3;
 
 /// A crossing of creases that is deeper than this share of them is on the far side of a body.
 constexpr double deepest_crossing = 0.25;
+
+/// Largest number of Newton's steps of a summit, whose last one is shorter than this share of an element.
+constexpr int most_rounds = 8;
+constexpr double shortest_way = 1e-8;
+/// Surfaces with a larger angle between them do not touch at a summit.
+constexpr double most_angle = 1e-2;
+/// Surfaces with a smaller relative curvature are flat on each other, as a share of the inverse element.
+constexpr double least_curvature = 1e-3;
 
 }  // namespace
 
@@ -96,14 +108,50 @@ bool MovingPoint::cross(int of_a, int of_b, const Side& a, const Side& b) noexce
 }
 
 void MovingPoint::stand_on(const Foot& summit, const Side& own) noexcept {
-  foot = summit;
+  top = summit;
   place = summit.point - own.centre;
   end[0].set(own.shape.surface().element[static_cast<std::size_t>(summit.element)].corner, summit.weight);
+}
+
+/// The angle t = n_own + n_other in the tangent plane changes by (W_own + W_other) dx: Newton's method, in
+/// the directions that are curved. In others, surfaces touch along a line, on which the point stays.
+void MovingPoint::face(const Side& own, const Side& other) noexcept {
+  const Matrix3d to_own = (own.state.attitude.conjugate() * other.state.attitude).toRotationMatrix();
+  open = false;
+  for (int round = 0;; ++round) {
+    foot = other.shape.follow(foot, other.place_of(top.point - own.centre, own));
+    const Vector3d facing = to_own * foot.normal;
+    const Eigen::Matrix<double, 2, 3> T = tangents_of(top.normal);
+    const Vector2d angle = T * facing;
+    Eigen::SelfAdjointEigenSolver<Matrix2d> W;
+    W.computeDirect(T *
+                    (own.shape.curvature(top) + to_own * other.shape.curvature(foot) * to_own.transpose()) *
+                    T.transpose());
+    const double size = own.shape.element_size(), least = least_curvature / size;
+    open = !(top.normal.dot(facing) < 0) || W.eigenvalues()(0) < -least || W.eigenvalues()(1) < least;
+    if (open) break;
+    Vector2d way = Vector2d::Zero();
+    for (int k = 0; k < 2; ++k)
+      if (W.eigenvalues()(k) > least)
+        way -= W.eigenvectors().col(k) * (W.eigenvectors().col(k).dot(angle) / W.eigenvalues()(k));
+    const double length = way.norm();
+    if (length < shortest_way * size || round == most_rounds) {
+      open = angle.norm() > most_angle;
+      break;
+    }
+    top = own.shape.beside(top, T.transpose() * way * std::min(1.0, size / length));
+  }
+  stand_on(top, own);
+  distance = foot.distance;
+  set_row(-foot.normal);
+  end[1].set(other.shape.surface().element[static_cast<std::size_t>(foot.element)].corner, foot.weight);
 }
 
 void MovingPoint::follow(const Side& own, const Side& other) noexcept {
   if (kind == Kind::creases)
     cross(crease[0], crease[1], own, other);
+  else if (kind == Kind::summit)
+    face(own, other);
   else
     meet(other.shape.follow(foot, other.place_of(place, own)), own, other);
 }

@@ -23,7 +23,8 @@ struct Side {
 };
 
 struct MovingPoint {
-  /// Over a half-space: a candidate, or a summit of a curved surface, which moves along it.
+  /// A candidate over a half-space or over another body; a summit, where a surface that is curved is nearest
+  /// to what it meets, and which moves along it; creases of two bodies that cross.
   enum class Kind : char { obstacle, summit, candidate_of_a, candidate_of_b, creases };
   /// On one of its bodies.
   struct End {
@@ -48,7 +49,8 @@ struct MovingPoint {
   Eigen::Vector3d initial{0, 0, 0};  ///< its place at t = 0, world [m]
   /// Rows: normal out of a, tangents. World axes over an obstacle, otherwise in the axes of the other body.
   Eigen::Matrix3d row = Eigen::Matrix3d::Zero();
-  Foot foot{};                        ///< on the body that the candidate meets, or of a summit
+  Foot foot{};                        ///< on the body that a candidate or a summit meets
+  Foot top{};                         ///< of a summit, on its own body
   std::array<int, 2> crease{-1, -1};  ///< that cross, of a and of b
   bool open = true;                   ///< whether its sides do not face each other, so that they cannot touch
   double distance = 0;                ///< now, without elastic displacements [m]
@@ -68,8 +70,10 @@ struct MovingPoint {
   void meet(const Foot& near, const Side& own, const Side& other) noexcept;
   /// Takes two creases. Returns whether they cross so that they may touch.
   bool cross(int of_a, int of_b, const Side& a, const Side& b) noexcept;
-  /// Takes the summit of the surface of its body.
+  /// Takes the summit of the surface of its body over a half-space.
   void stand_on(const Foot& summit, const Side& own) noexcept;
+  /// Moves a summit between two bodies from `top` and `foot` to where the surfaces face each other.
+  void face(const Side& own, const Side& other) noexcept;
   /// Follows what it meets.
   void follow(const Side& own, const Side& other) noexcept;
   /// By how much elastic displacements bring its sides nearer to each other [m].

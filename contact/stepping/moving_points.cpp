@@ -23,12 +23,6 @@ constexpr double approaches = 3;
 /// A candidate of b over this share of one of a is left to that one, if that one may touch b.
 constexpr double same_place = 0.98;
 
-/// A summit is followed by a point that was nearer to it than this many elements; candidates as near stand
-/// back.
-constexpr double near_summit = 1.5;
-/// Summits that are found at a time.
-constexpr std::size_t most_found = 16;
-
 /// A point begins to touch at a depth of at most this share of an element.
 constexpr double near_surface = 1e-3;
 
@@ -72,6 +66,7 @@ MovingPoints::Body::Body(const Bodies::Block& block, const Model& model, const S
 MovingPoints::MovingPoints(const Model& model, const StepSystem& system)
     : pairs_(model.pairs),
       far_(model.pairs.size(), -1),
+      travelled_(model.pairs.size(), std::numeric_limits<double>::infinity()),
       M_(model.rows()),
       R_(model.rows()),
       S_(model.rows()),
@@ -87,6 +82,7 @@ MovingPoints::MovingPoints(const Model& model, const StepSystem& system)
   levers_.reserve(m);
   ends_.reserve(m);
   crossings_.reserve(m);
+  tops_.reserve(most_found);
   summits_.reserve(most_found);
   near_.reserve(m);
   std::size_t most = 0;
@@ -108,7 +104,9 @@ MovingPoints::MovingPoints(const Model& model, const StepSystem& system)
 
 void MovingPoints::add_points(const Model& model, int number) {
   const Rows::PairBlock& pair = model.pairs[static_cast<std::size_t>(number)];
-  point_of_a_.emplace_back(pair.b < 0 ? 0 : body(pair.a).used.size(), -1);
+  auto& numbers = point_of_.emplace_back();
+  for (const std::size_t side : {0, 1})
+    numbers[side].assign(pair.b < 0 ? 0 : body(side == 0 ? pair.a : pair.b).used.size(), -1);
   for (int i = pair.first_point; i < pair.first_point + pair.points; ++i) {
     Point& point = points_[static_cast<std::size_t>(i)];
     point.pair = number;
@@ -119,10 +117,10 @@ void MovingPoints::add_points(const Model& model, int number) {
     if (pair.is_summit(i))
       point.kind = Kind::summit;
     else if (pair.b >= 0)
-      point.kind = within < pair.candidates_of_a                          ? Kind::candidate_of_a
-                   : within < pair.candidates_of_a + pair.candidates_of_b ? Kind::candidate_of_b
-                                                                          : Kind::creases;
-    if (point.kind == Kind::creases) continue;
+      point.kind = within < pair.candidates_of_a ? Kind::candidate_of_a
+                   : within < pair.candidates()  ? Kind::candidate_of_b
+                                                 : Kind::creases;
+    if (point.kind == Kind::creases || (point.kind == Kind::summit && pair.b >= 0)) continue;
     const bool of_b = point.kind == Kind::candidate_of_b;
     const int own = of_b ? pair.b : pair.a;
     const Selection::InnerIterator entry(model.selection[static_cast<std::size_t>(own)], i);
@@ -130,296 +128,14 @@ void MovingPoints::add_points(const Model& model, int number) {
     point.place =
         body(own).shape.surface().crest[static_cast<std::size_t>(point.candidate)] - body(own).centre;
     point.end[of_b ? 1 : 0].set({point.candidate, 0, 0}, {1, 0, 0});
-    if (point.kind == Kind::candidate_of_a)
-      point_of_a_[static_cast<std::size_t>(number)][static_cast<std::size_t>(point.candidate)] = i;
-    if (!point.over_obstacle()) continue;
+    if (!point.over_obstacle()) {
+      numbers[of_b ? 1 : 0][static_cast<std::size_t>(point.candidate)] = i;
+      continue;
+    }
     point.open = false;
     point.initial = model.point_a.row(i).transpose();
     point.row.row(0) = model.normal.row(i);
   }
-}
-
-/// By how much the elastic displacements may bring a point nearer [m].
-double MovingPoints::swing_of(const Point& point, std::span<const Travel> travels) const noexcept {
-  double out = 0;
-  for (const End& end : point.end) {
-    if (end.body < 0) continue;
-    const MovingCandidates& candidates = body(end.body).candidates;
-    const bool own = point.kind != Kind::creases && point.kind != Kind::summit && &end == &point.own();
-    out += std::sqrt(2 * travels[static_cast<std::size_t>(end.body)].energy) *
-           (own ? candidates.give(point.candidate) : candidates.largest_give());
-  }
-  return out;
-}
-
-/// Distance of the spheres around two bodies [m].
-double MovingPoints::apart(const Model::PairBlock& pair,
-                           std::span<const FloatingBody> bodies) const noexcept {
-  return (bodies[static_cast<std::size_t>(pair.a)].position -
-          bodies[static_cast<std::size_t>(pair.b)].position)
-             .norm() -
-         radius(pair.a) - radius(pair.b);
-}
-
-/// By how much the elastic displacements of two bodies may bring them nearer [m].
-double MovingPoints::swing_of(const Model::PairBlock& pair, std::span<const Travel> travels) const noexcept {
-  double out = 0;
-  for (const int k : {pair.a, pair.b})
-    out += std::sqrt(2 * travels[static_cast<std::size_t>(k)].energy) * body(k).candidates.largest_give();
-  return out;
-}
-
-/// Largest distance at which the points of two bodies may touch within the travels [m].
-double MovingPoints::margin(const Model::PairBlock& pair, std::span<const Travel> travels) const noexcept {
-  return swing_of(pair, travels) + travels[static_cast<std::size_t>(pair.a)].distance +
-         travels[static_cast<std::size_t>(pair.b)].distance;
-}
-
-double MovingPoints::clearance(const Model::PairBlock& pair, std::span<const FloatingBody> bodies,
-                               std::span<const Travel> energies) const noexcept {
-  double least = std::numeric_limits<double>::infinity();
-  const FloatingBody& of_a = bodies[static_cast<std::size_t>(pair.a)];
-  if (pair.b < 0) {
-    for (int i = pair.first_point; i < pair.first_point + pair.candidates_of_a; ++i) {
-      const Point& point = points_[static_cast<std::size_t>(i)];
-      least = std::min(least, point.height(of_a) - swing_of(point, energies));
-    }
-    return least - body(pair.a).shape.camber();
-  }
-  const double swing = swing_of(pair, energies), spheres = apart(pair, bodies);
-  if (spheres > swing) return spheres - swing;
-  // A point of a face is at most as far from its nearest candidate as that of an equilateral triangle.
-  double facet = 0;
-  Vector3d out_of_a = Vector3d::Zero();
-  for (const int k : {pair.a, pair.b}) facet = std::max(facet, body(k).shape.element_size() / std::sqrt(3.0));
-  for (int i = pair.first_point; i < pair.first_point + pair.candidates_of_a + pair.candidates_of_b; ++i) {
-    const Point& point = points_[static_cast<std::size_t>(i)];
-    const Side own = side(point.own().body, bodies), other = side(point.other().body, bodies);
-    const Vector3d x = other.place_of(point.place, own);
-    if (other.shape.box().exteriorDistance(x) >= least) continue;
-    const Foot foot = other.shape.closest(x);
-    if (std::abs(foot.distance) >= least) continue;
-    least = std::abs(foot.distance);
-    out_of_a = (point.kind == Kind::candidate_of_a ? 1 : -1) * (other.state.attitude * (foot.point - x));
-  }
-  if (const double length = out_of_a.norm(); length > 0)
-    return std::max(least - facet, gap_along(pair, bodies, out_of_a / length)) - swing;
-  return least - facet - swing;
-}
-
-/// How far two bodies are apart along a unit direction out of a, whatever their shapes between their nodes;
-/// negative if no plane across it separates them [m].
-double MovingPoints::gap_along(const Model::PairBlock& pair, std::span<const FloatingBody> bodies,
-                               const Vector3d& n) const noexcept {
-  double gap = 0;
-  for (const int k : {pair.a, pair.b}) {
-    const Side one = side(k, bodies);
-    const Vector3d outward = (k == pair.a ? 1 : -1) * (one.state.attitude.conjugate() * n);
-    double farthest = -std::numeric_limits<double>::infinity();
-    for (const Vector3d& x : one.shape.surface().node)
-      farthest = std::max(farthest, outward.dot(x - one.centre));
-    gap -= farthest + one.shape.camber() + (k == pair.a ? 1 : -1) * n.dot(one.state.position);
-  }
-  return gap;
-}
-
-void MovingPoints::watch(int number) noexcept {
-  watched_.push_back(number);
-  is_watched_[static_cast<std::size_t>(number)] = true;
-}
-
-void MovingPoints::watch_none() noexcept {
-  for (const int i : watched_) is_watched_[static_cast<std::size_t>(i)] = false;
-  watched_.clear();
-  near_.clear();
-}
-
-void MovingPoints::watch(std::span<const FloatingBody> bodies, std::span<const Travel> travels,
-                         const MeanForce& forces) noexcept {
-  watch_none();
-  for (std::size_t k = 0; k < pairs_.size(); ++k) {
-    const Model::PairBlock& pair = pairs_[k];
-    if (pair.b >= 0) {
-      const double spheres = apart(pair, bodies), reach = margin(pair, travels);
-      const bool is_far = spheres >= reach && !forces.pairs()[k].carries;
-      if (!is_far || far_[k] < 0) {
-        find_feet(static_cast<int>(k), bodies, reach, forces);
-        find_crossings(static_cast<int>(k), bodies, reach, forces);
-      }
-      far_[k] = is_far ? spheres : -1;
-      continue;
-    }
-    const auto& [energy, distance] = travels[static_cast<std::size_t>(pair.a)];
-    const FloatingBody& state = bodies[static_cast<std::size_t>(pair.a)];
-    for (int i = pair.first_point; i < pair.first_point + pair.candidates_of_a; ++i) {
-      const Point& point = points_[static_cast<std::size_t>(i)];
-      if (point.height(state) - swing_of(point, travels) < distance || has_force(i, forces)) watch(i);
-    }
-    find_summits(static_cast<int>(k), bodies,
-                 distance + std::sqrt(2 * energy) * body(pair.a).candidates.largest_give(), forces);
-  }
-  drop_members();
-}
-
-/// Finds what the candidates of a pair meet.
-/// @param margin  largest distance at which they may touch before the next search [m]
-void MovingPoints::find_feet(int number, std::span<const FloatingBody> bodies, double margin,
-                             const MeanForce& forces) noexcept {
-  const Model::PairBlock& pair = pairs_[static_cast<std::size_t>(number)];
-  const double spheres = apart(pair, bodies);
-  for (int i = pair.first_point; i < pair.first_point + pair.candidates_of_a + pair.candidates_of_b; ++i) {
-    Point& point = points_[static_cast<std::size_t>(i)];
-    const bool pressed = has_force(i, forces);
-    point.distance = spheres;
-    if (spheres < margin || pressed) {
-      const Side own = side(point.own().body, bodies), other = side(point.other().body, bodies);
-      const Vector3d x = other.place_of(point.place, own);
-      point.distance = other.shape.box().exteriorDistance(x);
-      if (point.distance < margin || pressed) {
-        point.meet(other.shape.closest(x), own, other);
-        if (std::abs(point.distance) < margin || pressed) watch(i);
-      }
-    }
-    if (!is_watched_[static_cast<std::size_t>(i)]) u_(i) = point.gap - std::abs(point.distance);
-  }
-}
-
-/// Finds the summits of a body over a half-space, and gives them to points: to those that stood nearby, then
-/// to others. Lists the candidates near them.
-/// @param margin  largest height at which they may touch before the next search [m]
-void MovingPoints::find_summits(int number, std::span<const FloatingBody> bodies, double margin,
-                                const MeanForce& forces) noexcept {
-  const Model::PairBlock& pair = pairs_[static_cast<std::size_t>(number)];
-  const int first = pair.first_point + pair.candidates_of_a, end = pair.first_point + pair.points;
-  if (first == end) return;
-  const Side own = side(pair.a, bodies);
-  const Point& any = points_[static_cast<std::size_t>(first)];
-  const Vector3d n = own.state.attitude.conjugate() * any.row.row(0).transpose();
-  // height = g − n·(c + A (X − centre) − initial)
-  const double at_centre = any.gap - any.row.row(0).dot(own.state.position - any.initial) + n.dot(own.centre);
-  own.shape.summits(n, at_centre - margin, summits_);
-  const double near = near_summit * own.shape.element_size();
-  for (const bool follow : {true, false})
-    for (int i = first; i < end; ++i) {
-      Point& point = points_[static_cast<std::size_t>(i)];
-      if (is_watched_[static_cast<std::size_t>(i)]) continue;
-      const bool pressed = has_force(i, forces);
-      const auto found = std::find_if(summits_.begin(), summits_.end(), [&](const Foot& one) {
-        return !follow || (!point.open && (one.point - own.centre - point.place).norm() < near);
-      });
-      if (found != summits_.end() && (follow || !pressed)) {
-        point.stand_on(*found, own);
-        point.open = false;
-        summits_.erase(found);
-        watch(i);
-        for (int j = pair.first_point; j < first && near_.size() < near_.capacity(); ++j)
-          if ((points_[static_cast<std::size_t>(j)].place - point.place).squaredNorm() < near * near)
-            near_.push_back({j, i});
-      } else if (!follow) {
-        point.open = true;
-        if (pressed) watch(i);
-        u_(i) = point.gap - std::min(margin, own.shape.element_size());
-      }
-    }
-}
-
-/// Takes the watched summits to where they are now, with the elastic displacements that they had.
-void MovingPoints::follow_summits(std::span<const FloatingBody> bodies) noexcept {
-  for (const int i : watched_) {
-    Point& point = points_[static_cast<std::size_t>(i)];
-    if (point.kind != Kind::summit || point.open) continue;
-    const Side own = side(point.end[0].body, bodies);
-    const Vector3d w = point.place_now - point.place,
-                   n = own.state.attitude.conjugate() * point.row.row(0).transpose();
-    point.stand_on(own.shape.summit(point.foot.element, n), own);
-    point.place_now = point.place + w;
-  }
-}
-
-/// Lets candidates near a summit touch only when the surface is pressed by as much as it falls away from the
-/// summit over an element: by f (h/r)², if it falls by f at the distance r, in the direction in which it
-/// falls least.
-void MovingPoints::stand_back() noexcept {
-  for (auto first = near_.begin(); first != near_.end();) {
-    const auto end =
-        std::find_if(first, near_.end(), [&](const Near& one) { return one.summit != first->summit; });
-    const Point& summit = points_[static_cast<std::size_t>(first->summit)];
-    const double h = body(summit.end[0].body).shape.element_size(), height = summit.gap - u_(first->summit);
-    double fall = std::numeric_limits<double>::infinity();
-    for (auto one = first; one != end; ++one) {
-      const Point& point = points_[static_cast<std::size_t>(one->candidate)];
-      const double square = (point.place - summit.place).squaredNorm();
-      if (square > 0.25 * h * h)
-        fall = std::min(fall, (point.gap - u_(one->candidate) - height) * h * h / square);
-    }
-    for (; first != end; ++first)
-      u_(first->candidate) = std::min(
-          u_(first->candidate), points_[static_cast<std::size_t>(first->candidate)].gap - height - fall);
-  }
-}
-
-/// Finds the creases of a pair that cross, and gives them to points: to those that have crossed nearby, then
-/// to others.
-void MovingPoints::find_crossings(int number, std::span<const FloatingBody> bodies, double margin,
-                                  const MeanForce& forces) noexcept {
-  const Model::PairBlock& pair = pairs_[static_cast<std::size_t>(number)];
-  const int first = pair.first_point + pair.candidates_of_a + pair.candidates_of_b,
-            end = pair.first_point + pair.points;
-  if (first == end) return;
-  const Side a = side(pair.a, bodies), b = side(pair.b, bodies);
-  const std::vector<WorldSurface::Crease>&of_a = a.shape.surface().crease, &of_b = b.shape.surface().crease;
-  const auto node = [](const Side& of, const WorldSurface::Crease& crease, std::size_t k) {
-    return of.shape.surface().node[static_cast<std::size_t>(crease.node[k])];
-  };
-  crossings_.clear();
-  Point probe = points_[static_cast<std::size_t>(first)];
-  for (int i = 0; i < static_cast<int>(of_a.size()); ++i) {
-    const WorldSurface::Crease& one = of_a[static_cast<std::size_t>(i)];
-    const Vector3d p0 = b.place_of(node(a, one, 0) - a.centre, a),
-                   p1 = b.place_of(node(a, one, 1) - a.centre, a), middle = (p0 + p1) / 2;
-    const double reach = margin + (p1 - p0).norm() / 2;
-    if (!(b.shape.box().squaredExteriorDistance(middle) < reach * reach)) continue;
-    for (int j = 0; j < static_cast<int>(of_b.size()); ++j) {
-      const WorldSurface::Crease& two = of_b[static_cast<std::size_t>(j)];
-      const Vector3d q0 = node(b, two, 0), q1 = node(b, two, 1);
-      const double within = reach + (q1 - q0).norm() / 2;
-      if ((middle - (q0 + q1) / 2).squaredNorm() > within * within) continue;
-      if (!probe.cross(i, j, a, b) || !(std::abs(probe.distance) < margin)) continue;
-      if (crossings_.size() < crossings_.capacity()) crossings_.push_back({i, j, probe.distance});
-    }
-  }
-  std::sort(crossings_.begin(), crossings_.end(),
-            [](const Crossing& one, const Crossing& other) { return one.distance < other.distance; });
-  const auto share = [](const std::vector<WorldSurface::Crease>& creases, int one, int other) {
-    if (one < 0 || other < 0) return false;
-    for (const int x : creases[static_cast<std::size_t>(one)].node)
-      for (const int y : creases[static_cast<std::size_t>(other)].node)
-        if (x == y) return true;
-    return false;
-  };
-  for (const bool follow : {true, false})
-    for (int i = first; i < end; ++i) {
-      Point& point = points_[static_cast<std::size_t>(i)];
-      if (is_watched_[static_cast<std::size_t>(i)]) continue;
-      const auto found = std::find_if(crossings_.begin(), crossings_.end(), [&](const Crossing& one) {
-        if (one.of_a < 0) return false;
-        return !follow || (share(of_a, one.of_a, point.crease[0]) && share(of_b, one.of_b, point.crease[1]));
-      });
-      const bool pressed = has_force(i, forces);
-      if (found != crossings_.end() && (follow || !pressed)) {
-        point.cross(found->of_a, found->of_b, a, b);
-        found->of_a = -1;
-        watch(i);
-      } else if (!follow && pressed) {
-        point.open = true;
-        watch(i);
-      } else if (!follow) {
-        point.crease = {-1, -1};
-        point.row.setZero();
-        point.open = true;
-        u_(i) = point.gap - margin;
-      }
-    }
 }
 
 /// Keeps the members that are watched, and the candidates under them.
@@ -453,37 +169,89 @@ Matrix3d MovingPoints::in_world(const Point& point, std::span<const FloatingBody
   return point.row * has_rows.attitude.toRotationMatrix().transpose();
 }
 
+/// The element size of the finer of its bodies [m].
+double MovingPoints::smallest_element(const Point& point) const noexcept {
+  double out = std::numeric_limits<double>::infinity();
+  for (const End& end : point.end)
+    if (end.body >= 0) out = std::min(out, body(end.body).shape.element_size());
+  return out;
+}
+
+/// Takes a summit to where it is now, with the elastic displacement that it had.
+void MovingPoints::follow_summit(Point& point, std::span<const FloatingBody> bodies) const noexcept {
+  const Vector3d w = point.place_now - point.place;
+  const Side own = side(point.end[0].body, bodies);
+  if (point.over_obstacle())
+    point.stand_on(
+        own.shape.summit(point.top.element, own.state.attitude.conjugate() * point.row.row(0).transpose()),
+        own);
+  else
+    point.face(own, side(point.end[1].body, bodies));
+  point.place_now = point.place + w;
+}
+
+/// Square of the way from a candidate to a summit, on the body of the candidate [m²].
+double MovingPoints::square_way(const Point& candidate, const Point& summit) const noexcept {
+  const Vector3d there = candidate.kind == Kind::candidate_of_b
+                             ? Vector3d(summit.foot.point - body(candidate.own().body).centre)
+                             : summit.place;
+  return (candidate.place - there).squaredNorm();
+}
+
+/// Lets candidates near a summit touch only when the surface is pressed by as much as it falls away from the
+/// summit over an element: by f (h/r)², if it falls by f at the distance r, in the direction in which it
+/// falls least.
+void MovingPoints::stand_back() noexcept {
+  for (auto first = near_.begin(); first != near_.end();) {
+    const auto end =
+        std::find_if(first, near_.end(), [&](const Near& one) { return one.summit != first->summit; });
+    const Point& summit = points_[static_cast<std::size_t>(first->summit)];
+    const double h = smallest_element(summit), height = summit.gap - u_(first->summit);
+    double fall = std::numeric_limits<double>::infinity();
+    for (auto one = first; one != end; ++one) {
+      const Point& point = points_[static_cast<std::size_t>(one->candidate)];
+      const double square = square_way(point, summit);
+      if (square > 0.25 * h * h)
+        fall = std::min(fall, (point.gap - u_(one->candidate) - height) * h * h / square);
+    }
+    for (; first != end; ++first)
+      u_(first->candidate) = std::min(
+          u_(first->candidate), points_[static_cast<std::size_t>(first->candidate)].gap - height - fall);
+  }
+}
+
 void MovingPoints::place(std::span<const FloatingBody> bodies, const Vector& q) noexcept {
   for (Body& one : bodies_) one.candidates.begin();
-  follow_summits(bodies);
-  for (const int i : watched_) {
-    Point& point = points_[static_cast<std::size_t>(i)];
-    if (!point.over_obstacle()) {
-      place_between(i, bodies, q);
-      continue;
-    }
-    const Vector3d w = elastic(point.end[0], q);
-    point.place_now = point.place + w;
-    const FloatingBody& state = bodies[static_cast<std::size_t>(point.end[0].body)];
-    if (point.kind == Kind::summit)
-      u_(i) = point.gap - point.height(state) + point.row.row(0).dot(state.attitude * w);
-    else
-      place_over(i, bodies, w, u_);
-  }
+  for (const int i : watched_) place(i, bodies, &q);
   for (const Near& one : near_)
-    if (!is_watched_[static_cast<std::size_t>(one.candidate)])
-      place_over(one.candidate, bodies, Vector3d::Zero(), u_);
+    if (!is_watched_[static_cast<std::size_t>(one.candidate)]) place(one.candidate, bodies, nullptr);
   stand_back();
 }
 
-/// Writes U of a candidate over a half-space. @param w  its elastic displacement, body axes [m]
-void MovingPoints::place_over(int number, std::span<const FloatingBody> bodies, const Vector3d& w,
-                              Vector& u) const noexcept {
-  const Point& point = points_[static_cast<std::size_t>(number)];
-  const FloatingBody& state = bodies[static_cast<std::size_t>(point.end[0].body)];
-  // A displacement is far smaller than a place: its digits must not be lost.
-  const Vector3d moved = state.position + state.attitude * point.place - point.initial + state.attitude * w;
-  write_over(point, number, moved, u);
+/// Computes U of a point, and where it is. @param q  (N), or null: without elastic displacements
+void MovingPoints::place(int number, std::span<const FloatingBody> bodies, const Vector* q) noexcept {
+  Point& point = points_[static_cast<std::size_t>(number)];
+  const Side own = side(point.own().body, bodies);
+  const auto elastic = [&](const End& end) -> Vector3d {
+    return q == nullptr ? Vector3d::Zero() : this->elastic(end, *q);
+  };
+  if (!point.over_obstacle()) {
+    const Side other = side(point.other().body, bodies);
+    point.follow(own, other);
+    const Vector3d w = elastic(point.own());
+    point.place_now = point.place + w;
+    u_(number) = point.gap - (point.distance - point.nearer(w, elastic(point.other()), own, other));
+    if (point.open) u_(number) = point.gap - std::max(std::abs(point.distance), other.shape.element_size());
+    return;
+  }
+  if (point.kind == Kind::summit && !point.open) follow_summit(point, bodies);
+  const Vector3d w = elastic(point.end[0]), turned = own.state.attitude * w;
+  point.place_now = point.place + w;
+  if (point.kind == Kind::summit)
+    u_(number) = point.gap - point.height(own.state) + point.row.row(0).dot(turned);
+  else  // A displacement is far smaller than a place: its digits must not be lost.
+    write_over(point, number, own.state.position + own.state.attitude * point.place - point.initial + turned,
+               u_);
 }
 
 void MovingPoints::write_displacements(std::span<const FloatingBody> bodies, Vector& u) const noexcept {
@@ -491,30 +259,21 @@ void MovingPoints::write_displacements(std::span<const FloatingBody> bodies, Vec
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     const Model::PairBlock& pair = pairs_[k];
     const FloatingBody& state = bodies[static_cast<std::size_t>(pair.a)];
-    const Matrix3d A = state.attitude.toRotationMatrix();
+    const Vector3d n = pair.b < 0 ? Vector3d(points_[static_cast<std::size_t>(pair.first_point)].row.row(0))
+                                  : Vector3d(Vector3d::Zero()),
+                   own = state.attitude.conjugate() * n;
     for (int i = pair.first_point; i < pair.first_point + pair.points; ++i) {
       if (is_watched_[static_cast<std::size_t>(i)]) continue;
       const Point& point = points_[static_cast<std::size_t>(i)];
       if (point.kind == Kind::obstacle)
-        write_over(point, i, state.position + A * point.place - point.initial, u);
-      else if (point.kind == Kind::summit && !point.open)
+        u(i) = n.dot(state.position - point.initial) + own.dot(point.place);
+      else if (point.kind == Kind::summit && point.over_obstacle() && !point.open)
         u(i) = point.gap - point.height(state);
       else if (far_[k] >= 0)
         u(i) = point.gap - far_[k];
     }
   }
   for (const Near& one : near_) u(one.candidate) = u_(one.candidate);
-}
-
-/// Follows a point between two bodies.
-void MovingPoints::place_between(int number, std::span<const FloatingBody> bodies, const Vector& q) noexcept {
-  Point& point = points_[static_cast<std::size_t>(number)];
-  const Side own = side(point.own().body, bodies), other = side(point.other().body, bodies);
-  point.follow(own, other);
-  const Vector3d w = elastic(point.own(), q);
-  point.place_now = point.place + w;
-  u_(number) = point.gap - (point.distance - point.nearer(w, elastic(point.other(), q), own, other));
-  if (point.open) u_(number) = point.gap - std::max(std::abs(point.distance), other.shape.element_size());
 }
 
 void MovingPoints::advance(std::span<const FloatingBody> bodies, const Vector& dq, double step,
@@ -526,7 +285,9 @@ void MovingPoints::advance(std::span<const FloatingBody> bodies, const Vector& d
     bodies_[k].fastest = state.farthest(bodies_[k].radius, step);
   }
   // In the middle of the step: from its start, a body would roll into the obstacle, by ½ a (ΩΔ)² in each.
-  follow_summits(bodies);
+  for (const int i : watched_)
+    if (Point& point = points_[static_cast<std::size_t>(i)]; point.kind == Kind::summit && !point.open)
+      follow_summit(point, bodies);
   for (const int i : watched_)
     for (const End& end : points_[static_cast<std::size_t>(i)].end)
       for (std::size_t k = 0; k < static_cast<std::size_t>(end.count); ++k) {
@@ -593,9 +354,7 @@ void MovingPoints::set_rows(std::span<const FloatingBody> bodies, const Vector& 
 /// Largest depth at which a point may begin to touch. One that is deeper has come in where nothing could stop
 /// it, as at an edge that is hollow: it would be thrown out. @param approach  in a step, at most
 double MovingPoints::deepest_start(const Point& point, double approach) const noexcept {
-  double element = std::numeric_limits<double>::infinity();
-  for (const End& end : point.end) element = std::min(element, body(end.body).shape.element_size());
-  return std::max(approach, near_surface * element);
+  return std::max(approach, near_surface * smallest_element(point));
 }
 
 /// Whether a candidate of b lies over one of a that may touch b, too.
@@ -604,7 +363,7 @@ bool MovingPoints::repeats(const Point& point) const noexcept {
   const End& of_a = point.end[0];
   const auto heaviest = std::max_element(of_a.weight.begin(), of_a.weight.begin() + of_a.count);
   if (!(*heaviest > same_place)) return false;
-  const int there = point_of_a_[static_cast<std::size_t>(point.pair)][static_cast<std::size_t>(
+  const int there = point_of_[static_cast<std::size_t>(point.pair)][0][static_cast<std::size_t>(
       of_a.candidate[static_cast<std::size_t>(heaviest - of_a.weight.begin())])];
   return there >= 0 && !points_[static_cast<std::size_t>(there)].open;
 }
@@ -681,8 +440,9 @@ StepMatrices MovingPoints::matrices(std::span<const FloatingBody> bodies, double
     add_flexibility(number, bodies[static_cast<std::size_t>(number)], 0.5 * step * step);
   for (std::size_t s = 0; s < members_.size(); ++s)
     if (const Point& point = points_[static_cast<std::size_t>(members_[s])]; point.kind == Kind::summit) {
-      const Matrix3d& direction = point.end[0].direction;
-      const Matrix3d own = direction * patch(point).residual * direction.transpose();
+      Matrix3d own = Matrix3d::Zero();
+      for (const End& end : point.end)
+        if (end.body >= 0) own += end.direction * patch(end).residual * end.direction.transpose();
       const Index first = position(s, 0), rows = point.rows();
       R.block(first, first, rows, rows) = own.topLeftCorner(rows, rows);
     }
@@ -709,8 +469,7 @@ StepMatrices MovingPoints::matrices(std::span<const FloatingBody> bodies, double
   return {.M = M, .R = R, .S = S, .S_mean = S_mean};
 }
 
-MovingCandidates::Patch MovingPoints::patch(const Point& summit) const noexcept {
-  const End& end = summit.end[0];
+MovingCandidates::Patch MovingPoints::patch(const End& end) const noexcept {
   const auto count = static_cast<std::size_t>(end.count);
   return body(end.body).candidates.patch({end.candidate.data(), count}, {end.weight.data(), count});
 }
@@ -718,10 +477,14 @@ MovingCandidates::Patch MovingPoints::patch(const Point& summit) const noexcept 
 std::optional<PatchSpring> MovingPoints::spring(std::size_t position) const noexcept {
   const Point& point = member_at(position);
   if (point.kind != Kind::summit || rows_[position] >= std::ssize(points_)) return std::nullopt;
-  const MovingCandidates::Patch under = patch(point);
-  const Vector3d n = point.end[0].direction.row(0);
-  const double flexibility = n.dot(under.residual * n);
-  return under.bulge > 0 && flexibility > 0 ? PatchSpring::of(under.bulge, flexibility) : PatchSpring{};
+  double bulge = 0, flexibility = 0;
+  for (const End& end : point.end) {
+    if (end.body < 0) continue;
+    const MovingCandidates::Patch under = patch(end);
+    bulge += under.bulge;
+    flexibility += end.direction.row(0).dot(under.residual * end.direction.row(0).transpose());
+  }
+  return bulge > 0 && flexibility > 0 ? PatchSpring::of(bulge, flexibility) : PatchSpring{};
 }
 
 MovingPoints::Load MovingPoints::load(int number, const Vector& p, Vector& modal) const noexcept {

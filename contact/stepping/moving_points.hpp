@@ -15,9 +15,10 @@
 //   d = Σ_ends ± [ e·(Δv + ½Δ²g) + e'·(θ × r + Φ Δq) ],   θ = Δ J⁻¹π
 //   M = Σ_ends e'ᵀ[ ½Δ² (1/m − r̂ J⁻¹ r̂) + Φ c Φᵀ ] e',   R = Σ_ends e'ᵀ R_body e'   between two points
 //
-// with the sign + on body a. A summit moves between candidates, under which R ripples: its own R is that of
-// MovingCandidates::Patch. Candidates near a summit touch only when the surface is pressed by as much as it
-// falls away over one spacing. A contact that is smaller than this so has one point, which moves smoothly.
+// with the sign + on body a. A summit is where a curved surface faces a half-space or another body. It moves
+// between candidates, under which R ripples: its own R is that of MovingCandidates::Patch. Candidates near a
+// summit touch only when the surface is pressed by as much as it falls away over one spacing. A contact that
+// is smaller than this so has one point, which moves smoothly.
 // U + d is û of contact/law. The blocks Φ c Φᵀ and R_body between candidates are
 // constant in body axes: they are gathered once, when a candidate joins those under points that may touch.
 #pragma once
@@ -64,7 +65,7 @@ class MovingPoints {
   void watch(std::span<const FloatingBody> bodies, std::span<const Travel> travels,
              const MeanForce& forces) noexcept;
 
-  /// Watches no point until the next search: nothing can touch.
+  /// Watches no point until the next search, because nothing can touch in a flight.
   void watch_none() noexcept;
   /// Computes U of the watched points, and where they are. @param q  (N)
   void place(std::span<const FloatingBody> bodies, const Vector& q) noexcept;
@@ -78,8 +79,8 @@ class MovingPoints {
   const Vector& at_start() const { return start_; }  ///< U [m]; 0 in tangential rows of points that slide
   const Vector& free() const { return free_; }       ///< U + d [m]
   double u(int row) const { return u_(row); }        ///< U of a row of the model [m]; likewise
-  /// Writes U of all rows (n). Points that are not watched are taken without their elastic displacement, or
-  /// where they were.
+  /// Writes U of all points (n). Those that are not watched are taken without their elastic displacement, or
+  /// where they were; their tangential rows keep their values.
   void write_displacements(std::span<const FloatingBody> bodies, Vector& u) const noexcept;
   int pair_of(std::size_t position) const { return member_at(position).pair; }
   /// Whether the point moves along its bodies, so that its tangential displacements are sums over steps.
@@ -128,11 +129,15 @@ class MovingPoints {
   }
   Body& body(int k) { return bodies_[static_cast<std::size_t>(k)]; }
   const Body& body(int k) const { return bodies_[static_cast<std::size_t>(k)]; }
+  double smallest_element(const Point& point) const noexcept;
+  double rise_of(const Model::PairBlock& pair) const noexcept;
   Side side(int k, std::span<const FloatingBody> bodies) const {
     return {body(k).shape, body(k).centre, bodies[static_cast<std::size_t>(k)]};
   }
   void add_points(const Model& model, int pair);
   double apart(const Model::PairBlock& pair, std::span<const FloatingBody> bodies) const noexcept;
+  double inside(const Model::PairBlock& pair, std::span<const FloatingBody> bodies) const noexcept;
+  double above(const Model::PairBlock& pair, const FloatingBody& state) const noexcept;
   double gap_along(const Model::PairBlock& pair, std::span<const FloatingBody> bodies,
                    const Eigen::Vector3d& n) const noexcept;
   double swing_of(const Model::PairBlock& pair, std::span<const Travel> travels) const noexcept;
@@ -140,22 +145,25 @@ class MovingPoints {
   double swing_of(const Point& point, std::span<const Travel> travels) const noexcept;
   void find_feet(int pair, std::span<const FloatingBody> bodies, double margin,
                  const MeanForce& forces) noexcept;
+  void list_summits(int pair, std::span<const FloatingBody> bodies, double margin) noexcept;
   void find_summits(int pair, std::span<const FloatingBody> bodies, double margin,
                     const MeanForce& forces) noexcept;
-  void follow_summits(std::span<const FloatingBody> bodies) noexcept;
+  void list_near(int summit, std::span<const FloatingBody> bodies, double near) noexcept;
+  double square_way(const Point& candidate, const Point& summit) const noexcept;
+  void follow_summit(Point& point, std::span<const FloatingBody> bodies) const noexcept;
   void stand_back() noexcept;
   void find_crossings(int pair, std::span<const FloatingBody> bodies, double margin,
                       const MeanForce& forces) noexcept;
-  MovingCandidates::Patch patch(const Point& summit) const noexcept;
+  MovingCandidates::Patch patch(const End& end) const noexcept;
   Eigen::Vector3d elastic(const End& end, const Vector& q) noexcept;
-  void place_over(int number, std::span<const FloatingBody> bodies, const Eigen::Vector3d& w,
-                  Vector& u) const noexcept;
-  void place_between(int number, std::span<const FloatingBody> bodies, const Vector& q) noexcept;
+  void place(int number, std::span<const FloatingBody> bodies, const Vector* q) noexcept;
   Eigen::Matrix3d in_world(const Point& point, std::span<const FloatingBody> bodies) const noexcept;
   bool has_force(int number, const MeanForce& forces) const noexcept {
     return forces.end()(number) != 0 || forces.before()(number) != 0;
   }
   void watch(int number) noexcept;
+  void unwatch() noexcept;
+  bool is_nearest(const Point& point) const noexcept;
   void drop_members() noexcept;
   void add_members(const MeanForce& forces) noexcept;
   void set_rows(std::span<const FloatingBody> bodies, const Vector& dq, double step) noexcept;
@@ -168,8 +176,9 @@ class MovingPoints {
   std::vector<Model::PairBlock> pairs_;
   std::vector<Body> bodies_;
   std::vector<Point> points_;
-  std::vector<std::vector<int>> point_of_a_;  ///< by pair and candidate of a, or −1
+  std::vector<std::array<std::vector<int>, 2>> point_of_;  ///< by pair, body and candidate, or −1
   std::vector<double> far_;  ///< by pair, distance of bodies that could not meet at the last search, or −1
+  std::vector<double> travelled_;  ///< by pair, at most since the distances of its points are known [m]
   std::vector<int> watched_;
   std::vector<char> is_watched_;   ///< (m)
   std::vector<int> members_;       ///< points that may touch
@@ -181,8 +190,10 @@ class MovingPoints {
     int of_a, of_b;
     double distance;
   };
-  std::vector<Crossing> crossings_;  ///< scratch
-  std::vector<Foot> summits_;        ///< scratch
+  std::vector<Crossing> crossings_;              ///< scratch
+  static constexpr std::size_t most_found = 16;  ///< summits at a time
+  std::vector<Foot> tops_;                       ///< scratch
+  std::vector<Point> summits_;                   ///< scratch
   /// Candidates near the summits that are watched, which stand back.
   struct Near {
     int candidate, summit;  ///< numbers of points

@@ -41,7 +41,8 @@ void cover(kernels::Kernel& kernel, const std::vector<std::array<int, 3>>& trian
 
 /// A ball of an icosahedron whose triangles have been divided twice: 162 nodes.
 /// @param bulge  of its patches [m]
-kernels::Kernel ball(double mass, double radius, double flexibility, double bulge = 0) {
+/// @param hollow  the surface is that of a cavity
+kernels::Kernel ball(double mass, double radius, double flexibility, double bulge = 0, bool hollow = false) {
   const double golden = std::numbers::phi;
   std::vector<Vector3d> node;
   for (const double x : {-1.0, 1.0})
@@ -84,6 +85,11 @@ kernels::Kernel ball(double mass, double radius, double flexibility, double bulg
   for (const auto& [i, j, k] : triangles) {
     const auto at = [&](int of) { return node[static_cast<std::size_t>(of)]; };
     normals.push_back({at(i), at(j), at(k)});
+  }
+  for (std::size_t t = 0; t < triangles.size() && hollow; ++t) {
+    std::swap(triangles[t][1], triangles[t][2]);
+    std::swap(normals[t][1], normals[t][2]);
+    for (Vector3d& n : normals[t]) n = -n;
   }
   for (Vector3d& x : node) x *= radius;
   kernels::Kernel kernel =
@@ -225,6 +231,105 @@ TEST(Rolling, of_a_disk_in_steady_precession_is_steady) {
   EXPECT_NEAR(angle / (rate * stepper->time()), 1, 1e-3);
   // The parabolas of the rim differ from its circle by up to a (2π/32)⁴/128.
   EXPECT_LT(stepper->modal()->energy().friction + stepper->modal()->energy().contact, 1e-3 * start);
+}
+
+/// Two bodies that may touch with all of their surfaces.
+std::shared_ptr<const Model> together(const kernels::Kernel& first, PlacedBody a,
+                                      const kernels::Kernel& second, PlacedBody b,
+                                      const std::optional<Friction>& friction) {
+  a.name = "a";
+  a.kernel = &first;
+  b.name = "b";
+  b.kernel = &second;
+  PairRequest pair{"a", "b", {}, {}, {}};
+  pair.friction = friction;
+  pair.everywhere = true;
+  return std::make_shared<const Model>(build_model({a, b}, {}, {pair}, Vector3d::Zero()));
+}
+
+/// By symmetry, two equal balls meet as each would meet a rigid wall between them. The second one is the
+/// mirror image of the first, since an icosahedron is its own image in its centre.
+TEST(Rolling, of_two_balls_is_that_on_the_wall_between_them) {
+  const double mass = 0.03, radius = 0.01;
+  const kernels::Kernel kernel = ball(mass, radius, 1e-7, 1.5e-4);
+  for (const double angle : {0.0, 0.3, 0.9}) {
+    PlacedBody falling, rising;
+    falling.rotation = turn(angle, Vector3d(1, 2, 0).normalized());
+    falling.velocity = {0, 0, -1};
+    rising.rotation = turn(std::numbers::pi, Vector3d::UnitZ()) * falling.rotation;
+    rising.velocity = {0, 0, 1};
+    auto wall = make_stepper(over_floor(kernel, falling, {0, 0, 0}, {0, 0, 0}), stepping(441'000));
+    const Vector3d down = falling.rotation.transpose() * -Vector3d::UnitZ();
+    falling.translation = {0, 0, 2 * down.dot(BodySurface(kernel).summit(0, down).point)};
+    auto pair = make_stepper(together(kernel, falling, kernel, rising, {}), stepping(441'000));
+    double peak = 0, most = 0;
+    int touching = 0;
+    for (int k = 0; k < 1000; ++k) {
+      ASSERT_EQ(wall->step(), StepStatus::ok);
+      ASSERT_EQ(pair->step(), StepStatus::ok);
+      const double on_wall = wall->force().sum(), between = pair->force().sum();
+      peak = std::max(peak, on_wall);
+      most = std::max(most, std::abs(on_wall - between));
+      touching += between > 0;
+    }
+    EXPECT_GT(touching, 20);
+    // The place of the summit on the wall is exact; between balls, it is where interpolated normals agree.
+    EXPECT_LT(most, 5e-3 * peak) << angle;
+    EXPECT_NEAR(pair->poses()[0].velocity.z(), wall->poses()[0].velocity.z(), 1e-4);
+    EXPECT_LT(pair->poses()[0].spin.norm() * radius, 5e-3);
+  }
+}
+
+/// Friction takes 2/7 of the energy of a ball that slides over a body which is heavy and large. The normals
+/// of the surfaces, interpolated from the nodes, differ from their true ones by 5e-4, over which the ball
+/// hops.
+TEST(Rolling, of_a_ball_on_a_body_ends_at_five_sevenths) {
+  const double mass = 0.03, radius = 0.01, large = 3, speed = 0.2, mu = 0.3;
+  const kernels::Kernel kernel = ball(mass, radius, 1e-8), under = ball(1e6 * mass, large, 1e-9);
+  PlacedBody body, ground;
+  body.velocity = {speed, 0, 0};
+  body.translation = {0, 0, large + radius};
+  auto stepper = make_stepper(together(kernel, body, under, ground, Friction{mu, mu, 0}), stepping(20'000));
+  const double start = stepper->modal()->energy().kinetic;
+  int on_one = 0, otherwise = 0;
+  while (stepper->time() < 0.1) {
+    const Pose now = stepper->poses()[0];
+    stepper->push(0, -mass * g * now.position.normalized(), Vector3d::Zero());
+    ASSERT_EQ(stepper->step(), StepStatus::ok);
+    if (stepper->time() > 0.04) (stepper->active() == 1 ? on_one : otherwise) += 1;
+  }
+  EXPECT_LT(otherwise, 0.01 * on_one);
+  const Pose end = stepper->poses()[0];
+  EXPECT_NEAR(end.velocity.norm(), 5 * speed / 7, 1e-3 * speed);
+  EXPECT_NEAR(end.spin.norm() * radius, 5 * speed / 7, 2e-3 * speed);
+  EXPECT_NEAR(stepper->modal()->energy().friction / start, 2.0 / 7, 1e-3);
+}
+
+/// A ball that rolls to and fro in a cavity swings with (7/5 (R − r)/g)^½ 2π (1 + θ²/16), about its lowest
+/// place, and does not stop.
+TEST(Rolling, of_a_ball_in_a_cavity_is_that_of_a_pendulum) {
+  const double mass = 0.03, radius = 0.01, around = 0.04, angle = 0.2;
+  const kernels::Kernel kernel = ball(mass, radius, 1e-8), shell = ball(1e6 * mass, around, 1e-9, 0, true);
+  PlacedBody body, outside;
+  body.translation = (around - radius - 1e-6) * Vector3d(std::sin(angle), 0, -std::cos(angle));
+  outside.rotation = turn(0.4, Vector3d(1, 2, 3).normalized());
+  auto stepper = make_stepper(together(kernel, body, shell, outside, Friction{1, 1, 0}), stepping(20'000));
+  const double period =
+      2 * std::numbers::pi * std::sqrt(1.4 * (around - radius) / g) * (1 + angle * angle / 16);
+  std::vector<double> crossings;
+  double before = 1, farthest = 0;
+  while (stepper->time() < 1.3 * period) {
+    stepper->push(0, -mass * g * Vector3d::UnitZ(), Vector3d::Zero());
+    ASSERT_EQ(stepper->step(), StepStatus::ok);
+    const Vector3d now = stepper->poses()[0].position;
+    if (now.x() * before < 0) crossings.push_back(stepper->time());
+    before = now.x();
+    if (stepper->time() > 0.8 * period)
+      farthest = std::max(farthest, std::abs(std::atan2(now.x(), -now.z())));
+  }
+  ASSERT_EQ(crossings.size(), 3U);
+  EXPECT_NEAR(crossings[2] - crossings[0], period, 2e-3 * period);
+  EXPECT_NEAR(farthest, angle, 5e-3 * angle);
 }
 
 /// Where the surface is pressed by more than it falls away, the candidates around touch, too.
