@@ -164,7 +164,7 @@ std::optional<int> parse(int argc, char** argv, bool speak, Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  parallel::prepare_blas(argv);
+  parallel::prepare_blas();
   const parallel::Session session;
   const bool first = parallel::rank_of(PETSC_COMM_WORLD) == 0;
   try {

@@ -6,7 +6,7 @@
 #include "src/parallel/parallel.hpp"
 
 int main(int argc, char** argv) {
-  ricochet::parallel::prepare_blas(argv);
+  ricochet::parallel::prepare_blas();
   testing::InitGoogleTest(&argc, argv);
   const ricochet::parallel::Session session;
   const int mine = RUN_ALL_TESTS();

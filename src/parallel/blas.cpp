@@ -1,22 +1,24 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "src/parallel/blas.hpp"
 
-#include <unistd.h>
-
 #include <cstdlib>
 #include <cstring>
 
 extern "C" {
 char* openblas_get_corename();
 void openblas_set_num_threads(int threads);
+// Only libraries with routines for several processors have these two.
+[[gnu::weak]] void gotoblas_dynamic_quit();
+[[gnu::weak]] void gotoblas_dynamic_init();
 }
 
 namespace ricochet::parallel {
 
-void prepare_blas(char** argv) {
+void prepare_blas() {
   if (std::getenv("OPENBLAS_NUM_THREADS") == nullptr && std::getenv("OMP_NUM_THREADS") == nullptr)
     openblas_set_num_threads(1);
-  if (std::getenv("OPENBLAS_CORETYPE") != nullptr || std::strcmp(openblas_get_corename(), "Prescott") != 0)
+  if (std::getenv("OPENBLAS_CORETYPE") != nullptr || std::strcmp(openblas_get_corename(), "Prescott") != 0 ||
+      gotoblas_dynamic_quit == nullptr || gotoblas_dynamic_init == nullptr)
     return;
   const char* better = nullptr;
   if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) better = "Haswell";
@@ -24,10 +26,10 @@ void prepare_blas(char** argv) {
       __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
     better = "SkylakeX";
   if (better == nullptr) return;
-  // OpenBLAS chooses its routines when it is loaded, so another choice requires a new process. If execv
-  // fails, the program continues with the slow ones.
+  // OpenBLAS chooses its routines when it is loaded. These are the functions by which it does so.
   setenv("OPENBLAS_CORETYPE", better, 1);
-  execv("/proc/self/exe", argv);
+  gotoblas_dynamic_quit();
+  gotoblas_dynamic_init();
 }
 
 }  // namespace ricochet::parallel

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <limits>
 #include <thread>
 
@@ -44,6 +45,9 @@ void pass_bytes(MPI_Comm comm, const void* out, std::size_t out_bytes, int to, v
 }  // namespace
 
 Session::Session() {
+  // A program without mpirun would start a daemon of Open MPI, which it does not need: it starts no further
+  // ranks.
+  setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
   int count = 0;
   char** none = nullptr;
   check(SlepcInitialize(&count, &none, nullptr, nullptr));

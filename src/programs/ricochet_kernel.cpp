@@ -18,7 +18,7 @@
 
 int main(int argc, char** argv) {
   using namespace ricochet;
-  parallel::prepare_blas(argv);
+  parallel::prepare_blas();
   console::end_cleanly_on_signals();  // before MPI starts, so that signals are handled then too
   const parallel::Session session;
   console::end_cleanly_on_signals();  // again, because PETSc has replaced some handlers
