@@ -40,7 +40,7 @@ class Run:
             "text": True,
             "errors": "surrogateescape",
         }
-        words = by_server([str(c) for c in command])
+        words = by_server(command)
         done = subprocess.run(words, **{"timeout": DEADLOCK_S} | streams | more)
         self.status, self.out, self.err = done.returncode, done.stdout, done.stderr
 
@@ -127,18 +127,19 @@ def kernel_server():
 
 
 def by_server(words):
-    """The words of a command, by which the server runs ricochet-kernel if it is to run on one rank."""
+    """The words of a command, by which the server runs ricochet-kernel, alone or as each rank of mpirun."""
+    words = [*map(str, words)]
     if (program := str(BIN / "ricochet-kernel")) in words:
         at = words.index(program)
-        if at == 0 or "mpirun" in words[0] and words[at - 2 : at] == ["-n", "1"]:
-            return kernel_server() + words[at:]
+        if at == 0 or words[0] == "mpirun":
+            mpirun = [] if "1" in words[at - 2 : at] else words[:at]
+            return mpirun + kernel_server() + words[at:]
     return words
 
 
-start_program = programs.start
-programs.start = lambda command, *more, **options: start_program(
-    by_server([*map(str, command)]), *more, **options
-)
+start_program, replace_process = programs.start, programs.replace_this_process
+programs.start = lambda command, *more, **options: start_program(by_server(command), *more, **options)
+programs.replace_this_process = lambda command: replace_process(by_server(command))
 
 
 def scene_of(file, *sets):
