@@ -133,8 +133,12 @@ const std::vector<Sabotage> sabotages{
 };
 
 TEST_P(Certificate, is_incomplete_for_every_sabotage) {
+  Block block(teams());
+  const ModeSet set = block.set;
+  const std::vector<Probe> counts = block.counts;
   for (const Sabotage& sabotage : sabotages) {
-    Block block(teams());
+    block.set = set;
+    block.counts = counts;
     sabotage.apply(block);
     const std::vector<Eigen::Index> doubtful = block.certify();
     EXPECT_FALSE(block.set.certificate.complete) << sabotage.name;

@@ -60,7 +60,8 @@ def few_shapes(shape: Array, coordinates: Array, most: int, left_out: float) -> 
         return np.zeros((len(shape), 0)), np.zeros((len(coordinates), 0))
     # Converted to double precision in parts to save memory.
     parts = np.array_split(shape, len(shape) // 10_000 + 1)
-    values, vectors = np.linalg.eigh(sum(part.T.astype(float) @ part for part in parts))
+    products = sum(part.T.astype(float) @ part for part in parts)
+    values, vectors = np.linalg.eigh(products)
     kept = values > 1e-14 * max(values[-1], 1e-300)
     root, vectors = np.sqrt(values[kept]), vectors[:, kept]
     left, size, right = np.linalg.svd((coordinates @ vectors) * root, full_matrices=False)

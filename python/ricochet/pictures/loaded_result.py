@@ -253,7 +253,8 @@ class LoadedResult(Result):
                 speed[name] = self.broken(axis.sign * self.motions["velocity_" + side][:, i])
         for body, v in self.velocity.items():
             along = v @ n
-            path = np.concatenate([[0], np.cumsum(0.5 * (along[1:] + along[:-1]) * np.diff(self.time))])
+            moved = 0.5 * (along[1:] + along[:-1]) * np.diff(self.time)
+            path = np.concatenate([[0], np.cumsum(moved)])
             mean_place[body] = self.time, path + starts.get(body, 0.0) - starts[axis.origin]
             mean_speed[body] = self.time, along
         return place, speed, mean_place, mean_speed

@@ -128,7 +128,8 @@ class MovingSurface:
             return e
         ab, ac = flat[e[:, 1]] - flat[e[:, 0]], flat[e[:, 2]] - flat[e[:, 0]]
         facing = np.tile(ab[:, 0] * ac[:, 1] > ab[:, 1] * ac[:, 0], 3)
-        sides = np.sort(np.concatenate([e[:, [0, 1]], e[:, [1, 2]], e[:, [2, 0]]]), axis=1)
+        sides = np.concatenate([e[:, side] for side in ([0, 1], [1, 2], [2, 0])])
+        sides.sort(axis=1)
         unique, which, count = np.unique(sides, axis=0, return_inverse=True, return_counts=True)
         towards = np.bincount(which.ravel(), weights=facing, minlength=len(unique))
         return np.asarray(unique[(count == 1) | ((towards > 0) & (towards < count))])

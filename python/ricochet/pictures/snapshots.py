@@ -31,7 +31,8 @@ def snapshots_picture(result: LoadedResult, surfaces: dict[str, MovingSurface], 
     during = np.flatnonzero((time > start + half) & (time <= end + half))
     if len(during) == 0:
         return None
-    some = during[np.unique(np.linspace(0, len(during) - 1, 60).astype(int))]
+    spread = np.linspace(0, len(during) - 1, 60).astype(int)
+    some = during[np.unique(spread)]
     amplify = amplification(max(surface.strain(k) for surface in surfaces.values() for k in some))
     chosen = during[moments(drawn_path(surfaces, during, amplify), MOMENTS)]
     places = [{body: surface.at(k, amplify) for body, surface in surfaces.items()} for k in chosen]
