@@ -2,7 +2,10 @@
 /* Preloaded to ricochet-kernel, lets one process serve many runs. Linking its two hundred libraries takes longer than most bodies of
  * the tests. The process stops before main, where the libraries are linked, and forks for each client of the socket
  * RICOCHET_FORK_SOCKET (fork_client.c). The child takes over the words, environment, folder, limits and streams of the client. The
- * server ends with its standard input. */
+ * server ends with its standard input.
+ *
+ * A program that it runs reads the file RICOCHET_TEST_MEMINFO, if there is one, in place of /proc/meminfo, as on a machine with less
+ * memory. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -123,6 +126,16 @@ static int serve_all(int words, char** word, char** variables) {
     close(client);
   }
 }
+
+static FILE* opened(const char* function, const char* path, const char* mode) {
+  FILE* (*original)(const char*, const char*) = NULL;
+  const char* const other = strcmp(path, "/proc/meminfo") == 0 ? getenv("RICOCHET_TEST_MEMINFO") : NULL;
+  *(void**)&original = dlsym(RTLD_NEXT, function);
+  return original(other ? other : path, mode);
+}
+
+FILE* fopen(const char* path, const char* mode) { return opened("fopen", path, mode); }
+FILE* fopen64(const char* path, const char* mode) { return opened("fopen64", path, mode); }
 
 int __libc_start_main(Main, int, char**, void (*)(void), void (*)(void), void (*)(void), void*);
 

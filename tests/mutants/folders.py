@@ -11,7 +11,7 @@ import cpp_sites
 import python_sites
 
 PROGRAMS = ["ricochet-contact", "ricochet-kernel", "ricochet-recast", "ricochet_python", "ricochet_lv2"]
-PROGRAMS += ["ricochet_web", "test_small_memory", "test_fork_server", "test_fork_client"]
+PROGRAMS += ["ricochet_web", "test_fork_server", "test_fork_client"]
 
 
 @dataclasses.dataclass(frozen=True)

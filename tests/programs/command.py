@@ -154,13 +154,11 @@ class Modes(ProgramTest):
     def test_memory_decides_before_matrices_are_assembled(self):
         self.write("bar.geo", GEO)
         scene = self.write("bar.toml", BAR)
-        preload = f"{os.environ['RICOCHET_SMALL_MEMORY']} {os.environ.get('LD_PRELOAD', '')}"
 
         def run_with(mib):
             """A run on two ranks of a machine with this memory."""
             meminfo = self.write("meminfo", f"MemAvailable: {mib * 1024} kB\n")
-            variables = {"LD_PRELOAD": preload, "RICOCHET_TEST_MEMINFO": str(meminfo)}
-            with unittest.mock.patch.dict(os.environ, variables):
+            with unittest.mock.patch.dict(os.environ, {"RICOCHET_TEST_MEMINFO": str(meminfo)}):
                 words = ["--out", self.folder / str(mib), "--set", "bodies.bar.size_factor=0.5"]
                 return Forked("kernel", scene, "-n", "2", *words)
 
