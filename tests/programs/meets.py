@@ -97,7 +97,7 @@ class Meets(ProgramTest):
         self.assertLess(result.summary["energy_drift"], 1e-10)
 
     def test_of_a_brick_that_falls_on_a_beam_on_the_floor(self):
-        result = impact(self.scene, self.out, f"loads.gravity=[0,0,{-GRAVITY}]", "time.duration=0.15")
+        result = impact(self.scene, self.out, f"loads.gravity=[0,0,{-GRAVITY}]", "time.duration=0.06")
         pairs = {frozenset(touch["bodies"]) for touch in result.summary["touches"]}
         self.assertLessEqual({frozenset(("beam", "floor")), frozenset(("beam", "brick"))}, pairs)
         lowest = min(np.min(body.position[:, 2]) for body in result.bodies.values())
