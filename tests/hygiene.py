@@ -2,7 +2,8 @@
 """Every source has its licence line; C++ is formatted; rooms do not include each other in a circle; no tracked file
 is large, a fuzzing artefact or names a machine's folder.
 
-    python3 tests/hygiene.py [FOLDER]    # status 1 and one line per finding; 77 without a git checkout
+    python3 tests/hygiene.py [FOLDER]          # status 1 and one line per finding; 77 without a git checkout
+    python3 tests/hygiene.py [FOLDER] --all    # the format of all C++ files, not only of those that changed lately
 """
 import graphlib
 import re
@@ -15,8 +16,27 @@ SOURCES = {".c", ".cmake", ".cpp", ".css", ".h", ".hpp", ".js", ".py", ".sh"}
 ARTEFACT = re.compile(r"(crash|leak|oom|timeout|slow-unit)-")
 HOME = re.compile(rb"/(home|root|work|Users)/\w")
 LARGEST = 1 << 20
+# Every commit passes the tests, so a file that none of so many has changed was checked before.
+COMMITS = 20
 INCLUDE = re.compile(r'^#include "([^"]+/[^"]+)"', re.MULTILINE)
 UNFORMATTED = re.compile(r"^(?:\./)?(\S+?):(\d+):\d+: error: code should be clang-formatted", re.MULTILINE)
+
+
+def listed(root, *words):
+    """The paths that a command of git lists."""
+    done = subprocess.run(["git", "-C", root, *words], capture_output=True, text=True, check=True)
+    return set(done.stdout.splitlines())
+
+
+def new(root, *patterns):
+    """The files of a checkout that git does not know."""
+    return listed(root, "ls-files", "--others", "--exclude-standard", "--", *patterns)
+
+
+def changed_lately(root):
+    """The files that changed in the last commits or since."""
+    commits = listed(root, "log", f"-{COMMITS}", "--name-only", "--format=")
+    return commits | listed(root, "diff", "--name-only", "HEAD") | new(root)
 
 
 def is_source(path, content):
@@ -85,16 +105,19 @@ def circles(root, names):
         yield f"{' ← '.join(error.args[1])}: rooms include each other in a circle"
 
 
-def main(root):
-    listed = subprocess.run(["git", "-C", root, "ls-files", "-z"], capture_output=True, text=True)
-    if listed.returncode != 0:
+def main(root, every):
+    done = subprocess.run(["git", "-C", root, "ls-files", "-z"], capture_output=True, text=True)
+    if done.returncode != 0:
         print(f"{root}: not a git checkout")
         return 77
-    names = list(filter(None, listed.stdout.split("\0")))
-    found = [*findings(root, names), *circles(root, names), *unformatted(root, names)]
+    names = list(filter(None, done.stdout.split("\0")))
+    changed = changed_lately(root)
+    formatted = names if every or ".clang-format" in changed else [name for name in names if name in changed]
+    found = [*findings(root, names), *circles(root, names), *unformatted(root, formatted)]
     print("\n".join(found))
     return 1 if found else 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).resolve().parents[1]))
+    folders = [word for word in sys.argv[1:] if word != "--all"] or [Path(__file__).resolve().parents[1]]
+    sys.exit(main(Path(folders[0]), "--all" in sys.argv))

@@ -14,28 +14,20 @@ import unittest
 
 from programs import BIN, SOURCE
 
+sys.path.append(str(SOURCE / "tests"))
+from hygiene import changed_lately, listed, new  # noqa: E402
+
 PYTHON = SOURCE / "python"
 CHECKED = ["python/ricochet/*.py", "benchmarks/*.py", "tests/*.py", "scripts/coverage", "scripts/fuzz"]
 SETTINGS = ["python/pyproject.toml", "python/.flake8"]
 ALL = "--all" in sys.argv
-# Every commit passes the tests, so a file that none of so many has changed was checked before.
-COMMITS = 20
-
-
-def listed(*words):
-    """The paths that a command of git lists."""
-    done = subprocess.run(["git", "-C", SOURCE, *words], capture_output=True, text=True, check=True)
-    return set(done.stdout.splitlines())
 
 
 @functools.cache
 def files():
     """What black and flake8 see: the files that changed in the last commits or since, or all if the settings did."""
-    new = listed("ls-files", "--others", "--exclude-standard", "--", *CHECKED)
-    every = listed("ls-files", "--", *CHECKED) | new
-    changed = (
-        listed("log", f"-{COMMITS}", "--name-only", "--format=") | listed("diff", "--name-only", "HEAD") | new
-    )
+    changed = changed_lately(SOURCE)
+    every = listed(SOURCE, "ls-files", "--", *CHECKED) | new(SOURCE, *CHECKED)
     chosen = every if ALL or changed.intersection(SETTINGS) else every & changed
     return sorted(path for name in chosen if (path := SOURCE / name).is_file())
 
