@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "src/scene/request.hpp"
@@ -171,8 +172,14 @@ TEST(Traction, on_a_missing_surface_is_refused_with_the_available_ones) {
 class Column : public testing::TestWithParam<bool> {
  protected:
   static constexpr double young = 3, density = 2;
-  Column() : made_(test::block_geo("hex", 2, 0), 2, request(), 0) {
-    kernel_ = GetParam() ? made_.fitted_kernel(Hertz{0.5}) : made_.kernel({.count = 25});
+  /// The kernel of modes or of vectors fitted to contact, computed once for all tests.
+  static const kernels::Kernel& kernel(bool fitted) {
+    static std::map<bool, kernels::Kernel> known;
+    if (!known.contains(fitted)) {
+      Made made(test::block_geo("hex", 2, 0), 2, request(), 0);
+      known[fitted] = fitted ? made.fitted_kernel(Hertz{0.5}) : made.kernel({.count = 25});
+    }
+    return known[fitted];
   }
   static scene::KernelRequest request() {
     scene::KernelRequest request = request_of({"top"}, {{"bottom", "xyz"}});
@@ -182,8 +189,7 @@ class Column : public testing::TestWithParam<bool> {
     request.receivers = {receiver("low", {0.3, 0.6, 0.25}), receiver("foot", {0.5, 0.5, 0})};
     return request;
   }
-  Made made_;
-  kernels::Kernel kernel_;
+  const kernels::Kernel& kernel_ = kernel(GetParam());
 };
 INSTANTIATE_TEST_SUITE_P(ModesAndVectors, Column, testing::Bool(),
                          [](const auto& it) { return it.param ? "vectors" : "modes"; });
