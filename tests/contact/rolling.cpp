@@ -39,12 +39,16 @@ void cover(kernels::Kernel& kernel, const std::vector<std::array<int, 3>>& trian
             flexibility * std::exp(-(at(i) - at(j)).norm() / decay);
 }
 
-/// A ball of an icosahedron whose triangles have been divided twice: 162 nodes.
-/// @param bulge  of its patches [m]
-/// @param hollow  the surface is that of a cavity
-kernels::Kernel ball(double mass, double radius, double flexibility, double bulge = 0, bool hollow = false) {
-  const double golden = std::numbers::phi;
+struct Sphere {
   std::vector<Vector3d> node;
+  std::vector<std::array<int, 3>> triangles;
+};
+
+/// A unit sphere of an icosahedron whose triangles have been divided twice: 162 nodes.
+Sphere unit_sphere() {
+  Sphere sphere;
+  auto& [node, triangles] = sphere;
+  const double golden = std::numbers::phi;
   for (const double x : {-1.0, 1.0})
     for (const double y : {-golden, golden})
       for (int axis = 0; axis < 3; ++axis) {
@@ -53,7 +57,6 @@ kernels::Kernel ball(double mass, double radius, double flexibility, double bulg
         at[(axis + 1) % 3] = y;
         node.push_back(at.normalized());
       }
-  std::vector<std::array<int, 3>> triangles;
   const auto beside = [&](int i, int j) {
     return (node[static_cast<std::size_t>(i)] - node[static_cast<std::size_t>(j)]).norm() < 1.1;
   };
@@ -81,20 +84,71 @@ kernels::Kernel ball(double mass, double radius, double flexibility, double bulg
     }
     triangles = finer;
   }
+  return sphere;
+}
+
+/// A rigid body whose surface is a sphere that a map deforms.
+/// @param outward  at a node of the unit sphere  @param bulge  of its patches [m]
+template <class Place, class Outward>
+kernels::Kernel deformed_sphere(double mass, const Vector3d& moments, Place place, Outward outward,
+                                double flexibility, double decay, double bulge) {
+  const Sphere sphere = unit_sphere();
+  std::vector<Vector3d> node;
+  for (const Vector3d& x : sphere.node) node.push_back(place(x));
   std::vector<std::array<Vector3d, 3>> normals;
-  for (const auto& [i, j, k] : triangles) {
-    const auto at = [&](int of) { return node[static_cast<std::size_t>(of)]; };
+  for (const auto& [i, j, k] : sphere.triangles) {
+    const auto at = [&](int of) -> Vector3d { return outward(sphere.node[static_cast<std::size_t>(of)]); };
     normals.push_back({at(i), at(j), at(k)});
   }
-  for (std::size_t t = 0; t < triangles.size() && hollow; ++t) {
-    std::swap(triangles[t][1], triangles[t][2]);
-    std::swap(normals[t][1], normals[t][2]);
-    for (Vector3d& n : normals[t]) n = -n;
+  kernels::Kernel kernel = rigid_body(mass, moments, node, flexibility);
+  cover(kernel, sphere.triangles, normals, flexibility, decay, bulge);
+  return kernel;
+}
+
+kernels::Kernel ball(double mass, double radius, double flexibility, double bulge = 0) {
+  return deformed_sphere(
+      mass, Vector3d::Constant(0.4 * mass * radius * radius),
+      [&](const Vector3d& x) -> Vector3d { return radius * x; }, [](const Vector3d& x) { return x; },
+      flexibility, 0.3 * radius, bulge);
+}
+
+/// An ellipsoid with its centre at a height above its centre of mass and its axes turned about the vertical
+/// from the principal axes of inertia, which are x, y and z.
+struct Ellipsoid {
+  double mass;
+  Vector3d moments, axes;
+  double height, turned;
+
+  Matrix3d own_axes() const { return turn(turned, Vector3d::UnitZ()); }
+
+  /// Its nodes are densest below.
+  kernels::Kernel kernel(double flexibility) const {
+    const auto on_sphere = [](const Vector3d& x) -> Vector3d {
+      return (x - 0.8 * Vector3d::UnitZ()).normalized();
+    };
+    return deformed_sphere(
+        mass, moments,
+        [&](const Vector3d& x) -> Vector3d {
+          return own_axes() * axes.cwiseProduct(on_sphere(x)) + height * Vector3d::UnitZ();
+        },
+        [&](const Vector3d& x) -> Vector3d {
+          return own_axes() * on_sphere(x).cwiseQuotient(axes).normalized();
+        },
+        flexibility, axes.minCoeff(), 0);
   }
-  for (Vector3d& x : node) x *= radius;
-  kernels::Kernel kernel =
-      rigid_body(mass, Vector3d::Constant(0.4 * mass * radius * radius), node, flexibility);
-  cover(kernel, triangles, normals, flexibility, 0.3 * radius, bulge);
+};
+
+/// The surface of a ball seen from within.
+kernels::Kernel cavity(double mass, double radius, double flexibility) {
+  kernels::Kernel kernel = ball(mass, radius, flexibility);
+  kernels::Surface& surface = kernel.surface;
+  for (std::size_t first = 0; first < surface.element.size(); first += 3) {
+    std::swap(surface.element[first + 1], surface.element[first + 2]);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      std::swap(surface.element_normal[3 * (first + 1) + axis],
+                surface.element_normal[3 * (first + 2) + axis]);
+  }
+  for (double& n : surface.element_normal) n = -n;
   return kernel;
 }
 
@@ -124,6 +178,32 @@ kernels::Kernel disk(double mass, double radius, double height, double flexibili
   const double across = mass * (radius * radius / 4 + height * height / 12);
   kernels::Kernel kernel = rigid_body(mass, {across, across, mass * radius * radius / 2}, node, flexibility);
   cover(kernel, triangles, normals, flexibility, radius / 5, 0);
+  return kernel;
+}
+
+/// A top on its tip at (0, 0, −l): a cone with a lid.
+kernels::Kernel top(double mass, double across, double about_axis, double l, double flexibility) {
+  constexpr int parts = 12;
+  const double half_angle = std::numbers::pi / 6, height = 1.5 * l;
+  const Vector3d up = Vector3d::UnitZ();
+  const auto around = [](double k) {
+    const double angle = 2 * std::numbers::pi * k / parts;
+    return Vector3d(std::cos(angle), std::sin(angle), 0);
+  };
+  const auto outward = [&](double k) -> Vector3d {
+    return std::cos(half_angle) * around(k) - std::sin(half_angle) * up;
+  };
+  std::vector<Vector3d> node{-l * up, (height - l) * up};
+  std::vector<std::array<int, 3>> triangles;
+  std::vector<std::array<Vector3d, 3>> normals;
+  for (int k = 0; k < parts; ++k) {
+    const int next = (k + 1) % parts;
+    node.push_back(node[1] + height * std::tan(half_angle) * around(k));
+    triangles.insert(triangles.end(), {{0, 2 + next, 2 + k}, {1, 2 + k, 2 + next}});
+    normals.insert(normals.end(), {{outward(k + 0.5), outward(k + 1), outward(k)}, {up, up, up}});
+  }
+  kernels::Kernel kernel = rigid_body(mass, {across, across, about_axis}, node, flexibility);
+  cover(kernel, triangles, normals, flexibility, 0.3 * l, 0);
   return kernel;
 }
 
@@ -309,7 +389,7 @@ TEST(Rolling, of_a_ball_on_a_body_ends_at_five_sevenths) {
 /// place, and does not stop.
 TEST(Rolling, of_a_ball_in_a_cavity_is_that_of_a_pendulum) {
   const double mass = 0.03, radius = 0.01, around = 0.04, angle = 0.2;
-  const kernels::Kernel kernel = ball(mass, radius, 1e-8), shell = ball(1e6 * mass, around, 1e-9, 0, true);
+  const kernels::Kernel kernel = ball(mass, radius, 1e-8), shell = cavity(1e6 * mass, around, 1e-9);
   PlacedBody body, outside;
   body.translation = (around - radius - 1e-6) * Vector3d(std::sin(angle), 0, -std::cos(angle));
   outside.rotation = turn(0.4, Vector3d(1, 2, 3).normalized());
@@ -330,6 +410,159 @@ TEST(Rolling, of_a_ball_in_a_cavity_is_that_of_a_pendulum) {
   ASSERT_EQ(crossings.size(), 3U);
   EXPECT_NEAR(crossings[2] - crossings[0], period, 2e-3 * period);
   EXPECT_NEAR(farthest, angle, 5e-3 * angle);
+}
+
+/// A heavy top about a fixed point, from a moment at which its tilt is at rest.
+struct Nutation {
+  double period;       ///< [s]
+  double precession;   ///< in a period [rad]
+  double first, last;  ///< cosines of the tilts between which it swings
+
+  /// With u = cos θ, u̇² = (1 − u²)(α − βu) − (p − qu)² = β(u − u₀)(u − u₁)(u − u₂) and φ̇ = (p − qu)/(1 − u²).
+  /// With u = ½(u₀ + u₁) + ½(u₀ − u₁) cos s, integrals over s are smooth.
+  /// @param across  the moment about the point  @param pull  m g l  @param rate  φ̇ at the start
+  Nutation(double across, double about_axis, double pull, double spin, double rate, double tilt)
+      : period(0), precession(0), first(std::cos(tilt)) {
+    const double square = 1 - first * first, q = about_axis * spin / across, p = rate * square + q * first,
+                 beta = 2 * pull / across, alpha = rate * rate * square + beta * first;
+    const double b = beta * first - alpha - q * q, c = b * first + 2 * p * q - beta,
+                 root = std::sqrt(b * b - 4 * beta * c), beyond = (root - b) / (2 * beta);
+    last = -(root + b) / (2 * beta);
+    constexpr int parts = 32;
+    for (int k = 0; k < parts; ++k) {
+      const double u = (first + last + (first - last) * std::cos(std::numbers::pi * (k + 0.5) / parts)) / 2;
+      const double time = 2 * std::numbers::pi / parts / std::sqrt(beta * (beyond - u));
+      period += time;
+      precession += time * (p - q * u) / (1 - u * u);
+    }
+  }
+};
+
+/// Friction holds the tip, so the top moves as about a fixed point: in steady precession at the rate Ω with
+/// I₃ω₃Ω − I₁Ω² cos θ = m g l, or in cusps, if its axis is released at rest. The tip bears nothing at first,
+/// so it falls by 1 µm in a step until it is held, in proportion to Δ², which is also the error.
+TEST(Rolling, of_a_heavy_top_on_a_rough_tip_precesses_as_about_a_fixed_point) {
+  const double mass = 0.1, l = 0.03, across = 2e-5, about_axis = 3e-5, tilt = std::numbers::pi / 6,
+               steady = 10;
+  const double about_tip = across + mass * l * l;
+  const double spin = (mass * g * l + about_tip * steady * steady * std::cos(tilt)) / (about_axis * steady);
+  const kernels::Kernel kernel = top(mass, across, about_axis, l, 1e-7);
+  for (const double rate : {steady, 0.0}) {
+    const Nutation exact(about_tip, about_axis, mass * g * l, spin, rate, tilt);
+    PlacedBody body;
+    body.rotation = turn(tilt, Vector3d::UnitX());
+    Vector3d axis = body.rotation * Vector3d::UnitZ();
+    body.angular_velocity = rate * Vector3d::UnitZ() + (spin - rate * std::cos(tilt)) * axis;
+    body.velocity = body.angular_velocity.cross(l * axis);
+    constexpr int periods = 6, parts = 3000;
+    auto stepper =
+        make_stepper(over_floor(kernel, body, {1, 1, 0}, {0, 0, -g}), stepping(parts / exact.period));
+    const Vector3d tip = stepper->poses()[0].position - l * axis;
+    const double start = stepper->modal()->energy().kinetic;
+    double angle = 0, least = 1, most = 0;
+    for (int k = 0; k < periods * parts; ++k) {
+      ASSERT_EQ(stepper->step(), StepStatus::ok);
+      const Pose pose = stepper->poses()[0];
+      const Vector3d now = pose.attitude * Vector3d::UnitZ();
+      angle +=
+          std::remainder(std::atan2(now.y(), now.x()) - std::atan2(axis.y(), axis.x()), 2 * std::numbers::pi);
+      axis = now;
+      least = std::min(least, now.z());
+      most = std::max(most, now.z());
+      ASSERT_LT((pose.position - l * now - tip).norm(), 1e-4 * l);
+    }
+    EXPECT_NEAR(angle / (periods * exact.precession), 1, 1e-4);
+    EXPECT_NEAR(least, std::min(exact.first, exact.last), 1e-4);
+    EXPECT_NEAR(most, std::max(exact.first, exact.last), 1e-4);
+    EXPECT_LT(stepper->modal()->energy().friction, 1e-6 * start);
+  }
+}
+
+/// An ellipsoid that rolls on a floor without slip, by the method of Runge and Kutta.
+class RollingEllipsoid {
+ public:
+  /// @param up  in the axes of the body  @param rate  of the spin about the vertical
+  RollingEllipsoid(const Ellipsoid& body, const Vector3d& up, double rate)
+      : body_(body),
+        tensor_(body.own_axes() * body.axes.cwiseAbs2().asDiagonal() * body.own_axes().transpose()),
+        now_{up, rate * up} {}
+
+  double rate() const { return now_.up.dot(now_.spin); }
+  Vector3d velocity() const { return -now_.spin.cross(arm(now_.up)); }  ///< in the axes of the body
+
+  void step(double h) {
+    State sum{Vector3d::Zero(), Vector3d::Zero()}, slope = sum;
+    for (const auto& [way, weight] : {std::pair{0.0, 1.0}, {0.5, 2.0}, {0.5, 2.0}, {1.0, 1.0}}) {
+      slope = rates({now_.up + way * h * slope.up, now_.spin + way * h * slope.spin});
+      sum = {sum.up + weight / 6 * slope.up, sum.spin + weight / 6 * slope.spin};
+    }
+    now_ = {now_.up + h * sum.up, now_.spin + h * sum.spin};
+  }
+
+ private:
+  struct State {
+    Vector3d up, spin;  ///< in the axes of the body
+  };
+
+  /// From the centre of mass to the contact.
+  Vector3d arm(const Vector3d& up) const {
+    return body_.height * Vector3d::UnitZ() - tensor_ * up / std::sqrt(up.dot(tensor_ * up));
+  }
+
+  /// With the arm r and the velocity v = −ω × r: u̇ = u × ω, J ω̇ + ω × Jω = r × m(v̇ + ω × v + g u).
+  State rates(const State& at) const {
+    const auto& [u, w] = at;
+    const Vector3d du = u.cross(w), towards = tensor_ * u, r = arm(u);
+    const double n = std::sqrt(u.dot(towards));
+    const Vector3d dr = towards * towards.dot(du) / (n * n * n) - tensor_ * du / n;
+    const Matrix3d inertia = body_.moments.asDiagonal();
+    const Matrix3d about_contact =
+        inertia + body_.mass * (r.squaredNorm() * Matrix3d::Identity() - r * r.transpose());
+    const Vector3d push = body_.mass * (g * u - w.cross(dr) - w.cross(w.cross(r)));
+    return {du, about_contact.ldlt().solve(r.cross(push) - w.cross(inertia * w))};
+  }
+
+  Ellipsoid body_;
+  Matrix3d tensor_;
+  State now_;
+};
+
+/// A rattleback, whose axes of inertia and of curvature are 10° apart, rocks and reverses if it is
+/// spun in one sense and spins on in the other.
+TEST(Rolling, of_a_rattleback_reverses_for_one_sense_of_spin_only) {
+  const double a = 0.1, b = 0.025, c = 0.02, degree = std::numbers::pi / 180, step = 2e-4;
+  Ellipsoid body{.mass = 0.2,
+                 .moments = {b * b + c * c, a * a + c * c, a * a + b * b},
+                 .axes = {a, b, c},
+                 .height = 3 * c / 8,
+                 .turned = 10 * degree};
+  // Those of half an ellipsoid
+  body.moments *= body.mass / 5;
+  body.moments.head<2>().array() -= body.mass * body.height * body.height;
+  const kernels::Kernel kernel = body.kernel(1e-6);
+  for (const double rate : {2.0, -2.0}) {
+    PlacedBody placed;
+    placed.rotation = turn(0.5 * degree, Vector3d::UnitY());
+    RollingEllipsoid exact(body, placed.rotation.transpose() * Vector3d::UnitZ(), rate);
+    placed.angular_velocity = rate * Vector3d::UnitZ();
+    placed.velocity = placed.rotation * exact.velocity();
+    auto stepper = make_stepper(over_floor(kernel, placed, {1, 1, 0}, {0, 0, -g}), stepping(1 / step));
+    const double start = stepper->modal()->energy().kinetic;
+    double heading = 0, expected = 0, worst = 0;
+    while (stepper->time() < 1.5) {
+      ASSERT_EQ(stepper->step(), StepStatus::ok);
+      heading += step * stepper->poses()[0].spin.z();
+      expected += step * exact.rate();
+      exact.step(step);
+      worst = std::max(worst, std::abs(heading - expected));
+    }
+    const double spin = stepper->poses()[0].spin.z();
+    EXPECT_EQ(spin * rate<0, rate> 0);
+    EXPECT_NEAR(spin, exact.rate(), 0.01 * std::abs(rate));
+    // It turns by 1 rad until it reverses. The error falls with the third power of the size of the elements.
+    EXPECT_LT(worst, 0.015);
+    EXPECT_LT(stepper->modal()->energy().friction + stepper->modal()->energy().contact, 0.01 * start);
+  }
 }
 
 /// Where the surface is pressed by more than it falls away, the candidates around touch, too.
