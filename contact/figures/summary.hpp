@@ -52,8 +52,11 @@ struct Summary : ImpactFigures {
   int modes_in_residual = 0;             ///< modes above half the rate, which are quasi-static in this run
   Rotation rotation = Rotation::linear;  ///< of free bodies
   std::map<std::string, Neglected> neglected;  ///< by free body, with finite rotations
-  Precision precision = Precision::float64;    ///< precision of the products of steps
-  int candidates = 0;                          ///< number of contact points, m
+  /// With finite rotations: when a second run, with speeds larger by half a per cent and another step, shows
+  /// another motion; set by the caller. No value if it does not, or if there is none.
+  std::optional<double> separation_s;
+  Precision precision = Precision::float64;  ///< precision of the products of steps
+  int candidates = 0;                        ///< number of contact points, m
   int unpaired = 0;
   std::optional<ErrorEstimate> error_estimate;  ///< set by the caller; no value if not estimated
   std::map<std::string, Sound> sounds;          ///< by receiver; set by the caller

@@ -76,6 +76,7 @@ Json json_of(const Summary& summary) {
            {"touches", touches},
            {"rotation", summary.rotation == Rotation::finite ? "finite" : "linear"},
            {"neglected", neglected},
+           {"separation_s", number(summary.separation_s)},
            {"peak_force_n", summary.peak_force_n},
            {"impulse_ns", summary.impulse_ns},
            {"exit_velocity", exit_velocity},

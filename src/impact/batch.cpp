@@ -193,6 +193,7 @@ class Batch {
   Answer impact(scene::Scene scene, const std::optional<contact::RecordOptions>& kept) {
     console::Console quiet(true);
     Keeper keeper(kept);
+    scene.motion.second_run = false;  // a sweep uses all cores, and its points show how figures scatter
     const ImpactSummary summary = run_impact({std::move(scene), options_.out}, store_, quiet, keeper).summary;
     const std::string text =
         std::visit([](const auto& figures) { return contact::json_text(figures); }, summary);

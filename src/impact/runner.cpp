@@ -17,6 +17,7 @@
 #include "src/accuracy/scene_dial.hpp"
 #include "src/impact/motion.hpp"
 #include "src/impact/sampled_responses.hpp"
+#include "src/impact/second_run.hpp"
 #include "src/impact/warnings.hpp"
 #include "src/store/memory.hpp"
 
@@ -140,11 +141,14 @@ contact::Summary steps(const Impact& impact, console::Console& console, ImpactOb
       impact.table ? table_stepper(impact) : store::in_file(impact.scene.file, [&] {
         return contact::make_stepper(impact.model, impact.options);
       });
+  std::optional<SecondRun> second;
+  if (impact.scene.motion.is_finite() && impact.scene.motion.second_run) second.emplace(impact);
   observer.started(impact, *stepper);
   contact::SummaryObserver figures(impact.source(), step, slowest_wave(impact.scene),
                                    limits_of(impact.scene));
   const contact::StepsMade made = contact::run_steps(*stepper, impact.steps, [&](std::int64_t k) {
     figures.observe(*stepper);
+    if (second) second->observe(*stepper);
     observer.stepped(*stepper);
     console.advance(k);
   });
@@ -153,6 +157,11 @@ contact::Summary steps(const Impact& impact, console::Console& console, ImpactOb
   const double elapsed = seconds_since(started);
   out.real_time_factor = elapsed > 0 ? stepper->time() / elapsed : 0;
   console.end(fmt::format("{} steps of {:.4g} s", impact.steps, step));
+  if (second) {
+    console.begin("second run");
+    out.separation_s = second->separation();
+    console.end();
+  }
   return out;
 }
 

@@ -70,6 +70,17 @@ std::string several_solutions(const contact::Summary& summary) {
       steps, summary.contact_steps);
 }
 
+std::string separated(const contact::Summary& summary) {
+  if (!summary.separation_s) return "";
+  const auto before = std::ranges::count_if(
+      summary.touches, [&](const contact::Touch& touch) { return touch.start_s < *summary.separation_s; });
+  return fmt::format(
+      "a second run, with speeds larger by half a per cent and another step, moves otherwise from t = {:.4g} "
+      "s "
+      "on, after {} of {} touches: what follows is one of many motions. Rely on the earlier touches",
+      *summary.separation_s, before, summary.touches.size());
+}
+
 }  // namespace
 
 std::vector<std::string> motions_without_friction(const scene::Scene& scene) {
@@ -95,6 +106,7 @@ void add_warnings(const scene::Scene& scene, contact::Summary& summary) {
     add(too_few_steps(scene, summary));
     add(lost_energy(scene, summary));
     add(several_solutions(summary));
+    add(separated(summary));
   }
   add(impossible_restitution(summary));
 }

@@ -18,7 +18,11 @@ const SectionOf<Motion> rigid_motion_keys{
     {{"rotation", choice<Motion>(&Motion::rotation, {"linear", "finite"}).if_changed(), "", initial, any(),
       "`\"linear\"`: rotations are small, and the points of a body move along their initial tangents. "
       "`\"finite\"`: bodies turn by any angle and [hit each other and obstacles with any part of their "
-      "surface](scene.md#bodies-that-turn)"}}};
+      "surface](scene.md#bodies-that-turn)"},
+     {"second_run", Access(&Motion::second_run).if_changed(), "", initial, any(),
+      "with finite rotation: whether a second run at the same time, with speeds larger by half a per cent "
+      "and "
+      "another step, finds out [when motions separate](scene.md#bodies-that-turn). Sweeps make none"}}};
 
 namespace {
 

@@ -111,7 +111,8 @@ Need need_of(const scene::Scene& scene, const KernelPointers& kernels, const con
     out.more += (rubs ? 6.0 : 3.0) * sizeof(double) * static_cast<double>(size.rows * size.rows);
     return out;
   }
-  const double steps = contact::stepper_bytes(size, options);
+  const double steps =
+      contact::stepper_bytes(size, options) * (scene.motion.is_finite() && scene.motion.second_run ? 2 : 1);
   out.more = model + steps + buffers;
   if (!scene.accuracy) return out;
   // Copies of the kernels without their pictures, once for all runs and once with fewer or other modes;

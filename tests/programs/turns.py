@@ -257,6 +257,34 @@ class Turns(ProgramTest):
         corner = self.result.receivers["corner"].velocity[::EVERY]
         self.near(film["velocity"][:, self.at_corner], corner, SINGLE)
 
+    def test_a_second_run_finds_when_motions_separate(self):
+        self.assertIsNone(self.result.summary["separation_s"])  # it does not turn otherwise yet
+        longer = TEXT.replace("duration = 0.8", "duration = 2")
+
+        def run(name, text):
+            scene = self.made / f"{name}.toml"
+            scene.write_text(text)
+            return impact(scene, self.made / name)
+
+        motion = f"velocity = {[1.005 * v for v in (0.7, 0.2, -1)]}\nangular_velocity = {[1.005 * v for v in (3, 2, 4)]}"
+        faster = longer.replace("velocity = [0.7, 0.2, -1]\nangular_velocity = [3, 2, 4]", motion)
+        faster = faster.replace("duration = 2", f"duration = 2\ncontact_rate_hz = {2 * RATE}")
+        alone = run("alone", longer.replace('"finite"', '"finite"\nsecond_run = false'))
+        self.assertIsNone(alone.summary["separation_s"])
+        one, two = alone.bodies["block"], run("faster", faster).bodies["block"]
+        radius = np.linalg.norm(self.point - self.centre, axis=1).max()
+        turn = (turn_of(one.attitude) * turn_of(two.attitude).inv()).magnitude()
+        apart = np.linalg.norm(one.position - two.position, axis=1) + radius * turn
+        # The way of a point that is as far from the centre as any
+        speed = np.linalg.norm(one.velocity, axis=1) + radius * np.linalg.norm(one.spin, axis=1)
+        separate = (apart > radius / 2) & (apart > np.cumsum(speed) * STEP / 20)
+        result = run("longer", longer)
+        np.testing.assert_array_equal(result.bodies["block"].position, one.position)
+        found = result.summary["separation_s"]
+        self.assertLess(result.summary["touches"][1]["start_s"], found)
+        self.assertAlmostEqual(found, result.time[np.argmax(separate)], delta=0.005)
+        self.assertTrue(any("moves otherwise from t = " in line for line in result.summary["warnings"]))
+
     def test_a_simulation_takes_the_same_steps_and_repeats_them(self):
         simulation, body = ricochet.Simulation(ricochet.Scene(self.scene)), self.body
 

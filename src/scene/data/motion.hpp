@@ -7,6 +7,7 @@ namespace ricochet::scene {
 
 /// How free bodies move as a whole.
 struct Motion : RigidBodies {
+  bool second_run = true;  ///< with finite rotations: finds out when motions separate
   bool is_finite() const { return rotation == Rotation::finite; }
   bool operator==(const Motion&) const = default;
 };
