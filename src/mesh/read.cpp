@@ -24,9 +24,9 @@ namespace {
 using Tags = std::vector<std::size_t>;
 
 /// Reads one body from its gmsh model.
-class Reader {
+class MeshReader {
  public:
-  Reader(const scene::Body& body, const RequestedGroups& asked)
+  MeshReader(const scene::Body& body, const RequestedGroups& asked)
       : body_(body), asked_(asked), file_(body.mesh.filename().string()) {}
 
   GlobalMesh read(const parallel::Progress& progress) {
@@ -370,11 +370,11 @@ class Reader {
 
 GlobalMesh read_mesh(const scene::Body& body, const parallel::Progress& progress,
                      const RequestedGroups& asked) {
-  return Reader(body, asked).read(progress);
+  return MeshReader(body, asked).read(progress);
 }
 
 Part read_part(const scene::Body& body, int parts, const RequestedGroups& asked) {
-  return Reader(body, asked).read_part(parts);
+  return MeshReader(body, asked).read_part(parts);
 }
 
 }  // namespace ricochet::mesh

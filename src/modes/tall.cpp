@@ -24,7 +24,7 @@ struct Vector {
   typedef double Type __attribute__((vector_size(Bytes), aligned(8), may_alias));
 };
 template <int Bytes>
-constexpr int width = 2 * Bytes / 8;
+constexpr int numbers = 2 * Bytes / 8;
 
 /// Copies vectors between memory and registers.
 template <int Bytes, int Count>
@@ -36,7 +36,7 @@ template <int Bytes, int Count>
 
 /// Computes c += qᵀ y for some columns of Q.
 /// @tparam K  number of columns of Q
-/// @param y, c  rows of `width` numbers
+/// @param y, c  rows of `numbers` numbers
 template <int Bytes, int K>
 [[gnu::always_inline]] inline void accumulate(Index rows, const double* q, Index stride, const double* y,
                                               double* c) {
@@ -57,7 +57,7 @@ template <int Bytes, int K>
 
 /// Computes y −= q c for some rows of Q.
 /// @tparam N  number of rows of Q
-/// @param c, y  rows of `width` numbers
+/// @param c, y  rows of `numbers` numbers
 template <int Bytes, int N>
 [[gnu::always_inline]] inline void reduce(Index columns, const double* q, Index stride, const double* c,
                                           double* y) {
@@ -82,8 +82,8 @@ template <int Bytes, int K>
                                                   const double* y, double* c) {
   Index k = 0;
   for (; k + K <= columns; k += K)
-    accumulate<Bytes, K>(rows, q + k * stride, stride, y, c + k * width<Bytes>);
-  for (; k < columns; ++k) accumulate<Bytes, 1>(rows, q + k * stride, stride, y, c + k * width<Bytes>);
+    accumulate<Bytes, K>(rows, q + k * stride, stride, y, c + k * numbers<Bytes>);
+  for (; k < columns; ++k) accumulate<Bytes, 1>(rows, q + k * stride, stride, y, c + k * numbers<Bytes>);
 }
 
 /// Computes y −= Q c for one chunk of rows, N rows at a time.
@@ -92,10 +92,10 @@ template <int Bytes, int N>
                                                      const double* c, double* y) {
   for (Index k = 0; k < columns; k += streams) {
     const Index n = std::min(streams, columns - k);
-    const double *from = q + k * stride, *times = c + k * width<Bytes>;
+    const double *from = q + k * stride, *times = c + k * numbers<Bytes>;
     Index i = 0;
-    for (; i + N <= rows; i += N) reduce<Bytes, N>(n, from + i, stride, times, y + i * width<Bytes>);
-    for (; i < rows; ++i) reduce<Bytes, 1>(n, from + i, stride, times, y + i * width<Bytes>);
+    for (; i + N <= rows; i += N) reduce<Bytes, N>(n, from + i, stride, times, y + i * numbers<Bytes>);
+    for (; i < rows; ++i) reduce<Bytes, 1>(n, from + i, stride, times, y + i * numbers<Bytes>);
   }
 }
 
@@ -130,7 +130,7 @@ using Packed = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowM
 std::span<const TallLoops> tall_loops() {
 #ifdef __x86_64__
   static constexpr TallLoops all[] = {
-      {}, {width<32>, inner_256, subtract_256}, {width<64>, inner_512, subtract_512}};
+      {}, {numbers<32>, inner_256, subtract_256}, {numbers<64>, inner_512, subtract_512}};
   __builtin_cpu_init();
   const std::span<const TallLoops> loops(all);
   return loops.first(__builtin_cpu_supports("x86-64-v4") ? 3 : __builtin_cpu_supports("x86-64-v3") ? 2 : 1);
