@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/bodies/bodies.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/format.hpp"
@@ -78,6 +79,15 @@ Vector rigid_velocity(const PlacedBody& body, const Bodies::Block& block) {
 }
 
 }  // namespace
+
+double Bodies::Block::radius() const {
+  const std::vector<double>& places = kernel->surface.places();
+  const Vector3d from = own_centre();
+  double out = 0;
+  for (std::size_t i = 0; i < places.size(); i += 3)
+    out = std::max(out, (Eigen::Map<const Vector3d>(&places[i]) - from).norm());
+  return out;
+}
 
 Bodies build_bodies(const std::vector<PlacedBody>& placed, const Vector3d& gravity) {
   Bodies out;

@@ -38,6 +38,8 @@ struct Bodies {
     // In the axes of the kernel
     Eigen::Vector3d own_centre() const { return rotation.transpose() * (centre - translation); }
     Eigen::Matrix3d own_inertia() const { return rotation.transpose() * inertia * rotation; }
+    /// Largest distance of a candidate from the centre [m].
+    double radius() const;
   };
   std::vector<Block> bodies;
 

@@ -32,8 +32,10 @@ void FigureObserver::observe(const Stepper& stepper) {
     now_.rigid_energy = source_.rigid_energy(stepper);
   }
   touched_ = std::exchange(touching_, (stepper.force().head(stepper.points()).array() > 0).any());
-  // What matters is how near the bodies come until they touch, and then how deep they are pressed.
-  if (const Vector& gap = source_.gap(); gap.size() > 0 && (touching_ || touched_ || !out_.contact_start_s)) {
+  // Displacements of all points of bodies that turn take longer than a step, and nothing is pressed in
+  // flight.
+  const bool matters = stepper.poses().empty() || touching_ || touched_ || !out_.contact_start_s;
+  if (const Vector& gap = source_.gap(); gap.size() > 0 && matters) {
     Eigen::Index point = 0;
     const double deepest = (stepper.displacement().head(gap.size()) - gap).maxCoeff(&point);
     out_.max_penetration_m = std::max(out_.max_penetration_m, deepest);

@@ -21,10 +21,7 @@ RotationCheck::RotationCheck(const Model& model, double wave_speed)
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const Bodies::Block& block = model.bodies[k];
     Body& body = bodies_[k];
-    const std::vector<double>& places = block.kernel->surface.places();
-    for (std::size_t i = 0; i < places.size(); i += 3)
-      body.radius =
-          std::max(body.radius, (Eigen::Map<const Eigen::Vector3d>(&places[i]) - block.own_centre()).norm());
+    body.radius = block.radius();
     const auto omega = model.omega.segment(block.first_mode, block.modes);
     const bool coupled = !block.kernel->modes.coriolis.pair.empty();
     int modes = block.modes;

@@ -117,7 +117,6 @@ void MovingPoint::stand_on(const Foot& summit, const Side& own) noexcept {
 /// the directions that are curved. In others, surfaces touch along a line, on which the point stays.
 void MovingPoint::face(const Side& own, const Side& other) noexcept {
   const Matrix3d to_own = (own.state.attitude.conjugate() * other.state.attitude).toRotationMatrix();
-  open = false;
   for (int round = 0;; ++round) {
     foot = other.shape.follow(foot, other.place_of(top.point - own.centre, own));
     const Vector3d facing = to_own * foot.normal;

@@ -27,13 +27,7 @@ std::shared_ptr<const contact::Model> perturbed(const contact::Model& model) {
 
 SecondRun::SecondRun(const Impact& impact)
     : impact_(impact), every_(std::max<std::int64_t>(1, impact.samples() / most_records)) {
-  for (const contact::Bodies::Block& body : impact.model->bodies) {
-    double radius = 0;
-    const std::vector<double>& places = body.kernel->surface.places();
-    for (std::size_t i = 0; i < places.size(); i += 3)
-      radius = std::max(radius, (Eigen::Map<const Eigen::Vector3d>(&places[i]) - body.own_centre()).norm());
-    radius_.push_back(radius);
-  }
+  for (const contact::Bodies::Block& body : impact.model->bodies) radius_.push_back(body.radius());
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 

@@ -21,8 +21,7 @@ const SectionOf<Motion> rigid_motion_keys{
       "surface](scene.md#bodies-that-turn)"},
      {"second_run", Access(&Motion::second_run).if_changed(), "", initial, any(),
       "with finite rotation: whether a second run at the same time, with speeds larger by half a per cent "
-      "and "
-      "another step, finds out [when motions separate](scene.md#bodies-that-turn). Sweeps make none"}}};
+      "and another step, finds out [when motions separate](scene.md#bodies-that-turn). Sweeps make none"}}};
 
 namespace {
 

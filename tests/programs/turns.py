@@ -277,12 +277,13 @@ class Turns(ProgramTest):
         apart = np.linalg.norm(one.position - two.position, axis=1) + radius * turn
         # The way of a point that is as far from the centre as any
         speed = np.linalg.norm(one.velocity, axis=1) + radius * np.linalg.norm(one.spin, axis=1)
-        separate = (apart > radius / 2) & (apart > np.cumsum(speed) * STEP / 20)
         result = run("longer", longer)
+        rows = np.arange(0, len(apart), 8)[1:]  # both runs are compared at 2000 of 16 000 samples
+        separate = (apart[rows] > radius / 2) & (apart[rows] > np.cumsum(speed[rows]) * 8 * STEP / 20)
         np.testing.assert_array_equal(result.bodies["block"].position, one.position)
         found = result.summary["separation_s"]
         self.assertLess(result.summary["touches"][1]["start_s"], found)
-        self.assertAlmostEqual(found, result.time[np.argmax(separate)], delta=0.005)
+        self.assertAlmostEqual(found, result.time[rows[np.argmax(separate)]], delta=1e-9)
         self.assertTrue(any("moves otherwise from t = " in line for line in result.summary["warnings"]))
 
     def test_a_simulation_takes_the_same_steps_and_repeats_them(self):
