@@ -58,7 +58,11 @@ void MeanForce::advance(std::span<const int> rows, const Vector& force,
 }
 
 void MeanForce::find_carriers() noexcept {
-  carries_ = std::any_of(pairs_.begin(), pairs_.end(), [](const Pair& pair) { return pair.carries; });
+  carries_ = false;
+  for (Pair& pair : pairs_) {
+    carries_ = carries_ || pair.carries;
+    if (!pair.carries) pair.bank = 0;
+  }
 }
 
 void MeanForce::restore(std::span<const int> rows, const Vector& end,
@@ -82,7 +86,7 @@ void MeanForce::reduce(int pair, double share) noexcept {
 void MeanForce::clear() noexcept {
   end_.setZero();
   before_.setZero();
-  for (Pair& pair : pairs_) pair = {.bank = pair.bank};
+  for (Pair& pair : pairs_) pair = {};
   carries_ = false;
 }
 

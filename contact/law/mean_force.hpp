@@ -14,13 +14,15 @@
 // positive term of the order of Δ⁴, which damps alternating forces. Without the second difference (c = 0),
 // forces of a point may alternate for ever once a shock front has passed.
 //
-// A point that opens may gain energy. The bank is the energy that contact has removed so far. If the last
-// points open and their force h would overdraw the bank, it is reduced to x h, which empties the bank:
+// A point that opens may gain energy. The bank is the energy that contact has removed since the touch began.
+// If the last points open and their force h would overdraw the bank, it is reduced to x h, which empties the
+// bank:
 //
 //   x² hᵀMh − x hᵀ(û − u − Rλ) = bank + ½ λᵀRλ.
 //
 // Any other step that would overdraw the bank is repeated by backward Euler (λ̄ = λ⁺), in which contact cannot
-// gain energy. Contact has therefore never put energy into the bodies, for any Δ, N, m and masses.
+// gain energy. Contact therefore puts no energy into the bodies in any touch, for any Δ, N, m and masses. A
+// bank that outlived its touch would let a later one bounce by more than it came with.
 //
 // With springs s(λ) of the points (patch_spring.hpp), R λ + s(λ) takes the place of R λ, and the energy e(λ)
 // that they store is added to ½ λᵀRλ.
@@ -62,7 +64,7 @@ class MeanForce {
     bool carries = false;                  ///< whether it had a force at one of the last two instants
     bool shock = false;                    ///< the step was the first one of a shock
     bool restarts = false;                 ///< the history begins anew with the step
-    double bank = 0;                       ///< its part of the bank of its island, ≥ 0 [J]
+    double bank = 0;  ///< its part of the bank of its island, ≥ 0; 0 unless it carries [J]
   };
 
   /// State of one pair with n rows. @param conserving  whether steps use the mean, and not backward Euler

@@ -80,7 +80,7 @@ TEST(Touches, are_the_sequences_of_steps_with_a_force_of_a_pair) {
     observer.observe(*stepper);
     const double now = stepper->poses()[0].velocity.z(), impulse = cloud.mass * (now - before + 9.81e-5);
     before = now;
-    const bool pressed = impulse > 1e-12 * cloud.mass;
+    const bool pressed = impulse > 1e-14 * cloud.mass;
     if (pressed && !touching) expected.push_back({.start_s = 1e-5 * (k - 1), .end_s = {}});
     touching = pressed;
     if (!pressed) continue;
