@@ -25,6 +25,7 @@ from ricochet.pictures.modes import draw_rod, modes_picture
 from ricochet.pictures.normal_axis import normal_axis
 from ricochet.pictures.moving_surfaces import (
     MovingSurface,
+    Poses,
     amplification,
     largest_amplification,
     moving_surfaces,
@@ -457,6 +458,23 @@ class Snapshots(HistoryTest):
         words = "they are 4e-05 s apart, and contact lasts 0.0032 s. Set a smaller output.snapshot_every, or"
         self.assertIn(words, why_unseen(history, time))
         self.assertEqual(why_unseen(self.history(touches=0)[0], time), "nothing touched")
+
+    def test_of_bodies_that_turn_and_touch_several_times_show_the_motion(self):
+        history, _, surfaces, time = self.surfaces(touches=3)
+        for surface in surfaces.values():
+            upright = np.tile([1.0, 0, 0, 0], (len(time), 1))
+            surface.poses = Poses(0.01 * time[:, None] * [[1, 0, 0]], upright, np.zeros(3))
+        figure = self.drawn(history, surfaces, time)
+        self.assertEqual(len(figure.axes), 3)  # without panels of forces, which act at few of these moments
+        self.assertIn(": 3 moments of the motion\ntrue to scale", figure._suptitle.get_text())
+        spans = history.spans()
+        scale = prefixed(spans[-1][0], "s")[0]
+        at = [float(ax.get_title(loc="left").split()[0]) / scale for ax in figure.axes]
+        between = np.diff(time)[0]
+        # Snapshots just before the first touch and just after the last one began, and the one between them
+        self.assertAlmostEqual(at[0], spans[0][0] - between / 2, delta=0.51 * between)
+        self.assertAlmostEqual(at[2], spans[1][0] + between / 2, delta=0.51 * between)
+        self.assertAlmostEqual(at[1], (at[0] + at[2]) / 2, delta=between)
 
     @staticmethod
     def only(surfaces, first):

@@ -22,18 +22,28 @@ FLOOR, GHOST = "#dedbd3", "#8a8a8a"
 
 
 def snapshots_picture(result: LoadedResult, surfaces: dict[str, MovingSurface], time: Array) -> Figure | None:
-    """Draws the contact with the largest impulse. Returns None if there is no snapshot of it."""
+    """Draws the contact with the largest impulse; of bodies that turn and touch several times, the motion from the first
+    touch to the last one. Returns None if there is no snapshot of it."""
     total = result.forces.per_row()
     impulse_of = [total[first:stop].sum() for first, stop in result.episodes]
     longest = int(np.argmax(impulse_of))
-    start, end = result.spans()[longest]
     half = result.spacing / 2
-    during = np.flatnonzero((time > start + half) & (time <= end + half))
+    turning = any(surface.poses for surface in surfaces.values())
+    whole = turning and len(result.episodes) > 1
+    if whole:
+        start, end = result.spans()[0][0], result.spans()[-1][0]
+        during = np.arange(
+            max(np.searchsorted(time, start) - 1, 0), min(np.searchsorted(time, end) + 1, len(time))
+        )
+    else:
+        start, end = result.spans()[longest]
+        during = np.flatnonzero((time > start + half) & (time <= end + half))
     if len(during) == 0:
         return None
     spread = np.linspace(0, len(during) - 1, 60).astype(int)
     some = during[np.unique(spread)]
-    amplify = amplification(max(surface.strain(k) for surface in surfaces.values() for k in some))
+    strain = max(surface.strain(k) for surface in surfaces.values() for k in some)
+    amplify = 1 if whole else amplification(strain)
     chosen = during[moments(drawn_path(surfaces, during, amplify), MOMENTS)]
     places = [{body: surface.at(k, amplify) for body, surface in surfaces.items()} for k in chosen]
     ghosts = [{body: surface.at(k, 0) for body, surface in surfaces.items()} for k in chosen]
@@ -60,25 +70,36 @@ def snapshots_picture(result: LoadedResult, surfaces: dict[str, MovingSurface], 
         low[1], high[1] = low[1] - 0.1 * (high[0] - low[0]), high[1] + 0.1 * (high[0] - low[0])
     margin = 0.04 * (high - low).max()
     shape = (high[1] - low[1] + 2 * margin) / (high[0] - low[0] + 2 * margin)
-    turning = any(surface.poses for surface in surfaces.values())
     resting = np.concatenate(shown if turning else list(first.values()))
     box = resting.min(axis=0), resting.max(axis=0)
-    floors = [square_of(plane, *box) @ turn.T for plane in scene.get("obstacles", {}).values()]
+    obstacles = scene.get("obstacles", {})
+    if len(planes) > 1 and (up := upward(scene)) is not None:  # the walls of a box would cover what is in it
+        planes = {name: normal for name, normal in planes.items() if normal @ up > 0.1} or planes
+    floors = [square_of(obstacles[name], *box) @ turn.T for name in planes]
 
     # Bars are drawn beside tall pictures and below wide ones.
-    beside, rows = shape > 1.3, -(-len(chosen) // 3)
+    beside, rows = shape > 1.3 and not whole, -(-len(chosen) // 3)
     width = WIDTH / 3 * (0.5 if beside else 1)
     height = width * min(shape, 2.2)
-    figure = Figure(figsize=(WIDTH, rows * (height + (0.4 if beside else 1.3)) + 1.0), layout="constrained")
-    if beside:
+    figure = Figure(
+        figsize=(WIDTH, rows * (height + (0.4 if beside or whole else 1.3)) + 1.0), layout="constrained"
+    )
+    if whole:
+        grid = figure.add_gridspec(rows, 3)
+    elif beside:
         grid = figure.add_gridspec(rows, 6, width_ratios=[1.1, 0.9] * 3)
     else:
         grid = figure.add_gridspec(2 * rows, 3, height_ratios=[height, 0.9] * rows)
     ms, time_unit = prefixed(end, "s")
-    forces = Forces(result, [int(np.argmin(np.abs(result.contact_time - time[k]))) for k in chosen])
+    # Few moments of a motion fall into a touch.
+    forces = (
+        None
+        if whole
+        else Forces(result, [int(np.argmin(np.abs(result.contact_time - time[k]))) for k in chosen])
+    )
     for cell, k in enumerate(chosen):
         r, c = divmod(cell, 3)
-        ax = figure.add_subplot(grid[r, 2 * c] if beside else grid[2 * r, c])
+        ax = figure.add_subplot(grid[r, c] if whole else grid[r, 2 * c] if beside else grid[2 * r, c])
         for floor in floors:
             ax.add_patch(Polygon(floor[:, :2], facecolor=FLOOR, edgecolor=FLOOR, zorder=0))
         paint(ax, result, surfaces, places[cell], turn)
@@ -92,8 +113,9 @@ def snapshots_picture(result: LoadedResult, surfaces: dict[str, MovingSurface], 
         ax.set_title(f"{time[k] * ms:#.4g} {time_unit}")
         if cell == 0:
             scale_bar(ax, low[0], low[1] - margin / 2, high[0] - low[0])
-        below = figure.add_subplot(grid[r, 2 * c + 1] if beside else grid[2 * r + 1, c])
-        forces.draw(below, cell, labelled=(cell + 3 >= len(chosen), c == 0))
+        if forces:
+            below = figure.add_subplot(grid[r, 2 * c + 1] if beside else grid[2 * r + 1, c])
+            forces.draw(below, cell, labelled=(cell + 3 >= len(chosen), c == 0))
     handles: list[Rectangle | Line2D] = [
         Rectangle((0, 0), 1, 1, color=colour_of(result, body)) for body in surfaces
     ]
@@ -107,9 +129,11 @@ def snapshots_picture(result: LoadedResult, surfaces: dict[str, MovingSurface], 
     legend_below(figure, handles, names)
     scale = "true to scale" if amplify == 1 else f"deformation drawn {amplify:,.0f} times as large"
     count = "one moment" if len(chosen) == 1 else f"{len(chosen)} moments"
-    if result.low_pass:
+    if result.low_pass and forces:
         scale += f"; forces: low-pass {result.low_pass:g} Hz"
-    figure.suptitle(f"{result.title}: {count} of the contact\n{scale}", fontsize=11)
+    figure.suptitle(
+        f"{result.title}: {count} of the {'motion' if whole else 'contact'}\n{scale}", fontsize=11
+    )
     return figure
 
 
