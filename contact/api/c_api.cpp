@@ -27,7 +27,8 @@ using ricochet::Vector3;
 
 static_assert(RICOCHET_OK == static_cast<int>(ricochet::StepStatus::ok) &&
               RICOCHET_NO_SOLUTION == static_cast<int>(ricochet::StepStatus::no_solution) &&
-              RICOCHET_NOT_FINITE == static_cast<int>(ricochet::StepStatus::not_finite));
+              RICOCHET_NOT_FINITE == static_cast<int>(ricochet::StepStatus::not_finite) &&
+              RICOCHET_CROWDED == static_cast<int>(ricochet::StepStatus::crowded));
 static_assert(RICOCHET_VERSION_NUMBER == RICOCHET_PROJECT_VERSION_NUMBER,
               "ricochet.h and project(Ricochet VERSION …) must agree");
 
@@ -330,6 +331,8 @@ size_t ricochet_simulation_contacts(ricochet_simulation* simulation, ricochet_co
   for (const ricochet::Touching& one : touching.first(std::min(count, touching.size()))) {
     out->pair = simulation->simulation.points()[one.point].pair;
     out->point = one.point;
+    out->a = one.between[0].data();
+    out->b = one.between[1].data();
     std::ranges::copy(one.place, out->place);
     std::ranges::copy(one.normal, out->normal);
     std::ranges::copy(one.force, out->force);
@@ -342,13 +345,49 @@ int ricochet_simulation_push(ricochet_simulation* simulation, size_t body, const
                              const double* torque) {
   if (simulation->simulation.push(body, vector_or_zero(force), vector_or_zero(torque))) return RICOCHET_OK;
   std::snprintf(last_error, sizeof last_error,
-                "push: rotations are linear. Call ricochet_scene_rotation with RICOCHET_FINITE first.");
+                "push: the body is not there, or rotations are linear. Call ricochet_scene_rotation with "
+                "RICOCHET_FINITE first.");
   return RICOCHET_REFUSED;
+}
+
+int ricochet_simulation_add(ricochet_simulation* simulation, const char* name, const ricochet_kernel* kernel,
+                            const ricochet_motion* motion, const double* friction, size_t* body) {
+  return checked([&] {
+    const ricochet_motion& given_motion = given(motion, "motion");
+    const double* const q = given_motion.attitude;
+    std::optional<ricochet::Friction> rubs;
+    if (friction) rubs = {friction[0], friction[1], friction[2]};
+    const std::size_t number = simulation->simulation.add(text(name, "name"), given(kernel, "kernel").kernel,
+                                                          {vector(given_motion.position, "position"),
+                                                           {q[0], q[1], q[2], q[3]},
+                                                           vector(given_motion.velocity, "velocity"),
+                                                           vector(given_motion.spin, "spin")},
+                                                          rubs);
+    if (body) *body = number;
+  });
+}
+
+int ricochet_simulation_remove(ricochet_simulation* simulation, size_t body) {
+  return checked([&] { simulation->simulation.remove(body); });
+}
+
+int ricochet_simulation_find(const ricochet_simulation* simulation, const char* name, size_t* body) {
+  return checked([&] {
+    const auto found = simulation->simulation.find(text(name, "name"));
+    if (!found) throw InputError(std::string("find: there is no body \"") + name + "\".");
+    given(body, "body") = *found;
+  });
+}
+
+size_t ricochet_simulation_bodies(const ricochet_simulation* simulation, size_t* out, size_t count) {
+  const auto numbers = simulation->simulation.bodies();
+  std::ranges::copy(numbers.first(std::min(count, numbers.size())), out);
+  return numbers.size();
 }
 
 void ricochet_simulation_energy(const ricochet_simulation* simulation, ricochet_energy* out) {
   const ricochet::Energy e = simulation->simulation.energy();
-  *out = {e.kinetic, e.strain, e.residual, e.loads, e.damping, e.contact, e.friction};
+  *out = {e.kinetic, e.strain, e.residual, e.loads, e.damping, e.contact, e.friction, e.added};
 }
 
 ricochet_state* ricochet_simulation_save(const ricochet_simulation* simulation) {

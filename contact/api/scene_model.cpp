@@ -66,28 +66,6 @@ double arrival_of(const Body& body) {
   return body.arrival;
 }
 
-/// No value if the pair is frictionless. @param where  the pair, for messages
-std::optional<Friction> friction_of(const Scene& scene, const Pair& pair, const std::string& where) {
-  if (!pair.friction) return std::nullopt;
-  const Friction& f = *pair.friction;
-  for (const auto& [name, value] : {std::pair{"static_coefficient", f.static_coefficient},
-                                    std::pair{"dynamic_coefficient", f.dynamic_coefficient}})
-    if (!(value >= 0 && value <= most_friction))
-      throw InputError(
-          fmt::format("{}: friction.{} = {}: must be from 0 to {}.", where, name, value, most_friction));
-  if (f.static_coefficient == 0 && f.dynamic_coefficient == 0) return std::nullopt;
-  if (f.static_coefficient != f.dynamic_coefficient &&
-      !(f.stribeck_velocity > 0 && std::isfinite(f.stribeck_velocity)))
-    throw InputError(fmt::format(
-        "{}: friction.stribeck_velocity = {}: must be above 0, as the coefficients at rest ({}) and in "
-        "sliding ({}) differ.",
-        where, f.stribeck_velocity, f.static_coefficient, f.dynamic_coefficient));
-  if (scene.scheme == Scheme::impulse)
-    throw InputError(
-        fmt::format("{}: friction needs the compliant scheme. Leave it out, or change the scheme.", where));
-  return f;
-}
-
 /// @param motion  a Slide or a Forcing
 contact::History history_of(const auto& motion, const std::string& where) {
   const auto finite_values = [](const std::vector<double>& values) {
@@ -103,6 +81,16 @@ contact::History history_of(const auto& motion, const std::string& where) {
   return {motion.time, motion.factor};
 }
 
+std::vector<contact::HalfSpace> obstacles_of(const Scene& scene) {
+  std::vector<contact::HalfSpace> out;
+  for (const HalfSpace& obstacle : scene.obstacles) {
+    const std::string where = "obstacles." + obstacle.name;
+    out.push_back(
+        {obstacle.name, finite(obstacle.point, where + ".point"), unit(obstacle.normal, where + ".normal")});
+  }
+  return out;
+}
+
 std::vector<contact::ForcingRequest> forcing_of(const Scene& scene) {
   std::vector<contact::ForcingRequest> out;
   for (std::size_t k = 0; k < scene.forcing.size(); ++k) {
@@ -113,28 +101,6 @@ std::vector<contact::ForcingRequest> forcing_of(const Scene& scene) {
                    dead ? contact::dead_load : history_of(one, where), one.axes});
   }
   return out;
-}
-
-/// Sets the half-spaces in motion.
-void add_belts(const Scene& scene, contact::Model& model) {
-  constexpr double forever = 1e9;  // [s]
-  for (const HalfSpace& obstacle : scene.obstacles) {
-    const std::string where = "obstacles." + obstacle.name;
-    const Vector3d velocity = finite(obstacle.velocity, where + ".velocity"),
-                   normal = unit(obstacle.normal, where + ".normal");
-    if (std::abs(normal.dot(velocity)) > 1e-9 * velocity.norm())
-      throw InputError(fmt::format(
-          "{}.velocity = [{:.6g}, {:.6g}, {:.6g}]: has the component {:.6g} m/s along the normal. Leave it "
-          "out, because a half-space moves along its surface.",
-          where, velocity.x(), velocity.y(), velocity.z(), normal.dot(velocity)));
-    if (!velocity.isZero(0) && scene.scheme != Scheme::at_rest)
-      contact::add_belt(model, obstacle.name, velocity, {{0, forever}, {0, forever}});
-    for (std::size_t k = 0; k < obstacle.slides.size(); ++k) {
-      const std::string slide = fmt::format("{}.slides[{}]", where, k);
-      contact::add_belt(model, obstacle.name, finite(obstacle.slides[k].vector, slide + ".vector"),
-                        history_of(obstacle.slides[k], slide));
-    }
-  }
 }
 
 /// Modes at the point of the pickup: (3,N) in the axes of the body, or (1,N) along the only direction of the
@@ -167,23 +133,62 @@ std::vector<contact::PlacedBody> bodies_of(const Scene& scene) {
   return out;
 }
 
+std::optional<Friction> friction_of(const Scene& scene, const std::optional<Friction>& friction,
+                                    const std::string& where) {
+  if (!friction) return std::nullopt;
+  const Friction& f = *friction;
+  for (const auto& [name, value] : {std::pair{"static_coefficient", f.static_coefficient},
+                                    std::pair{"dynamic_coefficient", f.dynamic_coefficient}})
+    if (!(value >= 0 && value <= most_friction))
+      throw InputError(
+          fmt::format("{}: friction.{} = {}: must be from 0 to {}.", where, name, value, most_friction));
+  if (f.static_coefficient == 0 && f.dynamic_coefficient == 0) return std::nullopt;
+  if (f.static_coefficient != f.dynamic_coefficient &&
+      !(f.stribeck_velocity > 0 && std::isfinite(f.stribeck_velocity)))
+    throw InputError(fmt::format(
+        "{}: friction.stribeck_velocity = {}: must be above 0, as the coefficients at rest ({}) and in "
+        "sliding ({}) differ.",
+        where, f.stribeck_velocity, f.static_coefficient, f.dynamic_coefficient));
+  if (scene.scheme == Scheme::impulse)
+    throw InputError(
+        fmt::format("{}: friction needs the compliant scheme. Leave it out, or change the scheme.", where));
+  return f;
+}
+
 contact::Placement placement_of(const Scene& scene) {
-  std::vector<contact::HalfSpace> obstacles;
-  for (const HalfSpace& obstacle : scene.obstacles) {
-    const std::string where = "obstacles." + obstacle.name;
-    obstacles.push_back(
-        {obstacle.name, finite(obstacle.point, where + ".point"), unit(obstacle.normal, where + ".normal")});
-  }
   std::vector<contact::PairRequest> pairs;
   for (const Pair& pair : scene.pairs) {
     const std::string where = fmt::format("contact between \"{}\" and \"{}\"", pair.a, pair.b);
     contact::PairRequest request{pair.a, pair.b, {}, pair.gap, pair.reach, pair.zone};
     if (pair.direction) request.direction = unit(*pair.direction, where + ": direction");
-    request.friction = friction_of(scene, pair, where);
+    request.friction = friction_of(scene, pair.friction, where);
     request.everywhere = scene.rotation == Rotation::finite;
     pairs.push_back(request);
   }
-  return contact::place(bodies_of(scene), obstacles, pairs);
+  return contact::place(bodies_of(scene), obstacles_of(scene), pairs);
+}
+
+contact::Placement placement_with(const Scene& scene, std::vector<contact::PlacedBody> present,
+                                  const contact::PlacedBody& added, const std::optional<Friction>& friction) {
+  const auto number = static_cast<int>(present.size());
+  contact::Placement out{std::move(present), {}};
+  const auto request = [&](const std::string& a, const std::string& b) {
+    contact::PairRequest pair{a, b, {}, {}, {}};
+    pair.friction = friction;
+    pair.everywhere = true;
+    return pair;
+  };
+  for (int k = 0; k < number; ++k) {
+    const contact::PlacedBody& other = out.bodies[static_cast<std::size_t>(k)];
+    const contact::PairRequest pair = request(other.name, added.name);
+    out.pairs.push_back({pair, k, number, contact::pair(other, added, pair)});
+  }
+  for (const contact::HalfSpace& obstacle : obstacles_of(scene)) {
+    const contact::PairRequest pair = request(added.name, obstacle.name);
+    out.pairs.push_back({pair, number, -1, contact::pair(added, obstacle, pair)});
+  }
+  out.bodies.push_back(added);
+  return out;
 }
 
 contact::Model model_of(const Scene& scene, const contact::Placement& placement) {
@@ -205,6 +210,47 @@ contact::Model model_of(const Scene& scene) {
   contact::Model model = model_of(scene, placement_of(scene));
   contact::refuse_sag(model);
   return model;
+}
+
+void add_belts(const Scene& scene, contact::Model& model) {
+  constexpr double forever = 1e9;  // [s]
+  for (const HalfSpace& obstacle : scene.obstacles) {
+    const std::string where = "obstacles." + obstacle.name;
+    const Vector3d velocity = finite(obstacle.velocity, where + ".velocity"),
+                   normal = unit(obstacle.normal, where + ".normal");
+    if (std::abs(normal.dot(velocity)) > 1e-9 * velocity.norm())
+      throw InputError(fmt::format(
+          "{}.velocity = [{:.6g}, {:.6g}, {:.6g}]: has the component {:.6g} m/s along the normal. Leave it "
+          "out, because a half-space moves along its surface.",
+          where, velocity.x(), velocity.y(), velocity.z(), normal.dot(velocity)));
+    if (!velocity.isZero(0) && scene.scheme != Scheme::at_rest)
+      contact::add_belt(model, obstacle.name, velocity, {{0, forever}, {0, forever}});
+    for (std::size_t k = 0; k < obstacle.slides.size(); ++k) {
+      const std::string slide = fmt::format("{}.slides[{}]", where, k);
+      contact::add_belt(model, obstacle.name, finite(obstacle.slides[k].vector, slide + ".vector"),
+                        history_of(obstacle.slides[k], slide));
+    }
+  }
+}
+
+contact::PlacedBody placed_body(const std::string& name, const SharedKernel& kernel,
+                                const BodyMotion& motion) {
+  const std::string where = "bodies." + name;
+  if (!kernel) throw InputError(where + ": has no kernel. Load one with load_kernel.");
+  const auto& [w, x, y, z] = motion.attitude;
+  const Eigen::Quaterniond attitude(w, x, y, z);
+  if (!(attitude.norm() > 0 && std::isfinite(attitude.norm())))
+    throw InputError(fmt::format(
+        "{}.attitude = [{}, {}, {}, {}]: is no rotation. Give a quaternion w, x, y, z of any length but 0.",
+        where, w, x, y, z));
+  contact::PlacedBody out{.name = name,
+                          .kernel = kernel.get(),
+                          .rotation = attitude.normalized().toRotationMatrix(),
+                          .velocity = finite(motion.velocity, where + ".velocity"),
+                          .angular_velocity = finite(motion.spin, where + ".spin")};
+  out.translation = finite(motion.position, where + ".position") -
+                    out.rotation * Eigen::Map<const Vector3d>(kernel->centre.data());
+  return out;
 }
 
 std::string friction_on_rod(const std::string& body) {
@@ -246,7 +292,7 @@ std::vector<TurningPickup> turning_pickups_of(const Scene& scene, const contact:
         pickup.receiver.empty()
             ? &kernel.surface.places()[3 * pickup.candidate]
             : std::ranges::find(kernel.receivers, pickup.receiver, &kernels::Receiver::name)->point.data();
-    out.push_back({static_cast<std::size_t>(body - model.bodies.begin()),
+    out.push_back({static_cast<int>(body - model.bodies.begin()),
                    Eigen::Map<const Vector3d>(at) - body->own_centre(),
                    unit(pickup.direction, where + ".direction"), modes_at(pickup, kernel, where)});
   }

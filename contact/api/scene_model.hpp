@@ -27,6 +27,23 @@ contact::Model model_of(const Scene& scene, const contact::Placement& placement)
 /// contact::refuse_sag does.
 contact::Model model_of(const Scene& scene);
 
+/// Bodies of a simulation at their present places, and one more, with its pairs with them and with all
+/// obstacles. Throws InputError as contact::pair does.
+contact::Placement placement_with(const Scene& scene, std::vector<contact::PlacedBody> present,
+                                  const contact::PlacedBody& added, const std::optional<Friction>& friction);
+
+/// A body with a motion. Throws InputError if it has no kernel, or if a value is not finite.
+contact::PlacedBody placed_body(const std::string& name, const SharedKernel& kernel,
+                                const BodyMotion& motion);
+
+/// Sets half-spaces in motion: as model_of does.
+void add_belts(const Scene& scene, contact::Model& model);
+
+/// No value if the pair is frictionless. Throws InputError for coefficients out of range.
+/// @param where  the pair, for messages
+std::optional<Friction> friction_of(const Scene& scene, const std::optional<Friction>& friction,
+                                    const std::string& where);
+
 StepOptions step_options(const Scene& scene);
 
 /// The complaint about friction on a rod.
@@ -37,7 +54,7 @@ contact::Matrix pickups_of(const Scene& scene, const contact::Model& model);
 
 /// The point of a pickup on a body that turns.
 struct TurningPickup {
-  std::size_t body = 0;
+  int body = 0;                        ///< −1: it has been removed
   Eigen::Vector3d place{0, 0, 0};      ///< from the centre of mass, in the axes of the body [m]
   Eigen::Vector3d direction{0, 0, 0};  ///< unit, world
   contact::Matrix shape{};             ///< (3,modes) in the axes of the body [kg^-1/2]

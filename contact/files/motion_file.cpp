@@ -30,11 +30,18 @@ void write(base::hdf5::Writer& file, const std::string& dataset, const Values& x
              Values::ColsAtCompileTime == 1 ? Shape{rows} : Shape{rows, columns}, unit);
 }
 
-/// The candidate of each point of a pair, or −1 if the point has several, as coarsened patches do.
-std::vector<int> candidates_of(const Selection& selection, const Model::PairBlock& pair, int components) {
+/// The candidate of each point of a pair on its body a, or −1 if the point has several, as coarsened patches
+/// do, or none.
+std::vector<int> candidates_of(const Model& model, const Model::PairBlock& pair) {
   std::vector<int> out;
+  const Selection& selection = model.selection[pair.a];
+  const int components = model.bodies[pair.a].kernel->surface.components;
   for (int i = pair.first_point; i < pair.first_point + pair.points; ++i) {
     int candidate = -1;
+    if (model.turns) {
+      out.push_back(i < pair.first_point + pair.candidates_of_a ? model.candidate[i] : -1);
+      continue;
+    }
     for (Selection::InnerIterator it(selection, i); it; ++it) {
       const int of_entry = static_cast<int>(it.col()) / components;
       if (candidate >= 0 && of_entry != candidate) {
@@ -81,7 +88,7 @@ MotionFile::Patch MotionFile::patch_of(const Model::PairBlock& pair, const std::
   const Bodies::Block& a = model_.bodies[pair.a];
   const kernels::Surface& surface = a.kernel->surface;
   std::map<std::int64_t, std::int64_t> point;
-  const std::vector<int> candidates = candidates_of(model_.selection[pair.a], pair, surface.components);
+  const std::vector<int> candidates = candidates_of(model_, pair);
   for (std::size_t i = 0; i < candidates.size(); ++i) point[candidates[i]] = static_cast<std::int64_t>(i);
   const auto k = static_cast<std::size_t>(surface.element_corners);
   if (std::ranges::count(candidates, -1) == 0)

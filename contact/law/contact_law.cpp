@@ -55,16 +55,16 @@ std::vector<int> first_rows(Index n) {
 
 }  // namespace
 
-ContactLaw::ContactLaw(Index rows, const SolveOptions& solver, bool springs)
+ContactLaw::ContactLaw(Index rows, Index capacity, const SolveOptions& solver, bool springs)
     : contacts_(rows),
       gap_(Vector::Zero(rows)),
       springs_(springs ? static_cast<std::size_t>(rows) : 0),
       friction_of_(static_cast<std::size_t>(rows), -1),
-      euler_(static_cast<int>(rows), solver, false, springs),
-      mean_(static_cast<int>(rows), solver, false, springs) {
+      euler_(static_cast<int>(capacity), solver, false, springs),
+      mean_(static_cast<int>(capacity), solver, false, springs) {
   for (Vector* x : {&free, &start, &force_, &end_, &u_, &yielded_, &now_.R, &now_.M, &before_.R, &before_.M,
                     &after_.R, &after_.M})
-    x->setZero(rows);
+    x->setZero(capacity);
   position_.assign(static_cast<std::size_t>(rows), -1);
   trials_.resize(1);
   next_.resize(1);
@@ -72,15 +72,15 @@ ContactLaw::ContactLaw(Index rows, const SolveOptions& solver, bool springs)
   Island& p = problem_;
   for (Vector* x : {&p.free, &p.start, &p.rest, &p.gap, &p.belt, &p.before, &p.now, &p.force, &p.end, &p.u,
                     &p.end_rest, &p.in_modes, &p.right, &p.in_modes_now, &p.in_modes_before, &p.end_in_modes})
-    x->setZero(rows);
+    x->setZero(capacity);
   for (std::vector<int>* x : {&rows_, &p.held, &p.last, &p.pair, &p.law})
-    x->reserve(static_cast<std::size_t>(rows));
-  p.springs.reserve(springs_.size());
-  hold(first_rows(rows));
+    x->reserve(static_cast<std::size_t>(capacity));
+  p.springs.reserve(springs ? static_cast<std::size_t>(capacity) : 0);
+  hold(first_rows(capacity));
 }
 
 ContactLaw::ContactLaw(const Model& model, const StepOptions& options)
-    : ContactLaw(model.rows(), options_of(options), !model.springs().empty()) {
+    : ContactLaw(model.rows(), capacity_of(model), options_of(options), !model.springs().empty()) {
   contacts_ = model.points();
   gap_.setConstant(std::numeric_limits<double>::infinity());
   gap_.head(contacts_) = model.gap;
@@ -89,10 +89,11 @@ ContactLaw::ContactLaw(const Model& model, const StepOptions& options)
   friction_ = model.friction;
   for (std::size_t f = 0; f < friction_.size(); ++f)
     friction_of_[static_cast<std::size_t>(friction_[f].point)] = static_cast<int>(f);
-  problem_.contacts.reserve(friction_.size());
+  const Index capacity = capacity_of(model);
+  problem_.contacts.reserve(std::min(friction_.size(), static_cast<std::size_t>(capacity)));
   if (!friction_.empty())
     for (ContactSolver* solver : {&euler_, &mean_})
-      *solver = ContactSolver(static_cast<int>(model.rows()), options_of(options), true, !springs_.empty());
+      *solver = ContactSolver(static_cast<int>(capacity), options_of(options), true, !springs_.empty());
   const std::size_t pairs = model.pairs.size();
   if (pairs < 2) return;
   std::vector<Islands::Sides> sides;
@@ -102,7 +103,7 @@ ContactLaw::ContactLaw(const Model& model, const StepOptions& options)
   next_.resize(pairs);
   credit_.resize(pairs);
   for (ReservedMatrix* x : {&problem_.M, &problem_.R, &problem_.S, &problem_.S_mean})
-    *x = ReservedMatrix(model.rows());
+    *x = ReservedMatrix(capacity);
 }
 
 void ContactLaw::hold(std::span<const int> rows) noexcept {

@@ -14,6 +14,7 @@
 // among the rows that are held. Only the constructors allocate.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <vector>
@@ -49,14 +50,23 @@ struct StepTrial {
   double in_modes = 0;        ///< λ̄ᵀMλ̄ [J]
 };
 
+/// Rows that a step of bodies that turn may hold. They are few among those of all pairs, and vectors by
+/// position have as many entries.
+inline constexpr Eigen::Index most_held = 8192;
+inline Eigen::Index capacity_of(const Model& model) {
+  return model.turns ? std::min(model.rows(), most_held) : model.rows();
+}
+
 class ContactLaw {
  public:
   /// For compliant steps of a model.
   ContactLaw(const Model& model, const StepOptions& options);
   /// For n rows without friction that belong to one body. @param springs  whether rows may have springs
-  ContactLaw(Eigen::Index rows, const SolveOptions& solver, bool springs = false);
+  ContactLaw(Eigen::Index rows, const SolveOptions& solver, bool springs = false)
+      : ContactLaw(rows, rows, solver, springs) {}
 
-  /// Holds these rows from now on, whatever forces they had. Tangential rows come with their normal row.
+  /// Holds these rows, at most as many as the capacity, from now on, whatever forces they had. Tangential
+  /// rows come with their normal row.
   void hold(std::span<const int> rows) noexcept;
   /// The matrices of the next step differ from those of the last one although the rows do not.
   void change_matrices() noexcept;
@@ -96,6 +106,7 @@ class ContactLaw {
     ReservedMatrix M, R, S, S_mean;  ///< of an island that does not hold all rows
   };
 
+  ContactLaw(Eigen::Index rows, Eigen::Index capacity, const SolveOptions& solver, bool springs);
   bool merge_at_closed_points(const StepMatrices& matrices, const MeanForce& before) noexcept;
   bool take_rows(int island, const MeanForce& before) noexcept;
   void store_forces() noexcept;

@@ -83,6 +83,24 @@ void MeanForce::reduce(int pair, double share) noexcept {
     if (number == pair) end_.segment(first, size) *= share;
 }
 
+void MeanForce::forget(int pair) noexcept {
+  for (const auto& [number, first, size] : segments_) {
+    if (number != pair) continue;
+    end_.segment(first, size).setZero();
+    before_.segment(first, size).setZero();
+  }
+  pairs_[static_cast<std::size_t>(pair)] = {};
+  find_carriers();
+}
+
+void MeanForce::take(const MeanForce& earlier, const Correspondence& from) {
+  carry(earlier.end_, end_, from.rows);
+  carry(earlier.before_, before_, from.rows);
+  for (std::size_t p = 0; p < from.pair.size(); ++p)
+    if (from.pair[p] >= 0) pairs_[p] = earlier.pairs_[static_cast<std::size_t>(from.pair[p])];
+  find_carriers();
+}
+
 void MeanForce::clear() noexcept {
   end_.setZero();
   before_.setZero();

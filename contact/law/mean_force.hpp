@@ -45,6 +45,7 @@
 #include <span>
 #include <vector>
 
+#include "contact/model/changed_model.hpp"
 #include "contact/model/model.hpp"
 
 namespace ricochet::contact {
@@ -92,6 +93,10 @@ class MeanForce {
   double draw(int pair, double energy) noexcept;
   /// Multiplies the forces of a pair at the last instant by a share of 0 to 1.
   void reduce(int pair, double share) noexcept;
+  /// Forgets the forces and the bank of a pair.
+  void forget(int pair) noexcept;
+  /// Takes the forces and the state of pairs that a model has in common with an earlier one.
+  void take(const MeanForce& earlier, const Correspondence& from);
   /// Forgets all forces.
   void clear() noexcept;
 

@@ -65,6 +65,24 @@ void Slip::accept() noexcept {
   std::swap(list_, next_list_);
 }
 
+void Slip::forget(Eigen::Index f) noexcept {
+  speed_(f) = heat_(f) = 0;
+  state_[static_cast<std::size_t>(f)] = ContactState::open;
+}
+
+void Slip::take(const Slip& earlier, const Correspondence& from) {
+  carry(earlier.speed_, speed_, from.friction);
+  carry(earlier.heat_, heat_, from.friction);
+  const std::vector<int> now = Correspondence::places(from.friction, earlier.speed_.size());
+  for (std::size_t k = 0; k < earlier.list_.count; ++k) {
+    const int then = earlier.list_.point[k], f = now[static_cast<std::size_t>(then)];
+    if (f < 0) continue;
+    state_[static_cast<std::size_t>(f)] = earlier.state_[static_cast<std::size_t>(then)];
+    list_.point[list_.count++] = f;
+    is_next_listed_[static_cast<std::size_t>(f)] = false;
+  }
+}
+
 void Slip::clear() noexcept {
   for (std::size_t k = 0; k < list_.count; ++k) {
     const int f = list_.point[k];

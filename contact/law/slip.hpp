@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "contact/complementarity/friction_solver.hpp"
+#include "contact/model/changed_model.hpp"
 #include "contact/model/model.hpp"
 
 namespace ricochet::contact {
@@ -47,6 +48,10 @@ class Slip {
   bool cools(Eigen::Index f) const { return next_heat_(f) < 0; }
   /// Completes the step as recorded last.
   void accept() noexcept;
+  /// A point open.
+  void forget(Eigen::Index f) noexcept;
+  /// Takes the slips of points that a model has in common with an earlier one.
+  void take(const Slip& earlier, const Correspondence& from);
   /// All points open.
   void clear() noexcept;
 

@@ -77,6 +77,21 @@ double FloatingBody::kinetic() const {
   return 0.5 * mass * velocity.squaredNorm() + 0.5 * own.dot(inertia.inverse * own);
 }
 
+void FloatingBody::move_to(const Pose& pose) noexcept {
+  start = position = pose.position;
+  attitude = pose.attitude;
+  velocity = pose.velocity;
+  momentum = attitude * (inertia.tensor * (attitude.conjugate() * pose.spin));
+}
+
+void FloatingBody::leave() noexcept {
+  present = false;
+  inverse_mass = 0;
+  for (Vector3d* x : {&gravity, &velocity, &momentum, &push, &torque, &load, &load_torque, &lag,
+                      &position_carry, &velocity_carry})
+    x->setZero();
+}
+
 Vector3d FloatingBody::drift(double time) noexcept {
   add(time * velocity, position, position_carry);
   return turn_freely(attitude, momentum, inertia, time, of_contact);

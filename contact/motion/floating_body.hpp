@@ -28,6 +28,7 @@ struct FloatingBody {
   Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 6, 3> linear, spin;
 
   // State, world axes
+  bool present = true;                ///< otherwise its place waits for another body, and it does not move
   Eigen::Vector3d position{0, 0, 0};  ///< of the centre [m]
   Eigen::Vector3d velocity{0, 0, 0};
   Eigen::Vector3d momentum{0, 0, 0};  ///< angular, about the centre [kg m²/s]
@@ -69,6 +70,10 @@ struct FloatingBody {
   /// times.
   Eigen::Vector3d position_carry{0, 0, 0}, velocity_carry{0, 0, 0};
 
+  /// Sets a place and a motion. The body starts there.
+  void move_to(const Pose& pose) noexcept;
+  /// Takes the body out.
+  void leave() noexcept;
   // Return ∫Ω dt in body axes [rad].
   Eigen::Vector3d drift(double time) noexcept;  ///< without forces, for a part of a contact step [s]
   Eigen::Vector3d fly(double time) noexcept;    ///< without contact and torque [s]

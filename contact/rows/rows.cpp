@@ -210,17 +210,44 @@ double along(const Selection& P, Eigen::Index i, const double* x) noexcept {
   return sum;
 }
 
-/// Sets R_ii of points whose patches bulge.
-void set_patch_flexibility(Rows& rows, const Bodies& bodies) {
-  rows.patch_R.setZero(rows.rows());
-  for (std::size_t k = 0; k < bodies.bodies.size(); ++k) {
-    const auto& flexibility = bodies.bodies[k].kernel->surface.residual_flexibility;
-    const Selection& P = rows.static_selection[k];
-    for (Eigen::Index i = 0; i < rows.points() && !flexibility.empty(); ++i) {
-      if (!(rows.bulge(i) > 0) || P.row(i).nonZeros() == 0) continue;
-      rows.yielded.setZero();
-      add_row(P, i, Eigen::Map<const Matrix>(flexibility.data(), P.cols(), P.cols()), rows.yielded.data());
-      rows.patch_R(i) += along(P, i, rows.yielded.data());
+/// R along n between the points of a body with these weights.
+double flexibility_of(const PlacedBody& body, const Pairing::Weights& weights, const Vector3d& n) {
+  const kernels::Surface& surface = body.kernel->surface;
+  if (surface.residual_flexibility.empty() || surface.components != 3 || surface.normal_residual) return 0;
+  const auto size = static_cast<Eigen::Index>(3 * surface.size());
+  const Eigen::Map<const Matrix> R(surface.residual_flexibility.data(), size, size);
+  const Vector3d own = body.rotation.transpose() * n;
+  double out = 0;
+  for (const auto& [i, of_i] : weights)
+    for (const auto& [j, of_j] : weights) out += of_i * of_j * own.dot(R.block<3, 3>(3 * i, 3 * j) * own);
+  return out;
+}
+
+/// Of bodies that turn: sets the candidates of the points, and R_ii of those whose patches bulge.
+void set_candidates(const Placement& placement, Rows& out) {
+  std::vector<std::vector<int>> held;
+  for (const PlacedBody& body : placement.bodies) held.push_back(held_candidates(body.kernel->surface));
+  out.patch_R.setZero(out.rows());
+  for (std::size_t p = 0; p < placement.pairs.size(); ++p) {
+    const ContactPair& pair = placement.pairs[p];
+    const Rows::PairBlock& block = out.pairs[p];
+    for (int i = 0; i < block.points; ++i) {
+      const Pairing::Point& point = pair.pairing.points[static_cast<std::size_t>(i)];
+      for (const auto& [k, weights] : {std::pair(pair.a, &point.of_a), std::pair(pair.b, &point.of_b)}) {
+        if (k < 0) continue;
+        const auto at = static_cast<std::size_t>(k);
+        const PlacedBody& body = placement.bodies[at];
+        for (const auto& [candidate, weight] : *weights)
+          if (!held[at].empty() && held[at][static_cast<std::size_t>(candidate)] < 0)
+            refuse_missing(body, pair.request, candidate);
+        const kernels::Surface& surface = body.kernel->surface;
+        if (pair.request.friction && (surface.components == 1 || surface.normal_residual))
+          refuse_normals(body, pair.request);
+        if (point.bulge > 0)
+          out.patch_R(block.first_point + i) += flexibility_of(body, *weights, point.normal);
+      }
+      const bool of_b = i >= block.candidates_of_a && i < block.candidates();
+      out.candidate.push_back((of_b ? point.of_b : point.of_a).front().first);
     }
   }
 }
@@ -302,6 +329,7 @@ Rows build_rows(const Placement& placement, const Bodies& bodies) {
   for (std::size_t k = 0; k < placement.bodies.size(); ++k) {
     const kernels::Surface& surface = placement.bodies[k].kernel->surface;
     const auto select = [&](int c) {
+      if (out.turns) return Selection(0, c * static_cast<int>(surface.size()));
       return selection(placement.bodies[k], static_cast<int>(k), placement.pairs, out, c);
     };
     out.selection.push_back(select(surface.components));
@@ -312,7 +340,7 @@ Rows build_rows(const Placement& placement, const Bodies& bodies) {
   out.yielded.setZero(most);
   out.body_a.resize(static_cast<std::size_t>(rows));
   if (out.turns)
-    set_patch_flexibility(out, bodies);
+    set_candidates(placement, out);
   else
     fill(out, bodies);
   for (Eigen::Index i = 0; i < out.points(); ++i)

@@ -41,6 +41,9 @@ struct Rows : RowFrames {
   Vector area;       ///< (m) [m²]
   /// (m) how many smooth faces of a body meet at the point: 1 within a face, 2 on a crease, more at a corner.
   std::vector<int> faces{};
+  /// (m) if bodies turn: the candidate, of a or of b, at whose place the point is; of creases and summits,
+  /// one beside it.
+  std::vector<int> candidate{};
 
   /// A point with friction.
   struct FrictionPoint {
@@ -82,7 +85,7 @@ struct Rows : RowFrames {
   std::vector<PairBlock> pairs;
 
   /// Of each body, its part in the rows: for modes, and for static corrections, whose components are those of
-  /// Surface::residual_components.
+  /// Surface::residual_components. They have no rows if bodies turn.
   std::vector<Selection> selection{}, static_selection{};
   /// Scratch of fill(): (n) body a of each row; a row of R of one body at its candidates.
   std::vector<int> body_a{};

@@ -23,11 +23,24 @@ bool EnergyLedger::close(const Energy& end, const Work& work) noexcept {
   energy_ = {.kinetic = end.kinetic,
              .strain = end.strain,
              .residual = end.residual,
-             .loads = end.loads + forcing_.total(),
+             .loads = end.loads + forcing_.total() + bodies_.total(),
+             .added = energy_.added,
              .damping = damping_.total(),
              .contact = contact_.total(),
              .friction = friction_.total()};
   return true;
+}
+
+void EnergyLedger::exchange(const Energy& now) noexcept {
+  const double brought = (now.kinetic - energy_.kinetic) + (now.strain - energy_.strain) +
+                         (now.residual - energy_.residual),
+               loads = energy_.loads + brought;
+  bodies_.add(loads - (now.loads + forcing_.total() + bodies_.total()));
+  energy_.kinetic = now.kinetic;
+  energy_.strain = now.strain;
+  energy_.residual = now.residual;
+  energy_.loads = loads;
+  energy_.added += brought;
 }
 
 }  // namespace ricochet::contact

@@ -28,6 +28,10 @@ class EnergyLedger {
   /// @param end  kinetic, strain and residual energy, and the work of constant loads, at the end
   bool close(const Energy& end, const Work& work) noexcept;
 
+  /// Takes energies that change because bodies are added or removed as work from outside.
+  /// @param now  as `end` above, of the bodies that are there now
+  void exchange(const Energy& now) noexcept;
+
  private:
   /// A compensated sum (Neumaier), for ledgers of millions of steps.
   struct Sum {
@@ -38,6 +42,7 @@ class EnergyLedger {
 
   Energy energy_;
   Sum damping_, contact_, friction_, forcing_;
+  Sum bodies_;  ///< work of constant loads on bodies that are not there, and the energy of those added
 };
 
 }  // namespace ricochet::contact

@@ -43,7 +43,8 @@ std::vector<Islands::Sides> sides_of(const Model& model) {
 
 }  // namespace
 
-FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepOptions& options)
+FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepOptions& options,
+                                 const MovingPoints* earlier)
     : Stepper(options, *model),
       state_((check(options), model), options),
       bodies_(floating_bodies(*model)),
@@ -52,7 +53,7 @@ FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepO
       mixes_(!std::ranges::all_of(coriolis_, &Coriolis::empty)),
       turned_(bodies_.size()),
       turning_(*initial_turning(*model, options)),
-      points_(*model, *state_.system),
+      points_(*model, *state_.system, earlier),
       loads_(*state_.system->model, bodies_, state_.forcing, points_),
       travels_(bodies_.size()),
       islands_(static_cast<int>(bodies_.size()), sides_of(*model)),
@@ -62,22 +63,31 @@ FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepO
       stored_(model->pairs.size(), 0),
       pairs_before_(contact_.mean.pairs()),
       over_(*state_.system) {
-  for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    const double turn = turning_.poses[k].spin.norm() * options.step;
-    if (!(turn <= largest_turn))
-      throw InputError(
-          base::format("bodies.{}.angular_velocity: turns the body by {:.3g} rad in a contact step, above "
-                       "{}. Raise time.contact_rate_hz, or lower it.",
-                       model->bodies[k].name, turn, largest_turn));
-  }
   for (Vector* x : {&dq_, &modal_force_, &displaced_, &kept_q_, &kept_v_}) x->setZero(model->omega.size());
-  for (Vector* x : {&rest_, &rest_force_, &end_before_}) x->setZero(model->rows());
-  for (std::vector<int>* x : {&written_, &next_written_}) x->reserve(static_cast<std::size_t>(model->rows()));
-  for (std::size_t k = 0; k < bodies_.size(); ++k)
+  for (Vector* x : {&rest_, &end_before_}) x->setZero(capacity_of(*model));
+  rest_force_.setZero(model->rows());
+  for (std::vector<int>* x : {&written_, &next_written_})
+    x->reserve(static_cast<std::size_t>(capacity_of(*model)));
+}
+
+FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepOptions& options)
+    : FloatingStepper(model, options, nullptr) {
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    check_spin(model->bodies[k].name, turning_.poses[k].spin);
     travels_[k].distance = std::numeric_limits<double>::infinity();  // the first call finds all feet
+  }
   points_.watch(bodies_, travels_, contact_.mean);
   place(0);
   points_.write_frames(bodies_, turning_.frames);
+}
+
+void FloatingStepper::check_spin(const std::string& name, const Vector3d& spin) const {
+  const double turn = spin.norm() * options_.step;
+  if (!(turn <= largest_turn))
+    throw InputError(
+        base::format("bodies.{}.angular_velocity: turns the body by {:.3g} rad in a contact step, above {}. "
+                     "Raise time.contact_rate_hz, or lower it.",
+                     name, turn, largest_turn));
 }
 
 /// ½q̇² + ½ω²q² of the elastic modes of a body [J].
@@ -150,7 +160,11 @@ StepStatus FloatingStepper::step() noexcept {
   drift(Coriolis::Half::before, state_.q, state_.v);
   contact_.slip.begin(system.model->belts, steps_ + 1);
   drive();
-  points_.advance(bodies_, dq_, options_.step, contact_.mean);
+  if (!points_.advance(bodies_, dq_, options_.step, contact_.mean)) {
+    restore();
+    place(time());
+    return StepStatus::crowded;
+  }
   law_.hold(points_.rows());
   law_.change_matrices();
   if (!state_.system->springs.empty())
@@ -346,7 +360,8 @@ Work FloatingStepper::move_modes(const ModeConstants& over) noexcept {
   }
   Work work;
   const ForcedResponse::Piece& piece = state_.forcing.piece();
-  for (const FloatingBody& body : bodies_)
+  for (const FloatingBody& body : bodies_) {
+    if (!body.present) continue;
     for (Index n = body.first_elastic(); n < body.first_elastic() + body.elastic(); ++n) {
       const double q = state_.q(n), v = state_.v(n),
                    g = piece.load(n) + modal_force_(n) - state_.system->stiffness(n) * q,
@@ -356,22 +371,29 @@ Work FloatingStepper::move_modes(const ModeConstants& over) noexcept {
       state_.next_q(n) = q + dq;
       state_.next_v(n) = over.e(n) * v + over.h(n) * g;
     }
+  }
   return work;
+}
+
+/// Of the frames, with elastic modes (N), and the work of constant loads [J].
+Energy FloatingStepper::energy_of(const Vector& q, const Vector& v, double residual) const noexcept {
+  Energy now{.residual = residual};
+  for (const FloatingBody& body : bodies_) {
+    const auto of = [&](const Vector& x) { return x.segment(body.first_elastic(), body.elastic()).array(); };
+    now.kinetic += body.kinetic() + 0.5 * (of(v) + of(state_.now.lift)).square().sum();
+    now.strain += 0.5 * (of(state_.system->stiffness) * of(q).square()).sum();
+    now.loads += body.work_of_gravity() + (of(state_.system->load) * (of(q) - of(state_.system->q0))).sum();
+  }
+  return now;
 }
 
 /// Makes next_q and next_v the state, with the rigid rates of the frames.
 bool FloatingStepper::commit(const Work& work, double residual, double time) noexcept {
-  Energy now{.residual = residual};
   for (const FloatingBody& body : bodies_) {
     state_.next_q.segment(body.first_mode, body.frame_modes).setZero();
     body.write_rates(state_.next_v);
-    const auto of = [&](const Vector& x) { return x.segment(body.first_elastic(), body.elastic()).array(); };
-    now.kinetic += body.kinetic() + 0.5 * (of(state_.next_v) + of(state_.now.lift)).square().sum();
-    now.strain += 0.5 * (of(state_.system->stiffness) * of(state_.next_q).square()).sum();
-    now.loads += body.work_of_gravity() +
-                 (of(state_.system->load) * (of(state_.next_q) - of(state_.system->q0))).sum();
   }
-  if (!state_.ledger.close(now, work)) return false;
+  if (!state_.ledger.close(energy_of(state_.next_q, state_.next_v, residual), work)) return false;
   state_.q.swap(state_.next_q);
   state_.v.swap(state_.next_v);
   turning_.rates = state_.v;
@@ -445,9 +467,14 @@ bool FloatingStepper::push(int number, const Vector3d& force, const Vector3d& to
   body.push = force;
   body.torque = torque;
   turning_.pushed[static_cast<std::size_t>(number)] = {force, torque};
-  search_at_ = clear_until_ = steps_;  // what was known of its motion no longer holds
-  at_rest_ = 0;
+  search_anew();
   return true;
+}
+
+/// What was known of the motion of the bodies no longer holds.
+void FloatingStepper::search_anew() noexcept {
+  search_at_ = clear_until_ = steps_;
+  at_rest_ = 0;
 }
 
 /// Steps to the next output sample, or an equal part of them if modes mix.
@@ -507,6 +534,7 @@ std::int64_t FloatingStepper::find_clear_until(double enough) noexcept {
   for (std::size_t k = 0; k < bodies_.size(); ++k)
     travels_[k].energy = swing_energy(bodies_[k], elastic_energy(bodies_[k]));
   for (const Model::PairBlock& pair : state_.system->model->pairs) {
+    if (!MovingPoints::are_there(pair, bodies_)) continue;
     double way = points_.clearance(pair, bodies_, travels_), speed = 0;
     Vector3d acceleration = Vector3d::Zero();
     for (const int k : {pair.a, pair.b}) {

@@ -35,6 +35,19 @@ class FloatingStepper final : public Stepper {
  public:
   /// Throws as make_stepper does, and if a body, a pair or a load does not allow bodies that turn.
   FloatingStepper(std::shared_ptr<const Model> model, const StepOptions& options);
+  /// Goes on where a stepper of another model is: bodies and pairs that both models have keep their state.
+  /// Other bodies are at the places of the model.
+  FloatingStepper(std::shared_ptr<const Model> model, const StepOptions& options,
+                  const FloatingStepper& earlier, const Correspondence& from);
+
+  /// Takes a free body without loads out. What it touched is free of it, and its place waits for put_in.
+  void take_out(int body) noexcept;
+  /// Puts a body with the same kernel at the place of one that was taken out, with its elastic modes at rest.
+  /// Throws InputError if it turns too fast. @param name  for the message
+  void put_in(int body, const std::string& name, const Pose& pose);
+  bool is_present(int body) const { return bodies_[static_cast<std::size_t>(body)].present; }
+  /// The rows that may have a force in the last step.
+  std::span<const int> forced() const { return written_; }
 
   StepStatus step() noexcept override;
   std::unique_ptr<Stepper> clone() const override { return std::make_unique<FloatingStepper>(*this); }
@@ -47,6 +60,12 @@ class FloatingStepper final : public Stepper {
   bool push(int body, const Eigen::Vector3d& force, const Eigen::Vector3d& torque) noexcept override;
 
  private:
+  FloatingStepper(std::shared_ptr<const Model> model, const StepOptions& options,
+                  const MovingPoints* earlier);
+  void check_spin(const std::string& name, const Eigen::Vector3d& spin) const;
+  Energy energy_of(const Vector& q, const Vector& v, double residual) const noexcept;
+  void exchange() noexcept;
+  void search_anew() noexcept;
   bool is_steady(double time) noexcept;
   bool wakes() noexcept;
   void place(double time) noexcept;

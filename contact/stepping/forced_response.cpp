@@ -12,19 +12,21 @@ ForcedResponse::ForcedResponse(const Model& model, double step)
       omega_(model.omega),
       decay_(model.decay),
       gravity_(model.load),
-      s_(model.static_displacement),
+      s_(model.turns ? Vector() : model.static_displacement),
       forcing_(model.forcing) {
   const Eigen::Index N = model.omega.size();
-  for (Model::Forcing& one : forcing_)
+  for (Model::Forcing& one : forcing_) {
+    if (model.turns) one.displacement.resize(0);  // points have no rows of their own
     for (const int n : model.folded.modes)
       if (const Eigen::Index i = n - one.first_mode; i >= 0 && i < one.lift.size()) one.lift(i) = 0;
+  }
   for (Eigen::Index n = 0; n < N; ++n) whole_.push_back(mode_step(omega_(n), decay_(n), step));
   softness_ = (omega_.array() > 0).select(omega_.array().square().inverse(), 0.0);
   rest_ = s_;
   if (!model.turns) rest_ += model.B * softness_.cwiseProduct(model.load);
   for (const Model::Forcing& one : forcing_) {
-    if (model.turns) {  // points have no rows of their own
-      rests_.push_back({Vector::Zero(s_.size()), Vector::Zero(s_.size())});
+    if (model.turns) {
+      rests_.emplace_back();
       continue;
     }
     const auto B = model.B.middleCols(one.first_mode, one.force.size());

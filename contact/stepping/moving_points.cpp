@@ -54,31 +54,39 @@ void write_over(const MovingPoint& point, int number, const Vector3d& moved, Vec
 
 }  // namespace
 
-MovingPoints::Body::Body(const Bodies::Block& block, const Model& model, const StepSystem& system)
-    : shape(*block.kernel),
+MovingPoints::Body::Body(const Bodies::Block& block, std::shared_ptr<const BodySurface> of_kernel,
+                         const Model& model, const StepSystem& system)
+    : kernel(block.kernel),
+      surface(std::move(of_kernel)),
       centre(block.own_centre()),
-      candidates(block, shape, model, system),
+      candidates(block, shape(), model, system),
       used(block.kernel->surface.size(), 0) {
-  for (const auto* places : {&shape.surface().node, &shape.surface().crest})
+  for (const auto* places : {&shape().surface().node, &shape().surface().crest})
     for (const Vector3d& x : *places) radius = std::max(radius, (x - centre).norm());
 }
 
-MovingPoints::MovingPoints(const Model& model, const StepSystem& system)
+MovingPoints::MovingPoints(const Model& model, const StepSystem& system, const MovingPoints* earlier)
     : pairs_(model.pairs),
       far_(model.pairs.size(), -1),
       travelled_(model.pairs.size(), std::numeric_limits<double>::infinity()),
-      M_(model.rows()),
-      R_(model.rows()),
-      S_(model.rows()),
-      S_mean_(model.rows()) {
+      M_(capacity_of(model)),
+      R_(capacity_of(model)),
+      S_(capacity_of(model)),
+      S_mean_(capacity_of(model)) {
   bodies_.reserve(model.bodies.size());  // copies would lose the reserve of their lists
-  for (const Bodies::Block& block : model.bodies) bodies_.emplace_back(block, model, system);
-  const auto m = static_cast<std::size_t>(model.points()), n = static_cast<std::size_t>(model.rows());
+  for (const Bodies::Block& block : model.bodies) {
+    std::shared_ptr<const BodySurface> surface = known_surface(block.kernel);
+    if (!surface && earlier != nullptr) surface = earlier->known_surface(block.kernel);
+    if (!surface) surface = std::make_shared<const BodySurface>(*block.kernel);
+    bodies_.emplace_back(block, std::move(surface), model, system);
+  }
+  const auto m = static_cast<std::size_t>(model.points()),
+             held = static_cast<std::size_t>(capacity_of(model));
   points_.resize(m);
   is_watched_.assign(m, false);
   member_of_.assign(m, -1);
   for (std::vector<int>* x : {&watched_, &members_, &first_of_}) x->reserve(m);
-  for (std::vector<int>* x : {&rows_, &owner_}) x->reserve(n);
+  for (std::vector<int>* x : {&rows_, &owner_}) x->reserve(held);
   levers_.reserve(m);
   ends_.reserve(m);
   crossings_.reserve(m);
@@ -89,7 +97,8 @@ MovingPoints::MovingPoints(const Model& model, const StepSystem& system)
   for (const Body& one : bodies_) most = std::max(most, one.used.size());
   displaced_.setZero(static_cast<Index>(2 * (3 * (3 * most + 1) + 1)));
   forced_.reserve(6 * m);
-  for (Vector* x : {&start_, &free_, &u_}) x->setZero(model.rows());
+  for (Vector* x : {&start_, &free_}) x->setZero(capacity_of(model));
+  u_.setZero(model.rows());
   for (int pair = 0; pair < static_cast<int>(model.pairs.size()); ++pair) {
     check(model, model.pairs[static_cast<std::size_t>(pair)]);
     add_points(model, pair);
@@ -99,6 +108,60 @@ MovingPoints::MovingPoints(const Model& model, const StepSystem& system)
     point.tangential = rubs.tangential;
     if (point.over_obstacle())
       point.row.bottomRows<2>() = model.tangent.middleRows<2>(rubs.tangential - model.points());
+  }
+}
+
+std::shared_ptr<const BodySurface> MovingPoints::known_surface(const kernels::Kernel* kernel) const {
+  const auto found = std::ranges::find(bodies_, kernel, &Body::kernel);
+  return found == bodies_.end() ? nullptr : found->surface;
+}
+
+void MovingPoints::take(const MovingPoints& earlier, const Correspondence& from) {
+  for (std::size_t p = 0; p < from.pair.size(); ++p) {
+    if (from.pair[p] < 0) continue;
+    const auto then = static_cast<std::size_t>(from.pair[p]);
+    const Model::PairBlock& pair = pairs_[p];
+    far_[p] = earlier.far_[then];
+    travelled_[p] = earlier.travelled_[then];
+    for (int i = 0; i < pair.points; ++i) {
+      Point& point = points_[static_cast<std::size_t>(pair.first_point + i)];
+      const int tangential = point.tangential;
+      point = earlier.points_[static_cast<std::size_t>(earlier.pairs_[then].first_point + i)];
+      point.pair = static_cast<int>(p);
+      point.end[0].body = pair.a;
+      point.end[1].body = pair.b;
+      point.tangential = tangential;
+    }
+  }
+  carry(earlier.u_, u_, from.rows);
+  for (const auto& [number, candidate] : earlier.forced_)
+    if (const auto now = std::ranges::find(from.body, number); now != from.body.end())
+      forced_.push_back({static_cast<int>(now - from.body.begin()), candidate});
+}
+
+void MovingPoints::forget(int number) noexcept {
+  const auto concerns = [&](int i) {
+    const Model::PairBlock& pair =
+        pairs_[static_cast<std::size_t>(points_[static_cast<std::size_t>(i)].pair)];
+    return pair.a == number || pair.b == number;
+  };
+  for (const int i : watched_)
+    if (concerns(i)) is_watched_[static_cast<std::size_t>(i)] = false;
+  std::erase_if(watched_, concerns);
+  std::erase_if(near_, [&](const Near& one) { return concerns(one.summit); });
+  drop_members();
+  for (std::size_t k = 0; k < pairs_.size(); ++k) {
+    const Model::PairBlock& pair = pairs_[k];
+    if (pair.a != number && pair.b != number) continue;
+    far_[k] = -1;
+    travelled_[k] = std::numeric_limits<double>::infinity();
+    for (int i = pair.first_point; i < pair.first_point + pair.points; ++i) {
+      Point& point = points_[static_cast<std::size_t>(i)];
+      if (point.kind == Kind::obstacle) continue;
+      point.open = true;
+      point.crease = {-1, -1};
+      if (!point.over_obstacle()) point.row.setZero();
+    }
   }
 }
 
@@ -123,10 +186,9 @@ void MovingPoints::add_points(const Model& model, int number) {
     if (point.kind == Kind::creases || (point.kind == Kind::summit && pair.b >= 0)) continue;
     const bool of_b = point.kind == Kind::candidate_of_b;
     const int own = of_b ? pair.b : pair.a;
-    const Selection::InnerIterator entry(model.selection[static_cast<std::size_t>(own)], i);
-    point.candidate = static_cast<int>(entry.col()) / 3;
+    point.candidate = model.candidate[static_cast<std::size_t>(i)];
     point.place =
-        body(own).shape.surface().crest[static_cast<std::size_t>(point.candidate)] - body(own).centre;
+        body(own).shape().surface().crest[static_cast<std::size_t>(point.candidate)] - body(own).centre;
     point.end[of_b ? 1 : 0].set({point.candidate, 0, 0}, {1, 0, 0});
     if (!point.over_obstacle()) {
       numbers[of_b ? 1 : 0][static_cast<std::size_t>(point.candidate)] = i;
@@ -173,7 +235,7 @@ Matrix3d MovingPoints::in_world(const Point& point, std::span<const FloatingBody
 double MovingPoints::smallest_element(const Point& point) const noexcept {
   double out = std::numeric_limits<double>::infinity();
   for (const End& end : point.end)
-    if (end.body >= 0) out = std::min(out, body(end.body).shape.element_size());
+    if (end.body >= 0) out = std::min(out, body(end.body).shape().element_size());
   return out;
 }
 
@@ -258,6 +320,10 @@ void MovingPoints::write_displacements(std::span<const FloatingBody> bodies, Vec
   u = u_;
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     const Model::PairBlock& pair = pairs_[k];
+    if (!are_there(pair, bodies)) {
+      u.segment(pair.first_point, pair.points).setConstant(-std::numeric_limits<double>::infinity());
+      continue;
+    }
     const FloatingBody& state = bodies[static_cast<std::size_t>(pair.a)];
     const Vector3d n = pair.b < 0 ? Vector3d(points_[static_cast<std::size_t>(pair.first_point)].row.row(0))
                                   : Vector3d(Vector3d::Zero()),
@@ -276,7 +342,7 @@ void MovingPoints::write_displacements(std::span<const FloatingBody> bodies, Vec
   for (const Near& one : near_) u(one.candidate) = u_(one.candidate);
 }
 
-void MovingPoints::advance(std::span<const FloatingBody> bodies, const Vector& dq, double step,
+bool MovingPoints::advance(std::span<const FloatingBody> bodies, const Vector& dq, double step,
                            const MeanForce& forces) noexcept {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const FloatingBody& state = bodies[k];
@@ -295,8 +361,10 @@ void MovingPoints::advance(std::span<const FloatingBody> bodies, const Vector& d
         of.elastic_fastest = std::max(of.elastic_fastest, of.candidates.change(end.candidate[k], dq).norm());
       }
   add_members(forces);
-  list_rows();
+  if (!list_rows()) return false;
+  join_candidates();
   set_rows(bodies, dq, step);
+  return true;
 }
 
 /// Adds the points that may touch in the step.
@@ -316,6 +384,9 @@ void MovingPoints::add_members(const MeanForce& forces) noexcept {
     member_of_[static_cast<std::size_t>(i)] = static_cast<int>(members_.size());
     members_.push_back(i);
   }
+}
+
+void MovingPoints::join_candidates() noexcept {
   for (const int i : members_)
     for (const End& end : points_[static_cast<std::size_t>(i)].end)
       for (std::size_t k = 0; k < static_cast<std::size_t>(end.count); ++k)
@@ -368,18 +439,20 @@ bool MovingPoints::repeats(const Point& point) const noexcept {
   return there >= 0 && !points_[static_cast<std::size_t>(there)].open;
 }
 
-void MovingPoints::list_rows() noexcept {
+bool MovingPoints::list_rows() noexcept {
   rows_.clear();
   owner_.clear();
   first_of_.clear();
   for (std::size_t s = 0; s < members_.size(); ++s) {
     const Point& point = points_[static_cast<std::size_t>(members_[s])];
     first_of_.push_back(static_cast<int>(rows_.size()));
+    if (std::ssize(rows_) + point.rows() > start_.size()) return false;
     for (int along = 0; along < point.rows(); ++along) {
       rows_.push_back(along == 0 ? members_[s] : point.tangential + along - 1);
       owner_.push_back(static_cast<int>(s));
     }
   }
+  return true;
 }
 
 /// Adds the flexibility of a body to the lower triangles of M and R: for each end, the displacements of all

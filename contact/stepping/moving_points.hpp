@@ -24,6 +24,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -39,8 +40,15 @@ namespace ricochet::contact {
 
 class MovingPoints {
  public:
-  /// Allocates all memory. Throws InputError if a kernel does not allow bodies that turn.
-  MovingPoints(const Model& model, const StepSystem& system);
+  /// Allocates all memory. Bodies with the same kernel share their surface, also with those of `earlier`, if
+  /// given. Throws InputError if a kernel does not allow bodies that turn.
+  MovingPoints(const Model& model, const StepSystem& system, const MovingPoints* earlier = nullptr);
+
+  /// Takes the points that a model has in common with an earlier one. Nothing is watched until the next
+  /// search.
+  void take(const MovingPoints& earlier, const Correspondence& from);
+  /// Watches the points of a body no longer, and forgets what they met.
+  void forget(int body) noexcept;
 
   /// What a body may do in a time.
   struct Travel {
@@ -50,7 +58,12 @@ class MovingPoints {
   /// Whether the bodies of a pair may reach each other, whatever their shapes.
   bool may_meet(const Model::PairBlock& pair, std::span<const FloatingBody> bodies,
                 std::span<const Travel> travels) const noexcept {
-    return apart(pair, bodies) < margin(pair, travels);
+    return are_there(pair, bodies) && apart(pair, bodies) < margin(pair, travels);
+  }
+  /// Whether no body of a pair has been taken out.
+  static bool are_there(const Model::PairBlock& pair, std::span<const FloatingBody> bodies) noexcept {
+    return bodies[static_cast<std::size_t>(pair.a)].present &&
+           (pair.b < 0 || bodies[static_cast<std::size_t>(pair.b)].present);
   }
   /// Smallest distance that a pair has left, whatever the phase of the modes of its bodies [m]; ∞ without
   /// points. @param energy  by body, of the elastic modes and of R, at most [J]
@@ -70,8 +83,9 @@ class MovingPoints {
   /// Computes U of the watched points, and where they are. @param q  (N)
   void place(std::span<const FloatingBody> bodies, const Vector& q) noexcept;
   /// In the middle of a step: displacements d of the watched points. Chooses the points that may touch.
+  /// Returns false if they have more rows than a step may hold.
   /// @param dq  (N) of the free elastic motion
-  void advance(std::span<const FloatingBody> bodies, const Vector& dq, double step,
+  bool advance(std::span<const FloatingBody> bodies, const Vector& dq, double step,
                const MeanForce& forces) noexcept;
 
   std::span<const int> rows() const { return rows_; }  ///< those of points that may touch
@@ -110,8 +124,11 @@ class MovingPoints {
   using Kind = Point::Kind;
   using End = Point::End;
   struct Body {
-    Body(const Bodies::Block& block, const Model& model, const StepSystem& system);
-    BodySurface shape;
+    Body(const Bodies::Block& block, std::shared_ptr<const BodySurface> surface, const Model& model,
+         const StepSystem& system);
+    const kernels::Kernel* kernel;
+    std::shared_ptr<const BodySurface> surface;
+    const BodySurface& shape() const { return *surface; }
     Eigen::Vector3d centre;  ///< body axes [m]
     double radius = 0;       ///< of the surface about the centre [m]
     MovingCandidates candidates;
@@ -132,8 +149,9 @@ class MovingPoints {
   double smallest_element(const Point& point) const noexcept;
   double rise_of(const Model::PairBlock& pair) const noexcept;
   Side side(int k, std::span<const FloatingBody> bodies) const {
-    return {body(k).shape, body(k).centre, bodies[static_cast<std::size_t>(k)]};
+    return {body(k).shape(), body(k).centre, bodies[static_cast<std::size_t>(k)]};
   }
+  std::shared_ptr<const BodySurface> known_surface(const kernels::Kernel* kernel) const;
   void add_points(const Model& model, int pair);
   double apart(const Model::PairBlock& pair, std::span<const FloatingBody> bodies) const noexcept;
   double inside(const Model::PairBlock& pair, std::span<const FloatingBody> bodies) const noexcept;
@@ -166,10 +184,11 @@ class MovingPoints {
   bool is_nearest(const Point& point) const noexcept;
   void drop_members() noexcept;
   void add_members(const MeanForce& forces) noexcept;
+  void join_candidates() noexcept;
   void set_rows(std::span<const FloatingBody> bodies, const Vector& dq, double step) noexcept;
   bool repeats(const Point& point) const noexcept;
   double deepest_start(const Point& point, double approach) const noexcept;
-  void list_rows() noexcept;
+  bool list_rows() noexcept;
   void add_flexibility(int body, const FloatingBody& state, double share) noexcept;
   Eigen::Vector3d force_on(const End& end, std::size_t member, const Vector& p) const noexcept;
 

@@ -21,7 +21,7 @@ constexpr double same_summit = 0.01;
 
 /// By how much a summit of a pair may be nearer than the candidates around it [m].
 double MovingPoints::rise_of(const Model::PairBlock& pair) const noexcept {
-  return pair.summits == 0 ? 0 : body(pair.a).shape.camber() + body(pair.b).shape.camber();
+  return pair.summits == 0 ? 0 : body(pair.a).shape().camber() + body(pair.b).shape().camber();
 }
 
 /// By how much the elastic displacements may bring a point nearer [m].
@@ -43,7 +43,7 @@ double MovingPoints::apart(const Model::PairBlock& pair,
   double out =
       (bodies[static_cast<std::size_t>(pair.a)].position - bodies[static_cast<std::size_t>(pair.b)].position)
           .norm();
-  for (const int k : {pair.a, pair.b}) out -= radius(k) + body(k).shape.camber();
+  for (const int k : {pair.a, pair.b}) out -= radius(k) + body(k).shape().camber();
   return out;
 }
 
@@ -65,7 +65,7 @@ double MovingPoints::inside(const Model::PairBlock& pair,
 double MovingPoints::above(const Model::PairBlock& pair, const FloatingBody& state) const noexcept {
   const Point& any = points_[static_cast<std::size_t>(pair.first_point)];
   return any.gap - any.row.row(0).dot(state.position - any.initial) - radius(pair.a) -
-         body(pair.a).shape.camber();
+         body(pair.a).shape().camber();
 }
 
 /// By how much the elastic displacements of two bodies may bring them nearer [m].
@@ -91,7 +91,7 @@ double MovingPoints::clearance(const Model::PairBlock& pair, std::span<const Flo
       const Point& point = points_[static_cast<std::size_t>(i)];
       least = std::min(least, point.height(of_a) - swing_of(point, energies));
     }
-    return least - body(pair.a).shape.camber();
+    return least - body(pair.a).shape().camber();
   }
   const double swing = swing_of(pair, energies), spheres = apart(pair, bodies);
   if (spheres > swing) return spheres - swing;
@@ -99,7 +99,8 @@ double MovingPoints::clearance(const Model::PairBlock& pair, std::span<const Flo
   // A point of a face is at most as far from its nearest candidate as that of an equilateral triangle.
   double facet = 0;
   Vector3d out_of_a = Vector3d::Zero();
-  for (const int k : {pair.a, pair.b}) facet = std::max(facet, body(k).shape.element_size() / std::sqrt(3.0));
+  for (const int k : {pair.a, pair.b})
+    facet = std::max(facet, body(k).shape().element_size() / std::sqrt(3.0));
   for (int i = pair.first_point; i < pair.first_point + pair.candidates(); ++i) {
     const Point& point = points_[static_cast<std::size_t>(i)];
     const Side own = side(point.own().body, bodies), other = side(point.other().body, bodies);
@@ -152,6 +153,7 @@ void MovingPoints::watch(std::span<const FloatingBody> bodies, std::span<const T
   unwatch();
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     const Model::PairBlock& pair = pairs_[k];
+    if (!are_there(pair, bodies)) continue;
     if (pair.b >= 0) {
       const double reach = margin(pair, travels);
       double away = apart(pair, bodies);
@@ -256,7 +258,7 @@ void MovingPoints::list_summits(int number, std::span<const FloatingBody> bodies
 bool MovingPoints::is_nearest(const Point& point) const noexcept {
   const std::vector<int>& numbers =
       point_of_[static_cast<std::size_t>(point.pair)][point.kind == Kind::candidate_of_b ? 1 : 0];
-  return std::ranges::none_of(body(point.own().body).shape.around(point.candidate), [&](int beside) {
+  return std::ranges::none_of(body(point.own().body).shape().around(point.candidate), [&](int beside) {
     const int number = numbers[static_cast<std::size_t>(beside)];
     return number >= 0 &&
            std::abs(points_[static_cast<std::size_t>(number)].distance) < std::abs(point.distance);

@@ -36,7 +36,8 @@ enum {
   RICOCHET_OK = 0,
   RICOCHET_NO_SOLUTION = 1, /* no contact forces keep the bodies apart */
   RICOCHET_NOT_FINITE = 2,  /* the motion is no longer finite */
-  RICOCHET_REFUSED = 3      /* see ricochet_error() */
+  RICOCHET_REFUSED = 3,     /* see ricochet_error() */
+  RICOCHET_CROWDED = 4      /* RICOCHET_FINITE: more points may touch at once than a step can hold */
 };
 enum { RICOCHET_JUMP = 0, RICOCHET_DIFFERENCE = 1 }; /* admittance of the impulse scheme */
 enum { RICOCHET_LINEAR = 0, RICOCHET_FINITE = 1 };   /* rotation of free bodies: small, or by any angle */
@@ -103,7 +104,8 @@ int ricochet_scene_impulse(ricochet_scene* scene, int admittance, double restitu
 /* Scheme "impulse": from event to event within a step. */
 int ricochet_scene_exact_events(ricochet_scene* scene);
 
-/* Simulations: use each from one thread at a time. Below, only ricochet_simulation_new and _save allocate. */
+/* Simulations: use each from one thread at a time. Below, only ricochet_simulation_new, _add, _remove and _save
+ * allocate. */
 typedef struct ricochet_block { /* each may be NULL */
   double* velocity;             /* (n,p) of the pickups [m/s] */
   double* total_force;          /* (n) [N] */
@@ -114,10 +116,11 @@ typedef struct ricochet_block { /* each may be NULL */
 
 typedef struct ricochet_energy { /* [J] */
   double kinetic, strain, residual, loads, damping, contact, friction;
+  double added; /* part of loads: what bodies that were added brought, less what removed ones took away */
 } ricochet_energy;
 
 typedef struct ricochet_point {
-  size_t pair;
+  size_t pair; /* in the order of the calls of ricochet_scene_pair; (size_t)-1 for a body that was added */
   double a[3], b[3], normal[3]; /* points that face each other [m]; unit normal out of a */
   double gap, area;             /* initial [m]; of the patch of a [m^2] */
 } ricochet_point;
@@ -129,7 +132,8 @@ typedef struct ricochet_motion { /* of a body as a whole, world axes */
 } ricochet_motion;
 
 typedef struct ricochet_contact { /* a point with a force in the last step */
-  size_t pair, point;             /* pair in the order of the calls of ricochet_scene_pair */
+  size_t pair, point;             /* pair as above */
+  const char *a, *b;              /* names of bodies, or of one and a half-space; valid until one is added or removed */
   double place[3], normal[3];     /* on body a, now [m]; unit, out of a. Linear rotations: at the start */
   double force[3];                /* on body b or the half-space, with friction: mean over the step [N] */
 } ricochet_contact;
@@ -137,7 +141,7 @@ typedef struct ricochet_contact { /* a point with a force in the last step */
 ricochet_simulation* ricochet_simulation_new(const ricochet_scene* scene);
 void ricochet_simulation_free(ricochet_simulation* simulation);
 
-/* Return RICOCHET_OK, RICOCHET_NO_SOLUTION or RICOCHET_NOT_FINITE. A failed step changes nothing; rows of the
+/* Return RICOCHET_OK, RICOCHET_NO_SOLUTION, RICOCHET_NOT_FINITE or RICOCHET_CROWDED. A failed step changes nothing; rows of the
  * block from that step on are 0. block may be NULL. */
 int ricochet_simulation_step(ricochet_simulation* simulation);
 int ricochet_simulation_step_block(ricochet_simulation* simulation, int64_t steps,
@@ -153,7 +157,8 @@ const double* ricochet_simulation_force(const ricochet_simulation* simulation); 
 const double* ricochet_simulation_displacement(const ricochet_simulation* simulation); /* [m] */
 /* (m,3) of friction on body b [N]; 0 for points without friction. */
 const double* ricochet_simulation_tangential_force(const ricochet_simulation* simulation);
-/* point < m, pickup < p, body in the order of the calls of ricochet_scene_body; not checked. */
+/* point < m and pickup < p are not checked. body: in the order of the calls of ricochet_scene_body, or what
+ * ricochet_simulation_add has returned; it stays that of its body. Of a body that was removed, motions are NaN. */
 void ricochet_simulation_point(const ricochet_simulation* simulation, size_t point, ricochet_point* out);
 double ricochet_simulation_pickup_velocity(const ricochet_simulation* simulation, size_t pickup);
 double ricochet_simulation_pickup_displacement(const ricochet_simulation* simulation, size_t pickup);
@@ -162,13 +167,26 @@ void ricochet_simulation_motion(const ricochet_simulation* simulation, size_t bo
 /* Writes the points that touch, at most `count` of them. Returns how many there are. */
 size_t ricochet_simulation_contacts(ricochet_simulation* simulation, ricochet_contact* out, size_t count);
 /* Sets a force [N] and a torque about the centre of mass [N m] from outside, world axes, which act on a body
- * until they are set again; NULL: none. Returns RICOCHET_REFUSED unless rotations are finite. */
+ * until they are set again; NULL: none. Returns RICOCHET_REFUSED unless rotations are finite and the body is there. */
 int ricochet_simulation_push(ricochet_simulation* simulation, size_t body, const double* force,
                              const double* torque);
+
+/* With RICOCHET_FINITE: adds a body, which may meet every other body and every half-space, and writes its number to
+ * `body`, unless that is NULL. friction: NULL, or the three numbers of ricochet_scene_friction. Refused if the name
+ * is taken or if the body would overlap another one. m may change. A body with the kernel of one that was removed
+ * takes its place, which is fast. */
+int ricochet_simulation_add(ricochet_simulation* simulation, const char* name, const ricochet_kernel* kernel,
+                            const ricochet_motion* motion, const double* friction, size_t* body);
+/* Removes a body, with its contacts. The numbers of the others stay. */
+int ricochet_simulation_remove(ricochet_simulation* simulation, size_t body);
+/* Writes the number of the body with this name. */
+int ricochet_simulation_find(const ricochet_simulation* simulation, const char* name, size_t* body);
+/* Writes the numbers of the bodies that are there, at most `count` of them. Returns how many there are. */
+size_t ricochet_simulation_bodies(const ricochet_simulation* simulation, size_t* out, size_t count);
 void ricochet_simulation_energy(const ricochet_simulation* simulation, ricochet_energy* out);
 
 ricochet_state* ricochet_simulation_save(const ricochet_simulation* simulation);
-/* Returns RICOCHET_REFUSED for a state of another simulation. */
+/* Returns RICOCHET_REFUSED for a state of another simulation, or of other bodies. */
 int ricochet_simulation_restore(ricochet_simulation* simulation, const ricochet_state* state);
 void ricochet_state_free(ricochet_state* state);
 

@@ -20,7 +20,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "ricochet/denormals.hpp"
@@ -41,7 +44,9 @@ SharedKernel load_kernel(const std::filesystem::path& path);
 void save_kernel(const kernels::Kernel& kernel, const std::filesystem::path& path);
 
 struct ContactPoint {
-  std::size_t pair = 0;        ///< index into Scene::pairs
+  /// Index into Scene::pairs; `no_pair` for a pair of a body that was added.
+  std::size_t pair = 0;
+  static constexpr std::size_t no_pair = static_cast<std::size_t>(-1);
   Vector3 a{}, b{}, normal{};  ///< points on a and b that face each other [m]; unit normal out of a
   double gap = 0;              ///< initial [m]
   double area = 0;             ///< of the patch of a [m²]
@@ -50,9 +55,11 @@ struct ContactPoint {
 /// A point that touches.
 struct Touching {
   std::size_t point = 0;  ///< index into Simulation::points()
-  Vector3 place{};        ///< on body a, now; with linear rotations, at the start [m]
-  Vector3 normal{};       ///< unit, out of a, likewise
-  Vector3 force{};  ///< on body b, or on the obstacle: of contact and friction, the mean over the step [N]
+  /// Names of bodies a and b, or of a and an obstacle. Valid until a body is added or removed.
+  std::array<std::string_view, 2> between{};
+  Vector3 place{};   ///< on body a, now; with linear rotations, at the start [m]
+  Vector3 normal{};  ///< unit, out of a, likewise
+  Vector3 force{};   ///< on body b, or on the obstacle: of contact and friction, the mean over the step [N]
 };
 
 /// Where a body is, and how it moves as a whole, in world axes.
@@ -101,8 +108,9 @@ class Simulation {
   std::int64_t steps() const noexcept;  ///< since t = 0
   double time() const noexcept;         ///< [s]
 
-  std::span<const ContactPoint> points() const noexcept;  ///< (m)
-  std::span<const double> force() const noexcept;         ///< (m) λ_i ≥ 0 [N], the mean over the last step
+  std::span<const ContactPoint> points()
+      const noexcept;                              ///< (m); m may change when a body is added or removed
+  std::span<const double> force() const noexcept;  ///< (m) λ_i ≥ 0 [N], the mean over the last step
   std::span<const double> displacement() const noexcept;  ///< (m) u_i [m]; the gap is now g_i − u_i
   /// (m,3) force of friction on body b, and negated on a [N]: the mean over the last step, perpendicular to
   /// the normal. 0 for points without friction.
@@ -118,14 +126,36 @@ class Simulation {
   double pickup_velocity(std::size_t pickup) const noexcept;      ///< [m/s]
   double pickup_displacement(std::size_t pickup) const noexcept;  ///< since t = 0 [m]
 
-  Vector3 mean_velocity(
-      std::size_t body) const noexcept;  ///< averaged over the mass; index into Scene::bodies [m/s]
+  // Functions below take the number of a body: its index in Scene::bodies, or what `add` has returned. A
+  // number stays that of its body, whatever is added or removed, and is never used again.
+
+  Vector3 mean_velocity(std::size_t body) const noexcept;  ///< averaged over the mass [m/s]; NaN if removed
   /// At the end of the last step. With linear rotations, the attitude is that of the rotation vector of the
-  /// rigid modes.
+  /// rigid modes. NaN if the body has been removed.
   BodyMotion body_motion(std::size_t body) const noexcept;
   /// Sets a force [N] and a torque about the centre of mass [N m] from outside, in world axes, which act on a
-  /// body until they are set again. Returns false and does nothing unless rotations are finite.
+  /// body until they are set again. Returns false and does nothing unless rotations are finite and the body
+  /// is there.
   bool push(std::size_t body, const Vector3& force, const Vector3& torque) noexcept;
+
+  /// Adds a body between two steps, with its elastic modes at rest. It may meet every other body and every
+  /// obstacle, with this friction. Returns its number. The other bodies go on as if nothing had happened, and
+  /// energy().added grows by what the body brings. Takes time and memory for its pairs with all the others,
+  /// unless one with the same `kernel` has been removed, whose place it then takes. Throws a one-line
+  /// InputError, and changes nothing, if the name is taken, if the body would overlap another one or an
+  /// obstacle (with the depth), if the kernel does not allow finite rotations, or if rotations are linear.
+  std::size_t add(const std::string& name, const SharedKernel& kernel, const BodyMotion& motion,
+                  const std::optional<Friction>& friction = {});
+  /// Removes a body between two steps. Its contacts vanish at once, and its pickups are silent from now on.
+  /// Throws a one-line InputError if it is not there, or if rotations are linear.
+  void remove(std::size_t body);
+
+  std::span<const std::size_t> bodies() const noexcept;  ///< numbers of those that are there, ascending
+  /// The number of a body that is there; no value: none has this name.
+  std::optional<std::size_t> find(std::string_view name) const noexcept;
+  /// The name of a body that is there; otherwise "".
+  std::string_view name(std::size_t body) const noexcept;
+
   Energy energy() const noexcept;
   int quasi_static_modes() const noexcept;  ///< modes above half the rate, which respond statically
 
@@ -133,7 +163,7 @@ class Simulation {
   State save() const;
 
   /// Continues from `state`; the following steps are bitwise the same. Returns false and changes nothing if
-  /// `state` is from another simulation.
+  /// `state` is from another simulation, or if bodies have been added or removed since it was saved.
   bool restore(const State& state) noexcept;
 
  private:

@@ -8,6 +8,7 @@ enum class StepStatus {
   no_solution,
   not_finite,
   table_ended,  ///< sampled responses: the step is beyond their end
+  crowded,      ///< finite rotations: more points may touch at once than a step can hold
 };
 
 }  // namespace ricochet

@@ -89,13 +89,44 @@ class Stepper {
 
   void step() { check(simulation_.step()); }
 
+  /// @param friction  null, or its three numbers
+  void add(const std::string& name, const Kernel& kernel, const Vector3& position,
+           const std::array<double, 4>& attitude, const Vector3& velocity, const Vector3& spin,
+           const std::optional<std::array<double, 3>>& friction) {
+    std::optional<Friction> rubs;
+    if (friction) rubs = {(*friction)[0], (*friction)[1], (*friction)[2]};
+    store::in_file(scene_.file, [&] {
+      return simulation_.add(name, kernel, {position, attitude, velocity, spin}, rubs);
+    });
+  }
+  void remove(const std::string& name) {
+    store::in_file(scene_.file, [&] {
+      simulation_.remove(number_of(name));
+      return 0;
+    });
+  }
+
+  /// Throws InputError if no body that is there has this name.
+  std::size_t number_of(const std::string& name) const {
+    if (const auto found = simulation_.find(name)) return *found;
+    std::string names;
+    for (const std::size_t body : simulation_.bodies())
+      names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", simulation_.name(body));
+    throw InputError(fmt::format("{}: there is no body \"{}\": there are {}.",
+                                 scene_.file.filename().string(), name, names.empty() ? "none" : names));
+  }
+  std::vector<std::string> bodies() const {
+    std::vector<std::string> out;
+    for (const std::size_t body : simulation_.bodies()) out.emplace_back(simulation_.name(body));
+    return out;
+  }
+
   /// Names, number of the point, place, normal and force of each point that touches.
   py::list contacts() {
     py::list out;
     for (const Touching& one : simulation_.contacts()) {
-      const scene::Pair& pair = scene_.contact.pairs[simulation_.points()[one.point].pair];
-      out.append(
-          py::make_tuple(pair.a, pair.b, one.point, copy(one.place), copy(one.normal), copy(one.force)));
+      out.append(py::make_tuple(one.between[0], one.between[1], one.point, copy(one.place), copy(one.normal),
+                                copy(one.force)));
     }
     return out;
   }
@@ -134,6 +165,7 @@ py::dict energy(const Simulation& simulation) {
   out["contact"] = e.contact;
   out["friction"] = e.friction;
   out["total"] = e.total();
+  out["added"] = e.added;
   return out;
 }
 
@@ -221,17 +253,22 @@ void bind_simulation(py::module_& module) {
            [](const Simulation& s) { return pickups(s, &Simulation::pickup_displacement); });
   property("energy", &energy);
   property("quasi_static_modes", [](const Simulation& s) { return s.quasi_static_modes(); });
-  stepper.def("body_motion", [](Stepper& self, std::size_t body) {
-    const BodyMotion motion = self.simulation().body_motion(body);
+  stepper.def("add", &Stepper::add)
+      .def("remove", &Stepper::remove)
+      .def_property_readonly("bodies", &Stepper::bodies);
+  stepper.def("body_motion", [](Stepper& self, const std::string& body) {
+    const BodyMotion motion = self.simulation().body_motion(self.number_of(body));
     return py::make_tuple(copy(motion.position), copy(motion.attitude), copy(motion.velocity),
                           copy(motion.spin));
   });
   stepper.def("contacts", &Stepper::contacts);
-  stepper.def("push", [](Stepper& self, std::size_t body, const Vector3& force, const Vector3& torque) {
-    return self.simulation().push(body, force, torque);
+  stepper.def("push",
+              [](Stepper& self, const std::string& body, const Vector3& force, const Vector3& torque) {
+                return self.simulation().push(self.number_of(body), force, torque);
+              });
+  stepper.def("mean_velocity", [](Stepper& self, const std::string& body) {
+    return copy(self.simulation().mean_velocity(self.number_of(body)));
   });
-  stepper.def("mean_velocity",
-              [](Stepper& self, std::size_t body) { return copy(self.simulation().mean_velocity(body)); });
 }
 
 }  // namespace ricochet::python

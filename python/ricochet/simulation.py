@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from os import PathLike
 
 import numpy as np
@@ -70,11 +71,12 @@ class Energy:
     kinetic: float
     strain: float
     residual: float  #: of the static response
-    loads: float  #: work of gravity so far
+    loads: float  #: work of gravity and of all else from outside so far
     damping: float  #: lost so far
     contact: float  #: lost so far
     total: float  #: kinetic + strain + residual − loads
     friction: float = 0.0  #: heat of friction so far
+    added: float = 0.0  #: part of loads: what added bodies brought, less what removed ones took away
 
 
 class State:
@@ -171,7 +173,79 @@ class Simulation:
         """Restores a saved state, to the last bit. Raises ValueError if the state belongs to another
         simulation."""
         if not self._core.restore(state._core):
-            raise ValueError("the state is of another simulation")
+            raise ValueError("the state is of another simulation, or of other bodies")
+
+    # ---- Bodies ----
+
+    @property
+    def bodies(self) -> list[str]:
+        """Names of the bodies that are there: those of the scene, then those that were added."""
+        return self._core.bodies
+
+    def add(
+        self,
+        name: str,
+        kernel: Kernel | str,
+        position: Sequence[float],
+        *,
+        attitude: Sequence[float] = (1, 0, 0, 0),
+        velocity: Sequence[float] = (0, 0, 0),
+        spin: Sequence[float] = (0, 0, 0),
+        friction: float | Mapping[str, float] | None = None,
+    ) -> None:
+        """Adds a body between two steps. It may meet every other body and every obstacle. The other bodies go on
+        as if nothing had happened, and m may change. If a body with the same kernel has been removed, the new one
+        takes its place, which is fast.
+
+        kernel: a kernel, or the name of a body that has it.
+        position, attitude, velocity, spin: as `body_motion` returns them; elastic modes are at rest.
+        friction: with all that it meets, as the key `contact.friction`; default: that of the scene.
+
+        Raises InputError, one line, if the name is taken, if the body would overlap another one or an obstacle, if
+        the kernel does not allow finite rotations, or unless `motion.rotation = "finite"`. Nothing changes then.
+        """
+        if isinstance(kernel, str):
+            if kernel not in self.kernels:
+                raise InputError(
+                    f"{self.scene.title}: there is no body {kernel!r} whose kernel {name!r} could have. Give a kernel."
+                )
+            kernel = self.kernels[kernel]
+        self._core.add(
+            name,
+            kernel._core,
+            list(position),
+            list(attitude),
+            list(velocity),
+            list(spin),
+            self._friction(friction),
+        )
+        self.kernels[name] = kernel
+
+    def remove(self, name: str) -> None:
+        """Removes a body between two steps. Its contacts vanish at once, and its pickups are silent from now on.
+        Raises InputError if it is not there, or unless `motion.rotation = "finite"`."""
+        self._core.remove(name)
+        del self.kernels[name]
+
+    @cached_property
+    def _frictions(self) -> list[float | Mapping[str, float]]:
+        """The key `friction` of each pair of the scene."""
+        contact = self.scene.resolved["contact"]
+        pairs = [pair for pair in contact.get("pair", [contact]) if pair.get("touch", True)]
+        return [pair.get("friction", 0) for pair in pairs]
+
+    def _friction(self, friction: float | Mapping[str, float] | None) -> list[float] | None:
+        """Coefficients at rest and in fast sliding, and the speed between them [m/s]."""
+        if friction is None:
+            if any(law != self._frictions[0] for law in self._frictions):
+                raise InputError(
+                    f"{self.scene.title}: contact.friction differs from pair to pair. Give the friction of the body."
+                )
+            friction = self._frictions[0] if self._frictions else 0
+        if isinstance(friction, Mapping):
+            at_rest = friction["static"]
+            return [at_rest, friction.get("dynamic", at_rest), friction.get("stribeck_velocity", 0)]
+        return [friction, friction, 0]
 
     # ---- State ----
 
@@ -202,7 +276,7 @@ class Simulation:
 
     def body_motion(self, body: str) -> BodyMotion:
         """Where a body is, and how it moves as a whole, at the end of the last step."""
-        return BodyMotion(*self._core.body_motion(self.scene.bodies.index(body)))
+        return BodyMotion(*self._core.body_motion(body))
 
     @property
     def contacts(self) -> list[Contact]:
@@ -217,12 +291,12 @@ class Simulation:
     ) -> None:
         """Sets a force [N] and a torque about the centre of mass [N m] from outside, in world axes, which act on
         a body until they are set again. Raises InputError unless `motion.rotation = "finite"`."""
-        if not self._core.push(self.scene.bodies.index(body), force, torque):
+        if not self._core.push(body, force, torque):
             raise InputError(f'{self.scene.title}: push needs motion.rotation = "finite"')
 
     def mean_velocity(self, body: str) -> Floats:
         """(3) mass-mean velocity of a body [m/s]"""
-        return self._core.mean_velocity(self.scene.bodies.index(body))
+        return self._core.mean_velocity(body)
 
     # ---- Contact points ----
 

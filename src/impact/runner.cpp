@@ -12,6 +12,7 @@
 
 #include "contact/accuracy/error_report.hpp"
 #include "contact/figures/summary_observer.hpp"
+#include "contact/law/contact_law.hpp"
 #include "contact/stepping/run_steps.hpp"
 #include "ricochet/error.hpp"
 #include "src/accuracy/scene_dial.hpp"
@@ -216,6 +217,11 @@ void check(StepStatus status, const scene::Scene& scene, double time) {
         "{}: no contact forces keep the bodies apart at t = {:.6g} s, as there are more contact points than "
         "their modes can move. Set modes.residual_flexibility = true, or fewer candidates (contact.spacing).",
         scene.file.string(), time));
+  if (status == StepStatus::crowded)
+    throw InputError(fmt::format(
+        "{}: at t = {:.6g} s, more than {} rows of contact may act at once, three for each point with "
+        "friction. Mesh the bodies coarser.",
+        scene.file.string(), time, contact::most_held));
   if (status == StepStatus::not_finite)
     throw SolverError(
         fmt::format("{}: the motion stops being finite at t = {:.6g} s", scene.file.string(), time));

@@ -145,6 +145,84 @@ class Meets(ProgramTest):
             )
             self.assertLess(np.linalg.norm(mass[name] * gained - pushed[name]), 1e-3 * mass[name])
 
+    def simulation(self):
+        scene = ricochet.Scene(self.scene).changed({"loads.gravity": [0, 0, -GRAVITY]})
+        ricochet.kernels(scene, 1, self.out)
+        return ricochet.Simulation(scene)
+
+    def test_of_a_simulation_changes_its_bodies(self):
+        simulation = self.simulation()
+        simulation.step_block(480)
+        energy = simulation.energy
+        balance = energy.total + energy.damping + energy.contact + energy.friction
+        before = simulation.body_motion("brick")
+        simulation.remove("beam")
+        self.assertEqual(simulation.bodies, ["brick"])
+        fresh = {"velocity": [0.5, 0, -2], "spin": [4, 0, 3], "attitude": [0.8, 0, 0.6, 0]}
+        simulation.add("second", "brick", [0.3, 0, 0.05], **fresh)
+        simulation.add(
+            "beam", "brick", [0, 0, 0.5], friction={"static": 0.4, "dynamic": 0.1, "stribeck_velocity": 0.01}
+        )
+        self.assertEqual(simulation.bodies, ["brick", "second", "beam"])
+        motion = simulation.body_motion("second")
+        np.testing.assert_allclose(motion.position, [0.3, 0, 0.05], atol=1e-15)
+        for name, value in fresh.items():
+            np.testing.assert_allclose(getattr(motion, name), value, atol=1e-13)
+        # Where the beam was, the brick falls on: to round-off.
+        simulation.step_block(240)
+        time = 240 / 48000
+        fallen = before.position + before.velocity * time - np.array([0, 0, GRAVITY * time**2 / 2])
+        np.testing.assert_allclose(simulation.body_motion("brick").position, fallen, atol=1e-12)
+        touched = set()
+        for _ in range(6000):
+            simulation.step()
+            touched |= {contact.between for contact in simulation.contacts}
+        self.assertLessEqual({("brick", "floor"), ("second", "floor")}, touched)
+        self.assertLessEqual(touched, {("brick", "floor"), ("second", "floor"), ("brick", "second")})
+        energy = simulation.energy
+        now = energy.total + energy.damping + energy.contact + energy.friction
+        self.assertLess(abs(now - balance), ROUND_OFF * energy.kinetic)
+        mass = DENSITY * np.prod(SIZES["brick"])
+        self.assertLess(energy.added, mass * (0.5**2 + 2**2))  # the beam has taken its share away
+        self.assertGreater(energy.friction, 0)
+        self.assertEqual(len(simulation.step_block(3, force=True).force[0]), len(simulation.area))
+
+    def test_of_a_simulation_keeps_no_memory_of_bodies_that_are_gone(self):
+        simulation = self.simulation()
+        pages, brick = [], simulation.kernels["brick"]
+        for k in range(1100):
+            simulation.remove(simulation.bodies[-1])
+            simulation.add(f"brick {k}", brick, [0.2, 0, 0.1], velocity=[0, 0, 1])
+            if k % 100 == 99:
+                simulation.step_block(4)
+                with open("/proc/self/statm") as memory:
+                    pages.append(int(memory.read().split()[1]))
+        self.assertLess(pages[-1] - pages[0], 256)  # 1 MB, of Python
+
+    def test_of_a_simulation_refuses_mistakes_with_bodies(self):
+        simulation = self.simulation()
+        state = simulation.save()
+        mistakes = {
+            "the name is taken": lambda: simulation.add("beam", "brick", [0, 0, 1]),
+            "bodies.floor: the name is taken": lambda: simulation.add("floor", "brick", [0, 0, 1]),
+            "they overlap by 0.005 m": lambda: simulation.add("low", "brick", [1, 0, 0.005]),
+            "there is no body 'none' whose kernel": lambda: simulation.add("new", "none", [0, 0, 1]),
+            'there is no body "none": there are "beam", "brick"': lambda: simulation.remove("none"),
+            'there is no body "x"': lambda: simulation.body_motion("x"),
+            'no body "y"': lambda: simulation.mean_velocity("y"),
+            'no body "z"': lambda: simulation.push("z"),
+        }
+        for message, mistake in mistakes.items():
+            with self.assertRaises(ricochet.InputError) as refused:
+                mistake()
+            self.assertIn(message, str(refused.exception))
+            self.assertNotIn("\n", str(refused.exception))
+        self.assertEqual(simulation.bodies, ["beam", "brick"])
+        simulation.restore(state)
+        simulation.remove("brick")
+        with self.assertRaisesRegex(ValueError, "of other bodies"):
+            simulation.restore(state)
+
     def test_of_bodies_that_overlap_is_refused_with_the_depth(self):
         scene = ricochet.Scene(self.scene).changed({"bodies.brick.translate": [0.02, 0.004, 0.035]})
         with self.assertRaisesRegex(ricochet.InputError, "overlap by"):

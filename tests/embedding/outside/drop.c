@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Drops the bob of drop.cpp through the C header and compares with Galilei's law; pushes, turns and drops its
-   ball. */
+/* Drops the bob of drop.cpp through the C header and compares with Galilei's law; pushes, turns, drops,
+   removes and adds its ball. */
 #include <ricochet/ricochet.h>
 
 #if defined(EIGEN_WORLD_VERSION) || defined(MPI_VERSION) || defined(H5_VERS_MAJOR)
@@ -86,7 +86,8 @@ static void turn(const ricochet_kernel* kernel) {
   ricochet_scene* scene = ricochet_scene_new(1000);
   int k;
   expect(ricochet_scene_rotation(scene, 7) == RICOCHET_REFUSED, "an unknown rotation is refused");
-  expect(ricochet_scene_load_axes(scene, RICOCHET_BODY) == RICOCHET_REFUSED, "axes without a load are refused");
+  expect(ricochet_scene_load_axes(scene, RICOCHET_BODY) == RICOCHET_REFUSED,
+         "axes without a load are refused");
   ricochet_scene_body(scene, "ball", kernel, NULL, high, NULL);
   ricochet_scene_angular_velocity(scene, "ball", spin);
   ricochet_scene_half_space(scene, "floor", origin, up);
@@ -132,6 +133,68 @@ static void turn(const ricochet_kernel* kernel) {
   ricochet_simulation_free(simulation);
 }
 
+/* Removes the ball and adds it again elsewhere. */
+static void renew(const ricochet_kernel* kernel) {
+  const double origin[3] = {0, 0, 0}, up[3] = {0, 0, 1}, gravity[3] = {0, 0, -9.81}, gap = 1;
+  const double rough[3] = {0.3, 0.3, 0};
+  ricochet_motion motion = {{5, 0, 2}, {1, 0, 0, 0}, {0, 0, -3}, {0, 0, 7}}, now;
+  ricochet_energy energy;
+  ricochet_contact contact;
+  size_t body = 7, bodies[2] = {7, 7};
+  ricochet_scene* scene = ricochet_scene_new(1000);
+  expect(ricochet_scene_body(scene, "ball", kernel, NULL, NULL, NULL) == RICOCHET_OK, "ball");
+  expect(ricochet_scene_half_space(scene, "floor", origin, up) == RICOCHET_OK, "floor");
+  expect(ricochet_scene_pair(scene, "ball", "floor", NULL, &gap, NULL) == RICOCHET_OK, "pair");
+  expect(ricochet_scene_gravity(scene, gravity) == RICOCHET_OK, "gravity");
+  ricochet_simulation* linear = ricochet_simulation_new(scene);
+  expect(ricochet_simulation_remove(linear, 0) == RICOCHET_REFUSED, "linear rotations refuse");
+  expect(strstr(ricochet_error(), "finite rotations") != NULL, "and the refusal names the setting");
+  ricochet_simulation_free(linear);
+  expect(ricochet_scene_rotation(scene, RICOCHET_FINITE) == RICOCHET_OK, "finite rotations");
+  ricochet_simulation* simulation = ricochet_simulation_new(scene);
+  ricochet_scene_free(scene);
+  if (simulation == NULL) {
+    expect(0, "simulation");
+    return;
+  }
+  ricochet_state* state = ricochet_simulation_save(simulation);
+  expect(ricochet_simulation_add(simulation, "ball", kernel, &motion, NULL, NULL) == RICOCHET_REFUSED,
+         "a name that is taken is refused");
+  expect(ricochet_simulation_add(simulation, "two", kernel, &motion, NULL, &body) == RICOCHET_REFUSED,
+         "two balls without surfaces are refused");
+  expect(ricochet_simulation_add(simulation, "two", kernel, NULL, NULL, &body) == RICOCHET_REFUSED,
+         "no motion is refused");
+  expect(body == 7, "and no number is written");
+  expect(ricochet_simulation_step_block(simulation, 100, NULL) == RICOCHET_OK, "it falls");
+  expect(ricochet_simulation_remove(simulation, 1) == RICOCHET_REFUSED, "an unknown body is refused");
+  expect(ricochet_simulation_remove(simulation, 0) == RICOCHET_OK, "the ball is removed");
+  expect(ricochet_simulation_bodies(simulation, bodies, 2) == 0, "nothing is left");
+  expect(ricochet_simulation_find(simulation, "ball", &body) == RICOCHET_REFUSED, "its name is free");
+  ricochet_simulation_energy(simulation, &energy);
+  expect(energy.kinetic == 0, "and so is its energy");
+  expect(near(energy.added, -2 * 0.5 * 0.981 * 0.981, 1e-12), "which it has taken away");
+  expect(ricochet_simulation_add(simulation, "ball", kernel, &motion, rough, &body) == RICOCHET_OK,
+         "it is back");
+  expect(body == 1 && ricochet_simulation_bodies(simulation, bodies, 2) == 1 && bodies[0] == 1,
+         "with a new number");
+  expect(ricochet_simulation_find(simulation, "ball", &body) == RICOCHET_OK && body == 1, "and its name");
+  expect(ricochet_simulation_restore(simulation, state) == RICOCHET_REFUSED,
+         "a state of other bodies is refused");
+  ricochet_state_free(state);
+  ricochet_simulation_motion(simulation, 0, &now);
+  expect(isnan(now.position[0]), "the old number has no motion");
+  expect(ricochet_simulation_push(simulation, 0, up, NULL) == RICOCHET_REFUSED, "and cannot be pushed");
+  expect(ricochet_simulation_step_block(simulation, 100, NULL) == RICOCHET_OK, "it falls");
+  ricochet_simulation_motion(simulation, body, &now);
+  expect(near(now.position[2], 2 - 0.3 - 0.5 * 9.81 * 0.01, 1e-12) && now.position[0] == 5,
+         "from where it was put");
+  expect(near(now.velocity[2], -3.981, 1e-12) && near(now.spin[2], 7, 1e-12), "with its velocity and spin");
+  while (ricochet_simulation_contacts(simulation, &contact, 1) == 0)
+    if (ricochet_simulation_step(simulation) != RICOCHET_OK) break;
+  expect(strcmp(contact.a, "ball") == 0 && strcmp(contact.b, "floor") == 0, "it lands");
+  ricochet_simulation_free(simulation);
+}
+
 int main(int count, char** arguments) {
   double velocity[400], mean[3];
   ricochet_block block = {velocity, NULL, NULL, NULL, NULL};
@@ -153,6 +216,7 @@ int main(int count, char** arguments) {
   kernel = ricochet_kernel_load(count > 2 ? arguments[2] : NULL);
   expect(kernel != NULL, "the kernel of the ball");
   if (kernel != NULL) turn(kernel);
+  if (kernel != NULL) renew(kernel);
   ricochet_kernel_free(kernel);
   if (simulation == NULL || other == NULL) return 1;
 

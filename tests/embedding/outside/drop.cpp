@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Drops a rigid bob through the C++ header, compares with Galilei's law, and writes the kernels for drop.c:
-// of the bob, and of a rigid ball that turns.
+// Drops a rigid bob through the C++ header, compares with Galilei's law, and writes the kernels for drop.c
+// and for the manual: of the bob, of a rigid ball that turns, and of a die.
 #include <ricochet/ricochet.hpp>
 
 #if defined(EIGEN_WORLD_VERSION) || defined(MPI_VERSION) || defined(H5_VERS_MAJOR) || defined(FMT_VERSION)
@@ -84,11 +84,64 @@ ricochet::kernels::Kernel ball() {
   return kernel;
 }
 
+/// The ball as an octahedron of 0.1 kg with a radius of 2 cm, whose corners are on springs.
+ricochet::kernels::Kernel die() {
+  constexpr double radius = 0.02, mass = 0.1, inertia = 0.2 * mass * radius * radius;
+  const double linear = 1 / std::sqrt(mass), angular = 1 / std::sqrt(inertia);
+  ricochet::kernels::Kernel kernel = ball();
+  kernel.body = kernel.hash = "die";
+  kernel.mass = mass;
+  kernel.inertia = {inertia, 0, 0, 0, inertia, 0, 0, 0, inertia};
+  kernel.loads.body_force.clear();
+  kernel.loads.rotation.clear();
+  kernel.applied.clear();
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (std::size_t n = 0; n < 6; ++n) {
+      kernel.loads.body_force.push_back(n == axis ? std::sqrt(mass) : 0);
+      kernel.loads.rotation.push_back(n == axis + 3 ? std::sqrt(inertia) : 0);
+    }
+  ricochet::kernels::Surface& surface = kernel.surface = {};
+  surface.components = 3;
+  surface.element_corners = 3;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (const double side : {1.0, -1.0}) {
+      ricochet::Vector3 normal{};
+      normal[axis] = side;
+      for (const double x : normal) {
+        surface.node.push_back(radius * x);
+        surface.normal.push_back(x);
+      }
+      surface.area.push_back(1e-4);
+      surface.group.push_back("skin");
+      const double x = radius * normal[0], y = radius * normal[1], z = radius * normal[2];
+      for (const double entry : {linear, 0., 0., 0., z * angular, -y * angular,  //
+                                 0., linear, 0., -z * angular, 0., x * angular,  //
+                                 0., 0., linear, y * angular, -x * angular, 0.})
+        surface.shape.push_back(entry);
+    }
+  for (const double x : {1, -1})
+    for (const double y : {1, -1})
+      for (const double z : {1, -1}) {
+        const std::int64_t i = x > 0 ? 0 : 1, j = y > 0 ? 2 : 3, k = z > 0 ? 4 : 5;
+        const bool swaps = x * y * z < 0;  // corners go round against the clock, seen from outside
+        for (const std::int64_t corner : {i, swaps ? k : j, swaps ? j : k}) {
+          surface.element.push_back(corner);
+          for (const double component : {x, y, z})
+            surface.element_normal.push_back(component / std::sqrt(3.0));
+        }
+      }
+  surface.residual_flexibility.assign(18 * 18, 0);
+  for (std::size_t i = 0; i < 18; ++i) surface.residual_flexibility[19 * i] = 1e-7;
+  kernel.loads.body_force_residual.assign(3 * 18, 0);
+  return kernel;
+}
+
 }  // namespace
 
 int main(int, char** arguments) {
   ricochet::save_kernel(bob(), arguments[1]);
   ricochet::save_kernel(ball(), arguments[2]);
+  ricochet::save_kernel(die(), arguments[3]);
 
   ricochet::Scene scene;
   scene.rate_hz = 1000;
