@@ -11,7 +11,19 @@ import sys
 
 from ricochet import errors
 
-SUBCOMMANDS = ("modes", "basis", "settings", "contact", "friction", "sweep", "scale", "memory", "web", "lv2")
+SUBCOMMANDS = (
+    "modes",
+    "basis",
+    "settings",
+    "contact",
+    "friction",
+    "sweep",
+    "scale",
+    "memory",
+    "fountain",
+    "web",
+    "lv2",
+)
 
 
 def main():

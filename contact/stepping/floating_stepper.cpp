@@ -59,6 +59,7 @@ FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepO
       islands_(static_cast<int>(bodies_.size()), sides_of(*model)),
       // A moving obstacle may speed a body up; without it, the energy of a body bounds its motion.
       epoch_(model->belts.empty() ? search_every : 1),
+      carries_(bodies_.size()),
       energy_of_(bodies_.size()),
       stored_(model->pairs.size(), 0),
       pairs_before_(contact_.mean.pairs()),
@@ -299,12 +300,19 @@ void FloatingStepper::carry_forces(const StepMatrices& matrices) noexcept {
   product();
   const auto pairs = static_cast<int>(model.pairs.size());
   const bool springs = !state_.system->springs.empty();
+  const auto carries = [&](int pair) {
+    return contact_.mean.pairs()[static_cast<std::size_t>(pair)].carries;
+  };
   islands_.separate();
   for (int pair = 0; pair < pairs; ++pair)
-    if (contact_.mean.pairs()[static_cast<std::size_t>(pair)].carries) islands_.join(pair);
+    if (carries(pair)) islands_.join(pair);
   islands_.assign();
+  std::fill(carries_.begin(), carries_.end(), false);
+  for (int pair = 0; pair < pairs; ++pair)
+    if (carries(pair)) carries_[static_cast<std::size_t>(islands_.of_a(pair))] = true;
   bool reduced = false;
   for (int island = 0; island < islands_.count(); ++island) {
+    if (!carries_[static_cast<std::size_t>(island)]) continue;
     double now = 0, missing = 0;
     for (std::size_t j = 0; j < rows.size(); ++j)
       if (islands_.of(points_.pair_of(j)) == island) {

@@ -107,6 +107,7 @@ class FloatingStepper final : public Stepper {
   std::int64_t look_at_ = 0;       ///< step from which on it is computed anew
   int at_rest_ = 0;                ///< searches in a row that found the bodies at rest
   bool slow_ = false;              ///< whether the last search found their speeds at rest
+  std::vector<char> carries_;      ///< by island, scratch: whether it has a force at the start of a step
   std::vector<double> energy_of_;  ///< by body, scratch [J]
   Vector rest_force_;              ///< (n) p̄ at the last search [N]
   std::vector<double> stored_;     ///< by pair, in R after the last step [J]

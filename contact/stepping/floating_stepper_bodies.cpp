@@ -7,8 +7,6 @@
 
 namespace ricochet::contact {
 
-using Eigen::Index;
-
 FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepOptions& options,
                                  const FloatingStepper& earlier, const Correspondence& from)
     : FloatingStepper(std::move(model), options, &earlier.points_) {

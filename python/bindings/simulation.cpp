@@ -243,6 +243,7 @@ void bind_simulation(py::module_& module) {
     std::ranges::copy(s.tangential_force(), out.mutable_data());
     return out;
   });
+  property("points", [](const Simulation& s) { return s.points().size(); });
   property("point_a", [](const Simulation& s) { return vectors(s, &ContactPoint::a); });
   property("point_b", [](const Simulation& s) { return vectors(s, &ContactPoint::b); });
   property("normal", [](const Simulation& s) { return vectors(s, &ContactPoint::normal); });

@@ -110,6 +110,7 @@ class Simulation:
     def push(self, body: str, force: Sequence[float], torque: Sequence[float]) -> bool: ...
     def mean_velocity(self, body: str) -> _Array: ...
     steps: int
+    points: int
     time: float
     active: int
     force: _Array

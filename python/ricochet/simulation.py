@@ -147,7 +147,7 @@ class Simulation:
         """
         if steps < 0:
             raise ValueError(f"steps = {steps}: must not be negative")
-        points = len(self.initial_gap)
+        points = self._core.points
         block = Block(
             np.empty((steps, len(self.pickups))),
             np.empty(steps),

@@ -162,6 +162,8 @@ TEST(ChangingBodies, bring_the_motion_of_a_simulation_that_begins_with_them) {
       ASSERT_LT(largest_difference(late.body_motion(number), alone.body_motion(0)), 1e-9) << k;
       touching += alone.active() > 0;
     }
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(late.mean_velocity(number)[axis], late.body_motion(number).velocity[axis], 1e-12);
     EXPECT_GT(touching, 5);
   }
 }
