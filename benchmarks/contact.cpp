@@ -181,10 +181,21 @@ TurningScene pressed(int touching) {
   return out;
 }
 
-/// Eight boxes with four feet each over a floor: they spin on it, or fall from above and tumble.
-TurningScene eight(bool tumble) {
-  TurningScene out{.name = tumble ? "eight bodies that tumble" : "eight bodies, 4 points each",
-                   .warm = tumble ? 0 : 3000,
+enum class Eight { spin, tumble, one_spins };
+
+/// Eight boxes with four feet each over a floor: they spin on it, or fall from above and tumble; or one spins
+/// and the others sleep.
+TurningScene eight(Eight motion) {
+  const bool tumble = motion == Eight::tumble;
+  const auto is_pressed = [&](int k) {
+    return motion == Eight::spin || (motion == Eight::one_spins && k == 0);
+  };
+  TurningScene out{.name = tumble                  ? "eight bodies that tumble"
+                           : motion == Eight::spin ? "eight bodies, 4 points each"
+                                                   : "the same, seven of them asleep",
+                   .warm = tumble                  ? 0
+                           : motion == Eight::spin ? 3000
+                                                   : 20000,
                    .steps = tumble ? 22050 : 1000};
   const benchmarks::Lattice box{
       .count = {5, 5, 5}, .spacing = {0.01, 0.01, 0.01}, .damping = 0.1, .foot = 1e-3};
@@ -194,15 +205,15 @@ TurningScene eight(bool tumble) {
     contact::PlacedBody& body = bodies[static_cast<std::size_t>(k)];
     body.kernel = out.kernels.data();
     body.translation = {0.12 * (k % 4), 0.12 * (k / 4), 0.021 + 1e-5};
-    body.angular_velocity = {0, 0, 100 + 2.0 * k};
+    if (is_pressed(k)) body.angular_velocity = {0, 0, 100 + 2.0 * k};
     if (!tumble) continue;
     body.translation.z() += 0.03 + 0.003 * k;
     body.angular_velocity = {40 - 3.0 * k, 20 + 5.0 * k, 10};
   }
   out.model = benchmarks::all_meet(bodies, 0.3, true, 9.81);
   out.stepper = contact::make_stepper(out.model, turning_options(1));
-  for (int k = 0; k < 8 && !tumble; ++k)
-    out.stepper->push(k, {0, 0, -20 * 9.81 * out.kernels[0].mass}, {0, 0, 0});
+  for (int k = 0; k < 8; ++k)
+    if (is_pressed(k)) out.stepper->push(k, {0, 0, -20 * 9.81 * out.kernels[0].mass}, {0, 0, 0});
   return out;
 }
 
@@ -231,7 +242,7 @@ void turning(int rounds) {
              "---|---|---|---|---|---|---|");
   std::vector<TurningScene> scenes;
   for (const int touching : {10, 20, 40}) scenes.push_back(pressed(touching));
-  for (const bool tumble : {false, true}) scenes.push_back(eight(tumble));
+  for (const Eight motion : {Eight::spin, Eight::one_spins, Eight::tumble}) scenes.push_back(eight(motion));
   for (const int steps_per_sample : {441, 44100}) scenes.push_back(flying(steps_per_sample));
   for (TurningScene& scene : scenes) {
     for (int k = 0; k < scene.warm; ++k)

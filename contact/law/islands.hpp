@@ -30,6 +30,7 @@ class Islands {
   bool joins(int pair) const noexcept;  ///< whether its bodies are in one island
   bool same(int body, int other) const noexcept { return root(body) == root(other); }
   int of_a(int pair) const noexcept { return root(sides_[pair].a); }
+  int of_body(int body) const noexcept { return root(body); }
   bool exists(int island) const { return parent_[island] == island; }
 
  private:

@@ -46,8 +46,11 @@ void MeanForce::advance(const Vector& force, const std::vector<Pair>& pairs) noe
 
 void MeanForce::advance(std::span<const int> rows, const Vector& force,
                         const std::vector<Pair>& pairs) noexcept {
-  std::copy(pairs.begin(), pairs.end(), pairs_.begin());
-  for (Pair& pair : pairs_) pair.carries = false;
+  for (std::size_t k = 0; k < pairs_.size(); ++k) {
+    if (pairs_[k].asleep) continue;
+    pairs_[k] = pairs[k];
+    pairs_[k].carries = false;
+  }
   for (const int row : rows) {
     Pair& pair = pairs_[pair_of_row_[row]];
     before_(row) = pair.restarts ? force(row) : end_(row);
@@ -60,7 +63,7 @@ void MeanForce::advance(std::span<const int> rows, const Vector& force,
 void MeanForce::find_carriers() noexcept {
   carries_ = false;
   for (Pair& pair : pairs_) {
-    carries_ = carries_ || pair.carries;
+    carries_ = carries_ || (pair.carries && !pair.asleep);
     if (!pair.carries) pair.bank = 0;
   }
 }
@@ -81,6 +84,11 @@ double MeanForce::draw(int pair, double energy) noexcept {
 void MeanForce::reduce(int pair, double share) noexcept {
   for (const auto& [number, first, size] : segments_)
     if (number == pair) end_.segment(first, size) *= share;
+}
+
+void MeanForce::let_sleep(int pair, bool asleep) noexcept {
+  pairs_[static_cast<std::size_t>(pair)].asleep = asleep;
+  find_carriers();
 }
 
 void MeanForce::forget(int pair) noexcept {

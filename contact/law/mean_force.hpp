@@ -65,7 +65,8 @@ class MeanForce {
     bool carries = false;                  ///< whether it had a force at one of the last two instants
     bool shock = false;                    ///< the step was the first one of a shock
     bool restarts = false;                 ///< the history begins anew with the step
-    double bank = 0;  ///< its part of the bank of its island, ≥ 0; 0 unless it carries [J]
+    bool asleep = false;  ///< its bodies rest: its forces stay as they are, whatever others do
+    double bank = 0;      ///< its part of the bank of its island, ≥ 0; 0 unless it carries [J]
   };
 
   /// State of one pair with n rows. @param conserving  whether steps use the mean, and not backward Euler
@@ -75,7 +76,8 @@ class MeanForce {
 
   const Vector& end() const { return end_; }        ///< (n) λ at the last instant [N]
   const Vector& before() const { return before_; }  ///< (n) λ one instant earlier [N]
-  bool begins() const { return !carries_; }         ///< whether the last two instants had no force
+  /// Whether the last two instants had no force, but for pairs that are asleep.
+  bool begins() const { return !carries_; }
   bool is_conserving() const { return conserving_; }
   const std::vector<int>& pair_of_row() const { return pair_of_row_; }
   const std::vector<Pair>& pairs() const { return pairs_; }
@@ -93,6 +95,8 @@ class MeanForce {
   double draw(int pair, double energy) noexcept;
   /// Multiplies the forces of a pair at the last instant by a share of 0 to 1.
   void reduce(int pair, double share) noexcept;
+  /// Lets a pair fall asleep, or wakes it.
+  void let_sleep(int pair, bool asleep) noexcept;
   /// Forgets the forces and the bank of a pair.
   void forget(int pair) noexcept;
   /// Takes the forces and the state of pairs that a model has in common with an earlier one.

@@ -65,6 +65,22 @@ void Slip::accept() noexcept {
   std::swap(list_, next_list_);
 }
 
+void Slip::let_sleep(Eigen::Index f) noexcept {
+  for (List* list : {&list_, &next_list_}) {
+    const auto end = list->point.begin() + static_cast<std::ptrdiff_t>(list->count);
+    list->count = static_cast<std::size_t>(std::remove(list->point.begin(), end, static_cast<int>(f)) -
+                                           list->point.begin());
+  }
+  is_next_listed_[f] = false;
+  next_state_[f] = state_[f];
+  for (Vector* x : {&speed_, &heat_, &next_speed_, &next_heat_}) (*x)(f) = 0;
+}
+
+void Slip::wake(Eigen::Index f) noexcept {
+  for (List* list : {&list_, &next_list_}) list->point[list->count++] = static_cast<int>(f);
+  is_next_listed_[f] = true;
+}
+
 void Slip::forget(Eigen::Index f) noexcept {
   speed_(f) = heat_(f) = 0;
   state_[static_cast<std::size_t>(f)] = ContactState::open;

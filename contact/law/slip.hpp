@@ -48,6 +48,10 @@ class Slip {
   bool cools(Eigen::Index f) const { return next_heat_(f) < 0; }
   /// Completes the step as recorded last.
   void accept() noexcept;
+  /// Keeps the state of a point that is at rest, without a record in each step.
+  void let_sleep(Eigen::Index f) noexcept;
+  /// Needs a record of the point in each step again.
+  void wake(Eigen::Index f) noexcept;
   /// A point open.
   void forget(Eigen::Index f) noexcept;
   /// Takes the slips of points that a model has in common with an earlier one.

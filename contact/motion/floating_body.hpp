@@ -29,6 +29,7 @@ struct FloatingBody {
 
   // State, world axes
   bool present = true;                ///< otherwise its place waits for another body, and it does not move
+  bool asleep = false;                ///< at rest until something reaches it
   Eigen::Vector3d position{0, 0, 0};  ///< of the centre [m]
   Eigen::Vector3d velocity{0, 0, 0};
   Eigen::Vector3d momentum{0, 0, 0};  ///< angular, about the centre [kg m²/s]
@@ -47,6 +48,7 @@ struct FloatingBody {
   int elastic() const { return modes - frame_modes; }
   Eigen::Index first_elastic() const { return first_mode + frame_modes; }
 
+  bool moves() const { return present && !asleep; }
   /// Angular velocity in body axes [rad/s].
   Eigen::Vector3d own_spin() const { return own_spin(momentum); }
   Eigen::Vector3d own_spin(const Eigen::Vector3d& angular_momentum) const {

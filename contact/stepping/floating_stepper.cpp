@@ -15,12 +15,6 @@ namespace {
 using Eigen::Index;
 using Eigen::Vector3d;
 
-/// Bodies rest if their speeds are below this share of the speed of a fall by their own size, and if their
-/// forces have changed by less than this share since the last search, for some searches in a row. A bounce is
-/// slow at its turning point, but then its forces change.
-constexpr double resting = 1e-9;
-constexpr int searches_at_rest = 8;
-
 /// Largest angle by which a body may turn in a contact step at the start [rad]. The geometry of a step is
 /// that of its middle.
 constexpr double largest_turn = 1;
@@ -67,8 +61,10 @@ FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepO
   for (Vector* x : {&dq_, &modal_force_, &displaced_, &kept_q_, &kept_v_}) x->setZero(model->omega.size());
   for (Vector* x : {&rest_, &end_before_}) x->setZero(capacity_of(*model));
   rest_force_.setZero(model->rows());
-  for (std::vector<int>* x : {&written_, &next_written_})
-    x->reserve(static_cast<std::size_t>(capacity_of(*model)));
+  for (std::vector<int>* x : {&written_, &next_written_, &sleeping_})
+    x->reserve(static_cast<std::size_t>(model->rows()));
+  rests_.resize(bodies_.size());
+  rest_of_.resize(bodies_.size());
 }
 
 FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepOptions& options)
@@ -115,14 +111,6 @@ bool FloatingStepper::is_steady(double time_left) noexcept {
   return piece.steady && piece.to > time() + time_left;
 }
 
-/// Whether the bodies have been at rest, and a change begins.
-bool FloatingStepper::wakes() noexcept {
-  if (is_steady(options_.step)) return false;
-  at_rest_ = 0;
-  search_at_ = clear_until_ = steps_;
-  return true;
-}
-
 /// Places the points as the bodies are, with the static displacements at a time.
 void FloatingStepper::place(double time) noexcept {
   displaced_ = state_.q + loads_.place(bodies_, time, points_);
@@ -138,11 +126,8 @@ void FloatingStepper::drive() noexcept {
 }
 
 StepStatus FloatingStepper::step() noexcept {
-  if (at_rest_ >= searches_at_rest && !wakes()) {
-    contact_.persistency = 0;
-    ++steps_;
-    return StepStatus::ok;
-  }
+  if (!is_steady(options_.step)) wake_all();
+  if (!any_moves()) return rest();
   if (contact_.mean.begins())
     if (const int crossed = cross(); crossed > 0) {
       fly(crossed);
@@ -151,6 +136,7 @@ StepStatus FloatingStepper::step() noexcept {
   const StepSystem& system = *state_.system;
   Slip* const slip = contact_.slip.any() ? &contact_.slip : nullptr;
   if (steps_ >= search_at_) search();
+  if (!any_moves()) return rest();
   keep();
   const auto undo = [&](StepStatus status) {
     restore();
@@ -191,6 +177,7 @@ StepStatus FloatingStepper::step() noexcept {
 /// Moves the frames for half a step, and mixes nearly equal modes.
 void FloatingStepper::drift(Coriolis::Half half, Vector& q, Vector& v) noexcept {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    if (!bodies_[k].moves()) continue;
     const Vector3d angle = bodies_[k].drift(0.5 * options_.step);
     coriolis_[k].turn(angle, options_.step, half, q, v);
   }
@@ -211,32 +198,18 @@ void FloatingStepper::restore() noexcept {
   state_.v = kept_v_;
 }
 
-/// Counts searches that find all bodies at rest.
-void FloatingStepper::look_for_rest() noexcept {
-  const bool was_slow = slow_;
-  slow_ =
-      contact_.active > 0 && state_.system->model->belts.empty() && is_steady(search_every * options_.step);
-  for (std::size_t k = 0; k < bodies_.size() && slow_; ++k) {
-    const FloatingBody& body = bodies_[k];
-    const double fall =
-                     body.mass * state_.system->model->gravity.norm() * points_.radius(static_cast<int>(k)),
-                 kinetic = body.kinetic() +
-                           0.5 * state_.v.segment(body.first_elastic(), body.elastic()).squaredNorm();
-    slow_ = body.torque.isZero(0) && kinetic <= resting * resting * fall;
-  }
-  const bool rests =
-      was_slow && slow_ && (contact_.force - rest_force_).norm() <= resting * contact_.force.norm();
-  at_rest_ = rests ? at_rest_ + 1 : 0;
-  if (slow_) rest_force_ = contact_.force;
-}
-
 /// Finds the points that may touch before the next search.
 void FloatingStepper::search() noexcept {
   look_for_rest();
-  // So does a moving support.
-  const int epoch = loads_.move(time(), time() + epoch_ * options_.step) ? 1 : epoch_;
-  set_travels(epoch * options_.step);
-  points_.watch(bodies_, travels_, contact_.mean);
+  int epoch = 0;
+  for (int woken = 0; woken >= 0;) {
+    // A moving support may speed a body up, as a moving obstacle may.
+    epoch = loads_.move(time(), time() + epoch_ * options_.step) ? 1 : epoch_;
+    set_travels(epoch * options_.step);
+    points_.watch(bodies_, travels_, contact_.mean);
+    woken = points_.reached(bodies_);
+    if (woken >= 0) wake(woken);
+  }
   place(time());
   search_at_ = steps_ + epoch;
 }
@@ -251,6 +224,7 @@ void FloatingStepper::set_travels(double time) noexcept {
   const double share = model.belts.empty() && !loads_.move(now, then) ? 1 : 2;
   for (std::size_t k = 0; k < bodies_.size(); ++k)
     energy_of_[k] = bodies_[k].kinetic() + elastic_energy(bodies_[k]);
+  const auto is_asleep = [&](int k) { return bodies_[static_cast<std::size_t>(k)].asleep; };
   islands_.separate();
   for (bool joined = true; joined;) {
     joined = false;
@@ -269,15 +243,18 @@ void FloatingStepper::set_travels(double time) noexcept {
       const FloatingBody& body = bodies_[static_cast<std::size_t>(k)];
       const double speed =
           root * (std::sqrt(body.inverse_mass) + points_.radius(k) * std::sqrt(body.inertia.largest_inverse));
-      travels_[static_cast<std::size_t>(k)] = {swing_energy(body, energy),
-                                               time * (speed + driven) + loads_.reach(k, now, then)};
+      travels_[static_cast<std::size_t>(k)] = {
+          swing_energy(body, energy),
+          is_asleep(k) ? 0 : time * (speed + driven) + loads_.reach(k, now, then)};
     }
-    for (int pair = 0; pair < islands_.pairs(); ++pair)
-      if (!islands_.joins(pair) &&
-          points_.may_meet(model.pairs[static_cast<std::size_t>(pair)], bodies_, travels_)) {
-        islands_.join(pair);
-        joined = true;
-      }
+    for (int pair = 0; pair < islands_.pairs(); ++pair) {
+      const Model::PairBlock& bodies = model.pairs[static_cast<std::size_t>(pair)];
+      // A body asleep that may be reached is woken, and then joins.
+      if (islands_.joins(pair) || is_asleep(bodies.a) || is_asleep(bodies.b)) continue;
+      if (!points_.may_meet(bodies, bodies_, travels_)) continue;
+      islands_.join(pair);
+      joined = true;
+    }
   }
 }
 
@@ -301,7 +278,8 @@ void FloatingStepper::carry_forces(const StepMatrices& matrices) noexcept {
   const auto pairs = static_cast<int>(model.pairs.size());
   const bool springs = !state_.system->springs.empty();
   const auto carries = [&](int pair) {
-    return contact_.mean.pairs()[static_cast<std::size_t>(pair)].carries;
+    const MeanForce::Pair& state = contact_.mean.pairs()[static_cast<std::size_t>(pair)];
+    return state.carries && !state.asleep;
   };
   islands_.separate();
   for (int pair = 0; pair < pairs; ++pair)
@@ -346,6 +324,7 @@ Work FloatingStepper::kick(const StepTrial& trial) noexcept {
   modal_force_.setZero();
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     FloatingBody& body = bodies_[k];
+    if (!body.moves()) continue;
     const MovingPoints::Load load = points_.load(static_cast<int>(k), law_.force(), modal_force_);
     work.forcing += body.kick(load.force, load.torque, step) - load.on_static;
   }
@@ -369,7 +348,7 @@ Work FloatingStepper::move_modes(const ModeConstants& over) noexcept {
   Work work;
   const ForcedResponse::Piece& piece = state_.forcing.piece();
   for (const FloatingBody& body : bodies_) {
-    if (!body.present) continue;
+    if (!body.moves()) continue;
     for (Index n = body.first_elastic(); n < body.first_elastic() + body.elastic(); ++n) {
       const double q = state_.q(n), v = state_.v(n),
                    g = piece.load(n) + modal_force_(n) - state_.system->stiffness(n) * q,
@@ -398,14 +377,17 @@ Energy FloatingStepper::energy_of(const Vector& q, const Vector& v, double resid
 /// Makes next_q and next_v the state, with the rigid rates of the frames.
 bool FloatingStepper::commit(const Work& work, double residual, double time) noexcept {
   for (const FloatingBody& body : bodies_) {
+    if (!body.moves()) continue;
     state_.next_q.segment(body.first_mode, body.frame_modes).setZero();
     body.write_rates(state_.next_v);
   }
-  if (!state_.ledger.close(energy_of(state_.next_q, state_.next_v, residual), work)) return false;
+  if (!state_.ledger.close(energy_of(state_.next_q, state_.next_v, residual + asleep_residual()), work))
+    return false;
   state_.q.swap(state_.next_q);
   state_.v.swap(state_.next_v);
   turning_.rates = state_.v;
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    if (!bodies_[k].moves()) continue;
     turning_.poses[k] = bodies_[k].pose();
     const Vector3d spin = bodies_[k].own_spin();
     coriolis_[k].add_turn(spin, spin.norm(), true, state_.q, turning_.rates);
@@ -420,9 +402,10 @@ StepStatus FloatingStepper::end(const StepTrial& trial) noexcept {
   for (const int row : next_written_) next_force_(row) = 0;
   for (const int row : written_) next_end_(row) = 0;
   double power = 0;
-  std::fill(stored_.begin(), stored_.end(), 0.0);
+  for (std::size_t pair = 0; pair < stored_.size(); ++pair)
+    if (!contact_.mean.pairs()[pair].asleep) stored_[pair] = 0;
   const auto rows = points_.rows();
-  int active = 0;
+  int active = sleeping_active_;
   for (std::size_t j = 0; j < rows.size(); ++j) {
     const auto at = static_cast<Index>(j);
     const int row = rows[j];
@@ -445,7 +428,7 @@ StepStatus FloatingStepper::end(const StepTrial& trial) noexcept {
   for (const int row : written_) next_u_(row) = 0;
   next_u_(rows) = rest_.head(std::ssize(rows));
   if (trial.several) ++contact_.ambiguous;
-  points_.write_forces(law_.end(), turning_.candidate_force);
+  points_.write_forces(law_.end(), bodies_, turning_.candidate_force);
   end_contact(active, power, trial.violation);
   next_written_.swap(written_);
   written_.assign(rows.begin(), rows.end());
@@ -455,18 +438,20 @@ StepStatus FloatingStepper::end(const StepTrial& trial) noexcept {
 
 /// Ends a flight over some steps. If it goes on, there is nothing to clear.
 void FloatingStepper::fly(int crossed) noexcept {
-  if (written_.empty()) {
-    steps_ += crossed;
-    return;
-  }
-  land(crossed);
-  for (const int row : written_) next_end_(row) = next_u_(row) = 0;
+  steps_ += crossed;
+  if (written_.empty()) return;
+  for (const int row : written_) contact_.force(row) = next_end_(row) = next_u_(row) = 0;
   written_.clear();
+  contact_.active = sleeping_active_;
+  contact_.persistency = 0;
+  contact_.residual = {};
+  contact_.slip.clear();
 }
 
 const Vector& FloatingStepper::displacement() const noexcept {
   points_.write_displacements(bodies_, u_);
-  for (const int row : written_) u_(row) = next_u_(row);
+  for (const std::vector<int>* rows : {&written_, &sleeping_})
+    for (const int row : *rows) u_(row) = next_u_(row);
   return u_;
 }
 
@@ -475,18 +460,17 @@ bool FloatingStepper::push(int number, const Vector3d& force, const Vector3d& to
   body.push = force;
   body.torque = torque;
   turning_.pushed[static_cast<std::size_t>(number)] = {force, torque};
+  wake(number);
   search_anew();
   return true;
 }
 
 /// What was known of the motion of the bodies no longer holds.
-void FloatingStepper::search_anew() noexcept {
-  search_at_ = clear_until_ = steps_;
-  at_rest_ = 0;
-}
+void FloatingStepper::search_anew() noexcept { search_at_ = clear_until_ = steps_; }
 
 /// Steps to the next output sample, or an equal part of them if modes mix.
 int FloatingStepper::steps_to_cross() const noexcept {
+  if (!sleeping_.empty()) return 1;  // whose impulses are those of single steps
   const auto steps = static_cast<int>(options_.steps_per_sample - steps_ % options_.steps_per_sample);
   double longest = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < bodies_.size(); ++k)
@@ -517,6 +501,8 @@ int FloatingStepper::cross() noexcept {
   points_.watch_none();
   search_at_ = steps_;  // also if the flight fails
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    turned_[k].setZero();
+    if (!bodies_[k].moves()) continue;
     turned_[k] = bodies_[k].fly(to - from);
     coriolis_[k].turn(0.5 * turned_[k], to - from, Coriolis::Half::before, state_.q, state_.v);
   }
@@ -542,14 +528,14 @@ std::int64_t FloatingStepper::find_clear_until(double enough) noexcept {
   for (std::size_t k = 0; k < bodies_.size(); ++k)
     travels_[k].energy = swing_energy(bodies_[k], elastic_energy(bodies_[k]));
   for (const Model::PairBlock& pair : state_.system->model->pairs) {
-    if (!MovingPoints::are_there(pair, bodies_)) continue;
+    if (!MovingPoints::is_live(pair, bodies_)) continue;
     double way = points_.clearance(pair, bodies_, travels_), speed = 0;
     Vector3d acceleration = Vector3d::Zero();
     for (const int k : {pair.a, pair.b}) {
       if (k < 0) continue;
       const FloatingBody& body = bodies_[static_cast<std::size_t>(k)];
       speed += body.velocity.norm() + body.momentum.norm() * body.inertia.largest_inverse * points_.radius(k);
-      acceleration += (k == pair.a ? 1 : -1) * body.acceleration();
+      if (body.moves()) acceleration += (k == pair.a ? 1 : -1) * body.acceleration();
       way -= loads_.reach(k, time(), time());
     }
     const double g = acceleration.norm();

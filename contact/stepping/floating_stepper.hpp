@@ -16,12 +16,13 @@
 //   - A gap may be below 0 at the start, since the drift is a rotation and the step took it for a straight
 //     line, by (ΩΔ)³ r/24. Where the bank cannot pay for pushing the point out, it may only not sink further.
 //
-// Bodies that have come to rest on obstacles that do not move stay at rest, with their last forces, until
-// they are pushed.
+// Bodies of an island that have come to rest on obstacles that do not move fall asleep: they stay where they
+// are, with their last forces and at no cost, until a search finds that a body in motion may reach one of
+// them, one is pushed, or a load or support changes.
 //
 // Flight is crossed from sample to sample, or in parts that resolve the mixing of modes, while no point can
-// touch, nothing but gravity acts on free bodies, and no load or support changes. A change wakes bodies that
-// rest.
+// touch, nothing but gravity acts on free bodies, and no load or support changes; from step to step while
+// bodies asleep bear forces.
 #pragma once
 
 #include "contact/motion/coriolis.hpp"
@@ -67,7 +68,13 @@ class FloatingStepper final : public Stepper {
   void exchange() noexcept;
   void search_anew() noexcept;
   bool is_steady(double time) noexcept;
-  bool wakes() noexcept;
+  bool any_moves() const noexcept;
+  StepStatus rest() noexcept;
+  void let_sleep(FloatingBody& body) noexcept;
+  void let_pairs_sleep() noexcept;
+  void wake(int body) noexcept;
+  void wake_all() noexcept;
+  double asleep_residual() const noexcept;
   void place(double time) noexcept;
   void drive() noexcept;
   void drift(Coriolis::Half half, Vector& q, Vector& v) noexcept;
@@ -86,6 +93,7 @@ class FloatingStepper final : public Stepper {
   Work move_modes(const ModeConstants& over) noexcept;
   bool commit(const Work& work, double residual, double time) noexcept;
   void look_for_rest() noexcept;
+  void add_forces_at_rest() noexcept;
   StepStatus end(const StepTrial& trial) noexcept;
   double elastic_energy(const FloatingBody& body) const noexcept;
   double swing_energy(const FloatingBody& body, double energy) const noexcept;
@@ -100,22 +108,35 @@ class FloatingStepper final : public Stepper {
   MovingPoints points_;
   TurningLoads loads_;
   std::vector<MovingPoints::Travel> travels_;
-  Islands islands_;                ///< scratch: of forces at the start of a step; of what may meet
-  int epoch_;                      ///< steps between two searches
-  std::int64_t search_at_ = 0;     ///< step of the next one
-  std::int64_t clear_until_ = 0;   ///< step before which nothing can touch
-  std::int64_t look_at_ = 0;       ///< step from which on it is computed anew
-  int at_rest_ = 0;                ///< searches in a row that found the bodies at rest
-  bool slow_ = false;              ///< whether the last search found their speeds at rest
-  std::vector<char> carries_;      ///< by island, scratch: whether it has a force at the start of a step
-  std::vector<double> energy_of_;  ///< by body, scratch [J]
-  Vector rest_force_;              ///< (n) p̄ at the last search [N]
-  std::vector<double> stored_;     ///< by pair, in R after the last step [J]
-  Vector end_before_;              ///< p at the start of the step, by position
+  Islands islands_;               ///< scratch: of forces at the start of a step; of what may meet
+  int epoch_;                     ///< steps between two searches
+  std::int64_t search_at_ = 0;    ///< step of the next one
+  std::int64_t clear_until_ = 0;  ///< step before which nothing can touch
+  std::int64_t look_at_ = 0;      ///< step from which on it is computed anew
+  /// Of a body: whether the last search found it slow, and since when it rests [s].
+  struct Rest {
+    bool slow = false;
+    double since = 0;
+  };
+  /// Of an island, at a search.
+  struct IslandRest {
+    bool slow = false, long_enough = true;
+    double force = 0, change = 0;  ///< Σp̄², and that of its change since the last search [N²]
+  };
+  std::vector<Rest> rests_;          ///< by body
+  std::vector<IslandRest> rest_of_;  ///< scratch: by body of which an island has the number
+  std::vector<char> carries_;        ///< by island, scratch: whether it has a force at the start of a step
+  std::vector<double> energy_of_;    ///< by body, scratch [J]
+  Vector rest_force_;                ///< (n) p̄ at the last search [N]
+  std::vector<double> stored_;       ///< by pair, in R after the last step [J]
+  Vector end_before_;                ///< p at the start of the step, by position
   std::vector<MeanForce::Pair> pairs_before_;
   /// Rows of the last step, which may not be 0 in force_; those of the step before it, in next_force_. The
   /// former have their u in next_u_.
   std::vector<int> written_, next_written_;
+  /// Rows of pairs asleep, with their forces in force_ and in next_force_; points with a force among them.
+  std::vector<int> sleeping_;
+  int sleeping_active_ = 0;
   ModeConstants over_;  ///< (N) of a flight over constants_of_ steps
   int constants_of_ = 0;
   Vector dq_, modal_force_;  ///< (N) of the free motion; of contact under p̄

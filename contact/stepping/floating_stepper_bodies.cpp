@@ -20,6 +20,7 @@ FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepO
     const int first_mode = bodies_[k].first_mode;
     bodies_[k] = earlier.bodies_[then];
     bodies_[k].first_mode = first_mode;
+    bodies_[k].asleep = false;
     turning_.poses[k] = earlier.turning_.poses[then];
     turning_.pushed[k] = earlier.turning_.pushed[then];
     turning_.candidate_force[k] = earlier.turning_.candidate_force[then];
@@ -45,12 +46,14 @@ FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepO
   for (std::size_t p = 0; p < stored_.size(); ++p)
     if (from.pair[p] >= 0) stored_[p] = earlier.stored_[static_cast<std::size_t>(from.pair[p])];
   const std::vector<int> places = Correspondence::places(from.rows, earlier.next_u_.size());
-  for (const int then : earlier.written_) {
-    const int row = places[static_cast<std::size_t>(then)];
-    if (row < 0) continue;
-    written_.push_back(row);
-    contact_.active += row < points() && end_force()(row) > 0 ? 1 : 0;
-  }
+  for (const std::vector<int>* rows : {&earlier.written_, &earlier.sleeping_})
+    for (const int then : *rows) {
+      const int row = places[static_cast<std::size_t>(then)];
+      if (row < 0) continue;
+      written_.push_back(row);
+      contact_.active += row < points() && end_force()(row) > 0 ? 1 : 0;
+    }
+  for (int p = 0; p < islands_.pairs(); ++p) contact_.mean.let_sleep(p, false);
   points_.take(earlier.points_, from);
   state_.forcing.piece(time());
   state_.ledger = earlier.state_.ledger;
@@ -68,6 +71,7 @@ void FloatingStepper::exchange() noexcept {
 void FloatingStepper::take_out(int number) noexcept {
   const Model& model = *state_.system->model;
   const auto k = static_cast<std::size_t>(number);
+  wake(number);
   bool touched = false;
   for (std::size_t p = 0; p < model.pairs.size(); ++p) {
     const Model::PairBlock& pair = model.pairs[p];
@@ -78,7 +82,7 @@ void FloatingStepper::take_out(int number) noexcept {
     if (pair.first_tangential >= 0)
       for (int i = 0; i < pair.points; ++i) contact_.slip.forget((pair.first_tangential - points()) / 2 + i);
   }
-  contact_.active = 0;
+  contact_.active = sleeping_active_;
   for (const int row : written_) {
     const Model::PairBlock& pair =
         model.pairs[static_cast<std::size_t>(contact_.mean.pair_of_row()[static_cast<std::size_t>(row)])];

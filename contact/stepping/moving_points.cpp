@@ -606,10 +606,14 @@ void MovingPoints::write_frames(std::span<const FloatingBody> bodies, RowFrames&
   }
 }
 
-void MovingPoints::write_forces(const Vector& p, std::vector<Vector>& out) noexcept {
-  for (const auto& [number, candidate] : forced_)
+void MovingPoints::write_forces(const Vector& p, std::span<const FloatingBody> bodies,
+                                std::vector<Vector>& out) noexcept {
+  std::erase_if(forced_, [&](const std::array<int, 2>& one) {
+    const auto& [number, candidate] = one;
+    if (bodies[static_cast<std::size_t>(number)].asleep) return false;
     out[static_cast<std::size_t>(number)].segment<3>(3 * candidate).setZero();
-  forced_.clear();
+    return true;
+  });
   for (std::size_t s = 0; s < members_.size(); ++s)
     for (const End& end : points_[static_cast<std::size_t>(members_[s])].end) {
       const Vector3d force = end.body < 0 ? Vector3d::Zero() : force_on(end, s, p);

@@ -60,6 +60,11 @@ class MovingPoints {
                 std::span<const Travel> travels) const noexcept {
     return are_there(pair, bodies) && apart(pair, bodies) < margin(pair, travels);
   }
+  /// Whether a body of a pair moves, and none has been taken out.
+  static bool is_live(const Model::PairBlock& pair, std::span<const FloatingBody> bodies) noexcept {
+    return are_there(pair, bodies) && (bodies[static_cast<std::size_t>(pair.a)].moves() ||
+                                       (pair.b >= 0 && bodies[static_cast<std::size_t>(pair.b)].moves()));
+  }
   /// Whether no body of a pair has been taken out.
   static bool are_there(const Model::PairBlock& pair, std::span<const FloatingBody> bodies) noexcept {
     return bodies[static_cast<std::size_t>(pair.a)].present &&
@@ -77,6 +82,9 @@ class MovingPoints {
   /// @param travels  by body
   void watch(std::span<const FloatingBody> bodies, std::span<const Travel> travels,
              const MeanForce& forces) noexcept;
+
+  /// A body asleep with a point that is watched, so that it may be touched; −1: none.
+  int reached(std::span<const FloatingBody> bodies) const noexcept;
 
   /// Watches no point until the next search, because nothing can touch in a flight.
   void watch_none() noexcept;
@@ -116,8 +124,9 @@ class MovingPoints {
   /// last step, in its middle, along which the forces acted; they may have passed to another face or crease
   /// since.
   void write_frames(std::span<const FloatingBody> bodies, RowFrames& out) const noexcept;
-  /// Writes the forces on candidates under p by position. @param out  by body (3M), 0 but for the last call's
-  void write_forces(const Vector& p, std::vector<Vector>& out) noexcept;
+  /// Writes the forces on candidates under p by position. Those on bodies asleep stay.
+  /// @param out  by body (3M), 0 but for the last call's
+  void write_forces(const Vector& p, std::span<const FloatingBody> bodies, std::vector<Vector>& out) noexcept;
 
  private:
   using Point = MovingPoint;

@@ -153,7 +153,7 @@ void MovingPoints::watch(std::span<const FloatingBody> bodies, std::span<const T
   unwatch();
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     const Model::PairBlock& pair = pairs_[k];
-    if (!are_there(pair, bodies)) continue;
+    if (!is_live(pair, bodies)) continue;
     if (pair.b >= 0) {
       const double reach = margin(pair, travels);
       double away = apart(pair, bodies);
@@ -179,6 +179,13 @@ void MovingPoints::watch(std::span<const FloatingBody> bodies, std::span<const T
     find_summits(static_cast<int>(k), bodies, reach, forces);
   }
   drop_members();
+}
+
+int MovingPoints::reached(std::span<const FloatingBody> bodies) const noexcept {
+  for (const int i : watched_)
+    for (const End& end : points_[static_cast<std::size_t>(i)].end)
+      if (end.body >= 0 && bodies[static_cast<std::size_t>(end.body)].asleep) return end.body;
+  return -1;
 }
 
 /// Finds what the candidates of a pair meet, except those that were so far away at the last search that they

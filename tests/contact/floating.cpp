@@ -247,7 +247,7 @@ TEST(Floating, that_has_come_to_rest_stays_there_until_it_is_pushed) {
   }
   ASSERT_EQ(still, 1000);
   EXPECT_GT(steps, 5000);
-  EXPECT_NEAR(stepper->force().head(26).sum(), cloud.mass * 9.81, 1e-6 * cloud.mass * 9.81);
+  EXPECT_NEAR(stepper->force().head(26).sum(), cloud.mass * 9.81, 1e-3 * cloud.mass * 9.81);
   EXPECT_GE(stepper->active(), 3);
   ASSERT_TRUE(stepper->push(0, {0, 0, 2 * cloud.mass * 9.81}, Vector3d::Zero()));
   for (int k = 0; k < 5000; ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
@@ -364,9 +364,12 @@ TEST(Floating, tumbling_keeps_the_balances) {
       const Vector3d push = -model->resultant(model->pairs[0], stepper->force(), *model),
                      weight = cloud.mass * drop.gravity;
       const Vector3d after = momentum(cloud, now), impulse = (push + weight) / rate;
-      // Round-off; the forces on a body that rests balance its weight to 1e-9 of a step's impulse.
+      // Round-off. A body that falls asleep loses up to 1e-6 of the speed of a fall by its own size, and the
+      // forces on it balance its weight to 1e-3.
+      const bool asleep = now.velocity.isZero(0) && now.spin.isZero(0);
+      const double at_rest = 1e-6 * cloud.mass * std::sqrt(2 * 9.81 * size) + 1e-3 * weight.norm() / rate;
       ASSERT_LT((after - p - impulse).norm(),
-                1e-14 * (largest + after.norm() + impulse.norm()) + 1e-9 * weight.norm() / rate)
+                1e-14 * (largest + after.norm() + impulse.norm()) + (asleep ? at_rest : 0))
           << scene << " " << k;
       p = after;
       if (push.z() > 0) ++touches;

@@ -3,7 +3,7 @@ add_serial_tests(contact_core contact LIBRARIES ricochet_core
   FILES islands look_ahead_block complementarity_limits bordered_factor friction_factor friction_solver friction_stepper friction_energy springs extremes heap_counter)
 add_serial_tests(contact contact LIBRARIES ricochet_contact nlohmann_json::nlohmann_json PkgConfig::HDF5
   FILES complementarity contact_sides folding forced_response free_flight history event_location complementarity_bench convolution
-    stepper floating coriolis rolling turning_loads turning_figures meeting impulse_stepper limited_steps propagator model pairing surface_projection reach receivers recorder entry_rows
+    stepper floating sleeping coriolis rolling turning_loads turning_figures meeting impulse_stepper limited_steps propagator model pairing surface_projection reach receivers recorder entry_rows
      records
     band_share resolution_check obstacle_check pressure_check ripple_check static_start decimator angular_momentum summary simulation changing_bodies denormals endurance table
     table_file equilibrium friction_equilibrium coarsening estimate heap_counter)
