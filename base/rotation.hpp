@@ -36,4 +36,12 @@ inline std::array<double, 9> rotation_of(const Vector3& degrees) {
           cy * cx};
 }
 
+/// Angles with this rotation, row-major (3,3). They are unique unless y is a quarter turn.
+inline Vector3 degrees_of(const std::array<double, 9>& r) {
+  const double x = std::atan2(r[7], r[8]), y = std::atan2(-r[6], std::hypot(r[0], r[3])), cx = std::cos(x),
+               sx = std::sin(x), z = std::atan2(sx * r[2] - cx * r[1], cx * r[4] - sx * r[5]),
+               degrees = 180 / std::numbers::pi;
+  return {degrees * x, degrees * y, degrees * z};
+}
+
 }  // namespace ricochet

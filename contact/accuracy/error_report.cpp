@@ -39,6 +39,8 @@ std::string formatted(const ErrorEstimate& estimate) {
     text += fmt::format("{} {} {}", text.find(':') == std::string::npos ? ":" : ",", name_of(cause),
                         share ? fmt::format("{:.2g}", *share) : "unknown");
   }
+  if (estimate.until_s)
+    text += fmt::format("; up to the end of the first touch at {:.6g} s", *estimate.until_s);
   return text;
 }
 

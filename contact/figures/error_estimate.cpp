@@ -19,7 +19,7 @@ struct Text {
 };
 
 /// In the order of the enumeration.
-constexpr std::array<Text, 8> texts{{
+constexpr std::array<Text, 9> texts{{
     {"mesh", "a finer mesh or a higher bodies.*.order"},
     {"modes", "a higher modes.up_to_hz or modes.count"},
     {"basis", "a lower modes.flexibility_error"},
@@ -28,6 +28,7 @@ constexpr std::array<Text, 8> texts{{
     {"precision", "time.precision = \"double\""},
     {"spacing", "a smaller contact.spacing, or a finer mesh where bodies touch"},
     {"zone", "a larger contact.reach"},
+    {"rotation", "motion.rotation = \"linear\", if bodies hardly turn"},
 }};
 
 }  // namespace

@@ -19,6 +19,7 @@ enum class Cause {
   precision,    ///< single precision
   spacing,      ///< distance of the contact points
   zone,         ///< candidates beyond the reach
+  rotation,     ///< finite rotations, in place of the linear ones whose errors the other causes are
 };
 
 struct ErrorEstimate {
@@ -26,6 +27,9 @@ struct ErrorEstimate {
   std::map<Cause, std::optional<Errors>> by_cause;  ///< no value if unknown
   /// Whether the bodies meet with a front, as the ends of rods do.
   bool front = false;
+  /// With finite rotations: end of the first touch, up to which the errors are estimated [s]. No value: to
+  /// the end of the run.
+  std::optional<double> until_s{};
 
   /// The error of several causes together. Their signs are unrelated, so that squares add up; but all of them
   /// blur a front, so that there the errors themselves do.

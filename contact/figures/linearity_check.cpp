@@ -18,9 +18,9 @@ namespace {
 // impact.
 constexpr double fastest_share = 0.02;  // of the wave speed: strains of a few per cent
 constexpr double farthest_share = 0.5;  // of the spacing: beyond it, a neighbour is the nearer candidate
-constexpr double largest_rotation_deg = 5.0;  // linear rotations lengthen a body by 1 − cos, 0.4 % here
 
 double in_degrees(double angle) { return angle * 180 / std::numbers::pi; }
+constexpr double largest_rotation_deg = largest_linear_rotation * 180 / std::numbers::pi;
 
 /// Smallest distance between two corners of a surface element; infinite for rods.
 /// @param surface  kernels::Surface or kernels::WholeSurface
@@ -40,7 +40,7 @@ double spacing_of(const Any& surface) {
 }  // namespace
 
 std::optional<std::string> rotation_warning(const std::string& body, double angle) {
-  if (!(in_degrees(angle) > largest_rotation_deg)) return {};
+  if (!(angle > largest_linear_rotation)) return {};
   return fmt::format("{} turned by {:.3g} degrees while touching (above {:g}): rotations are linearised",
                      body, in_degrees(angle), largest_rotation_deg);
 }
@@ -70,7 +70,7 @@ void LinearityCheck::observe_rotation(const Vector& q, double time) {
   for (std::size_t k = 0; k < turns_.size(); ++k) {
     Turn& turn = turns_[k];
     turn.angle = std::max(turn.angle, rigid_.of(static_cast<int>(k), q).rotation.norm());
-    if (!turn.since && in_degrees(turn.angle) > largest_rotation_deg) turn.since = time;
+    if (!turn.since && turn.angle > largest_linear_rotation) turn.since = time;
   }
 }
 

@@ -2,6 +2,7 @@
 // Checks whether a run stays within linear elasticity with pairs fixed in the reference configuration.
 #pragma once
 
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +12,9 @@
 #include "contact/stepping/stepper.hpp"
 
 namespace ricochet::contact {
+
+/// Rotation beyond which linear ones are wrong [rad]: they lengthen a body by 1 − cos, 0.4 % here.
+inline constexpr double largest_linear_rotation = 5 * std::numbers::pi / 180;
 
 /// Returns a warning if `body` turned by more than linear rotations allow.
 /// @param angle  [rad], while touching

@@ -16,7 +16,10 @@ Json number(const std::optional<double>& value) { return value ? Json(*value) : 
 
 Json shares(const std::optional<ErrorEstimate>& estimate) {
   if (!estimate) return nullptr;
-  Json out{{"quantity", name_of(estimate->worst())}, {"total", estimate->total()}}, all = Json::object();
+  Json out{{"quantity", name_of(estimate->worst())},
+           {"until_s", number(estimate->until_s)},
+           {"total", estimate->total()}},
+      all = Json::object();
   for (const auto& [cause, errors] : estimate->by_cause) out[name_of(cause)] = number(estimate->share(cause));
   for (const Quantity quantity : estimate->quantities()) {
     Json& of_quantity = all[std::string(name_of(quantity))] = {{"total", estimate->total(quantity)}};

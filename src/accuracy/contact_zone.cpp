@@ -88,11 +88,14 @@ double gap_of_ring(const contact::Model& model, const contact::Model::PairBlock&
 
 }  // namespace
 
+bool has_zone(const scene::Scene& scene) {
+  return scene.contact.scheme != Scheme::at_rest && !scene.motion.is_finite();
+}
+
 std::optional<double> within_flight(const scene::Scene& scene) {
   constexpr double after_impact = 2;
   const scene::Loads& loads = scene.loads;
-  if (scene.contact.scheme == Scheme::at_rest || !loads.tractions.empty() || !loads.points.empty() ||
-      !loads.motions.empty())
+  if (!has_zone(scene) || !loads.tractions.empty() || !loads.points.empty() || !loads.motions.empty())
     return std::nullopt;
   double fastest = 0;
   for (const scene::Body& body : scene.bodies) {

@@ -9,10 +9,13 @@
 
 namespace ricochet::accuracy {
 
+/// Whether a distance may limit the candidates: not at rest, nor if any part of a body that turns may touch.
+bool has_zone(const scene::Scene& scene);
+
 /// Twice the distance by which bodies can approach each other rigidly in the duration of the scene [m]. The
 /// factor allows for a body that turns after its first impact: the free end of a rod that falls on its other
-/// end becomes twice as fast. No value if nothing bounds the approach: at rest, if a body turns from the
-/// beginning, or if forces or supports move it.
+/// end becomes twice as fast. No value without a zone, and if nothing bounds the approach: if a body turns
+/// from the beginning, or if forces or supports move it.
 std::optional<double> within_flight(const scene::Scene& scene);
 
 /// Twice the distance by which bodies came nearer to each other in a run [m].

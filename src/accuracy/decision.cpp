@@ -41,9 +41,11 @@ bool is_open(const scene::Scene& scene) { return scene.modes.open(); }
 
 /// Ritz vectors cost a few solves for each candidate, whatever the band; modes cost a solve or two for each
 /// mode in it. With few modes and many candidates, as in flat contact, modes are therefore cheaper.
-/// The ends of rods meet with a shock, whose resonances only modes have.
-scene::Basis cheaper_basis(const KernelSettings& settings, const contact::Model& model,
-                           const std::vector<BodySize>& sizes) {
+/// The ends of rods meet with a shock, whose resonances only modes have. A body that turns has its whole
+/// surface as candidates.
+scene::Basis cheaper_basis(const scene::Scene& scene, const KernelSettings& settings,
+                           const contact::Model& model, const std::vector<BodySize>& sizes) {
+  if (scene.motion.is_finite()) return scene::Basis::modes;
   double modes = 0;
   for (const BodySize& size : sizes) modes += size.modes;
   const double candidates = settings.zone ? expected_candidates(model, settings, *settings.zone)
@@ -99,6 +101,10 @@ std::vector<BodySize> predicted(std::vector<BodySize> sizes, const KernelSetting
     if (was != before.mesh.end() && is != after.mesh.end()) growth = growth_of(was->second, is->second, size);
     size.unknowns = size.unknowns * growth.factor + growth.near_contact;
     size.modes = std::min(size.modes * std::pow(wider, size.dimension), size.unknowns);
+    // The nodes of a surface grow with the power 2/3 of those of the body.
+    if (size.candidates > 0)
+      size.candidates =
+          size.candidates * std::pow(growth.factor, 2.0 / 3) + std::pow(growth.near_contact / 3, 2.0 / 3);
     size.vectors = adapted ? std::min(size.vectors * wider * std::pow(growth.factor, 2.0 / 3), size.unknowns)
                            : size.modes;
   }
@@ -120,11 +126,17 @@ double candidates_of(const contact::Model& model, const KernelSettings& settings
 /// What a round with these settings would compute that is more than accuracy chooses; empty if it is
 /// affordable.
 std::string excess(const std::vector<BodySize>& sizes, double candidates) {
-  const auto work_of = [&](const BodySize& size) { return (size.vectors + candidates) * size.unknowns; };
+  const auto candidates_of_body = [&](const BodySize& size) { return std::max(candidates, size.candidates); };
+  const auto work_of = [&](const BodySize& size) {
+    return (size.vectors + candidates_of_body(size)) * size.unknowns;
+  };
   double work = 0;
   for (const BodySize& size : sizes) work += work_of(size);
   const BodySize& largest = *std::ranges::max_element(sizes, {}, work_of);
-  if (work <= most_work && largest.unknowns <= most_unknowns) return "";
+  if (work <= most_work && largest.unknowns <= most_unknowns &&
+      std::ranges::max(sizes, {}, &BodySize::candidates).candidates <= most_candidates)
+    return "";
+  candidates = candidates_of_body(largest);
   return fmt::format(
       "the next round would compute about {:.1g} modes{} of {:.1g} unknowns of \"{}\", which is more than "
       "accuracy chooses: give modes.up_to_hz and bodies.*.order to go on",
@@ -272,7 +284,7 @@ class Table {
     settings.found = with_balls(std::move(settings.found), local_->balls);
     if (settings.found.zone && round_.quantities->nearer > 0)
       settings.found.zone = zone_with_finer_elements(round_.model, *round_.quantities);
-    if (is_open(scene_)) settings.found.basis = cheaper_basis(settings.found, round_.model, sizes_);
+    if (is_open(scene_)) settings.found.basis = cheaper_basis(scene_, settings.found, round_.model, sizes_);
     return settings;
   }
 
@@ -301,6 +313,7 @@ class Table {
         if (finer_) row.refined = [this](Settings next) { return with_finer_mesh(std::move(next)); };
         break;
       case Cause::spacing:
+      case Cause::rotation:  // of linear rotations with coarse patches, above all
         if (local_) {
           row.cost = local_->cost;
           row.refined = [this](Settings next) { return with_finer_elements_near_contact(std::move(next)); };
@@ -337,10 +350,11 @@ class Table {
 
   /// The first smaller elements near contact reduce the share of the spacing and most of that of the mesh.
   /// Where they cannot be refined alone, finer elements everywhere also have more candidates, unless the
-  /// scene gives their spacing.
+  /// scene gives their spacing; the share of rotation follows these.
   void share_elements(std::vector<Row>& rows) const {
     const auto mesh = std::ranges::find(rows, Cause::mesh, &Row::cause),
-               spacing = std::ranges::find(rows, Cause::spacing, &Row::cause);
+               spacing = std::ranges::find(rows, Cause::spacing, &Row::cause),
+               rotation = std::ranges::find(rows, Cause::rotation, &Row::cause);
     if (mesh == rows.end() || spacing == rows.end()) return;
     const auto give = [this](Row& from, Row& to) {
       to.share = round_.estimate->combined({to.share, std::exchange(from.share, 0)});
@@ -349,10 +363,12 @@ class Table {
     };
     const bool first = std::ranges::all_of(settings_.found.mesh,
                                            [](const auto& of_body) { return of_body.second.refine.empty(); });
-    if (local_ && first && !mesh->unknown)
+    if (local_ && first && !mesh->unknown) {
       give(*mesh, *spacing);
-    else if (!local_ && finer_ && !gives_spacing(scene_))
+    } else if (!local_ && finer_ && !gives_spacing(scene_)) {
       give(*spacing, *mesh);
+      if (rotation != rows.end()) give(*rotation, *mesh);
+    }
   }
 
   /// Why a cause cannot be refined.
@@ -383,7 +399,9 @@ class Table {
         return gives_spacing(scene_) ? given("contact.spacing")
                                      : "its elements are the finest that accuracy chooses";
       case Cause::zone:
-        return given("contact.reach");
+        return scene_.motion.is_finite() ? "bodies approach faster after they touch" : given("contact.reach");
+      case Cause::rotation:
+        return "bodies that turn touch at points that move, and not on patches";
     }
     return "";
   }
@@ -440,9 +458,9 @@ Decision after_pilot(const scene::Scene& scene, const Table& table, const Settin
                      const contact::Dialled& round, const std::vector<BodySize>& sizes) {
   const double accuracy = *scene.accuracy / round.estimate->scatter();
   Settings next = settings;
-  if (scene.contact.scheme != Scheme::at_rest) next.found.zone = zone_of(round.model, *round.quantities);
+  if (has_zone(scene)) next.found.zone = zone_of(round.model, *round.quantities);
   if (is_open(scene)) {
-    next.found.basis = cheaper_basis(next.found, round.model, sizes);
+    next.found.basis = cheaper_basis(scene, next.found, round.model, sizes);
     next.found.up_to = band_after_pilot(settings, round, accuracy);
   }
   const auto spacing = round.estimate->by_cause.find(Cause::spacing);

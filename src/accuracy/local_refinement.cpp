@@ -34,6 +34,15 @@ double apart(const std::array<double, 3>& a, const std::array<double, 3>& b) {
   return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
+/// Whether the scene gives the spacing of the candidates of a pair. The model may have some pairs only.
+bool gives_spacing(const scene::Scene& scene, const Model& model, const Model::PairBlock& pair) {
+  const auto name = [&](int body) { return model.bodies[static_cast<std::size_t>(body)].name; };
+  const std::string a = name(pair.a), b = pair.b < 0 ? pair.obstacle : name(pair.b);
+  return std::ranges::any_of(scene.contact.pairs, [&](const scene::Pair& given) {
+    return given.names(a) && given.names(b) && given.spacing;
+  });
+}
+
 bool same_geometry(const scene::Body& a, const scene::Body& b) {
   return a.mesh == b.mesh && a.geometry == b.geometry && a.scale == b.scale;
 }
@@ -50,8 +59,8 @@ std::map<std::string, std::vector<scene::FineBall>> balls_near_contact(
     return round.quantities->pressed[static_cast<std::size_t>(i)];
   };
   for (std::size_t p = 0; p < model.pairs.size(); ++p) {
-    if (scene.contact.pairs[p].spacing) continue;
     const Model::PairBlock& pair = model.pairs[p];
+    if (gives_spacing(scene, model, pair)) continue;
     int pressed = 0;
     for (int i = 0; i < pair.points; ++i) pressed += is_pressed(pair.first_point + i);
     const double denser = times_denser(pressed), spread = pressed < few ? 1 : 2;

@@ -59,8 +59,8 @@ std::string text_of(const KernelSettings& settings, const scene::Scene& scene) {
 
 /// The impact of one round.
 struct RoundImpact {
-  store::Kernels kernels;  ///< to which the model of `dialled` refers
-  contact::Dialled dialled;
+  store::Kernels kernels;  ///< to which the model of `dialled` may refer
+  Dialled dialled;
   std::vector<BodySize> sizes;
 };
 
@@ -99,8 +99,11 @@ RoundImpact impact_of(const scene::Scene& scene, const Settings& settings, const
                      .unknowns = static_cast<double>(kernels.kernel[k]->dofs),
                      .coarser_unknowns = coarser ? static_cast<double>(coarser->kernels[k]->dofs) : 0,
                      .dimension = kernels.kernel[k]->surface.corners() == 1 ? 1 : 3,
-                     .width = width_of(*kernels.kernel[k])});
-  contact::Dialled dialled = dial_of(closed, kernels, prepared, std::move(model), coarser, settings.rate, {});
+                     .width = width_of(*kernels.kernel[k]),
+                     .candidates = closed.motion.is_finite()
+                                       ? static_cast<double>(kernels.kernel[k]->surface.size())
+                                       : 0});
+  Dialled dialled = dial_of(closed, kernels, prepared, std::move(model), coarser, settings.rate, {});
   return {std::move(kernels), std::move(dialled), std::move(sizes)};
 }
 

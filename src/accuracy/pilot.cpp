@@ -76,7 +76,8 @@ Settings pilot_settings(const scene::Scene& scene, MPI_Comm comm) {
   out.found.zone = within_flight(scene);
   if (scene.modes.open()) {
     // Without a spacing, whole surfaces are candidates, and then modes are cheaper than Ritz vectors.
-    out.found.basis = gives_spacing(scene) ? scene::Basis::contact : scene::Basis::modes;
+    const bool few = gives_spacing(scene) && !scene.motion.is_finite();
+    out.found.basis = few ? scene::Basis::contact : scene::Basis::modes;
     out.found.up_to = coarse_band(scene, comm);
   } else {
     out.found.basis = scene.modes.basis;

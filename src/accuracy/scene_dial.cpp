@@ -8,6 +8,7 @@
 
 #include "kernels/band.hpp"
 #include "kernels/read.hpp"
+#include "src/accuracy/around_first_touch.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet::accuracy {
@@ -70,9 +71,13 @@ std::optional<CoarserMesh> read_coarser(const scene::Scene& scene, const Setting
   return out;
 }
 
-contact::Dialled dial_of(const scene::Scene& scene, const store::Kernels& kernels,
-                         const store::Prepared& prepared, contact::Model model,
-                         const std::optional<CoarserMesh>& coarser, Hertz rate, std::function<void()> poll) {
+namespace {
+
+/// Of a scene with linear rotations. @param choose_points  whether to run it with fewer points
+contact::Dialled dial_linear(const scene::Scene& scene, const store::Kernels& kernels,
+                             const store::Prepared& prepared, contact::Model model,
+                             const std::optional<CoarserMesh>& coarser, Hertz rate, bool choose_points,
+                             std::function<void()> poll) {
   contact::Subject subject{
       .rebuild =
           [&](const std::vector<kernels::Kernel>& others) {
@@ -119,9 +124,35 @@ contact::Dialled dial_of(const scene::Scene& scene, const store::Kernels& kernel
                           .options = store::step_options(scene),
                           .choose_rate = scene.time.rate_by_accuracy,
                           .choose_precision = scene.time.precision_by_accuracy,
-                          .choose_points = leaves_points_open(scene),
+                          .choose_points = choose_points,
                           .rate = rate});
   });
+}
+
+}  // namespace
+
+Dialled dial_of(const scene::Scene& scene, const store::Kernels& kernels, const store::Prepared& prepared,
+                contact::Model model, const std::optional<CoarserMesh>& coarser, Hertz rate,
+                std::function<void()> poll) {
+  if (!scene.motion.is_finite())
+    return {dial_linear(scene, kernels, prepared, std::move(model), coarser, rate, leaves_points_open(scene),
+                        std::move(poll))};
+  const auto touch = store::in_file(scene.file, [&] {
+    return contact::find_first_touch(model, store::step_options(scene), scene.time.duration, poll);
+  });
+  if (!touch) return {{.model = std::move(model)}};
+  AroundFirstTouch part =
+      store::in_file(scene.file, [&] { return around_first_touch(*touch, scene, kernels, model); });
+  std::optional<CoarserMesh> coarser_part;
+  if (coarser) coarser_part = {part.scene, part.of(coarser->kernels), coarser->settings};
+  Dialled out{dial_linear(part.scene, part.kernels, part.prepared, std::move(part.model), coarser_part, rate,
+                          false, poll),
+              part.kernels.kernel};
+  if (!out.estimate) return out;
+  out.estimate->until_s = touch->end;
+  out.estimate->by_cause[contact::Cause::rotation] =
+      store::in_file(scene.file, [&] { return share_of_rotation(part, *out.quantities, out.rate, poll); });
+  return out;
 }
 
 scene::Scene resolved(scene::Scene scene, const contact::Dialled& dialled) {

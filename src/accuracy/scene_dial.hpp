@@ -42,14 +42,21 @@ struct CoarserMesh {
 std::optional<CoarserMesh> read_coarser(const scene::Scene& scene, const Settings& settings,
                                         const std::filesystem::path& folder);
 
-/// Chooses the settings of steps that a closed scene leaves open.
+struct Dialled : contact::Dialled {
+  /// To which the model refers, besides those that it was chosen for.
+  std::vector<std::shared_ptr<const kernels::Kernel>> kernels{};
+};
+
+/// Chooses the settings of steps that a closed scene leaves open. With finite rotations, they serve the first
+/// touch: the bodies that take part in it are run with linear ones, from shortly before until after it, and
+/// the model returned is theirs.
 /// @param model  built from these kernels and parts
 /// @param rate  rate at which the search starts; 0: unknown
 /// @param poll  called after each step; may throw to end the run
 /// Throws InputError in the same cases as building the model and running it.
-contact::Dialled dial_of(const scene::Scene& scene, const store::Kernels& kernels,
-                         const store::Prepared& prepared, contact::Model model,
-                         const std::optional<CoarserMesh>& coarser, Hertz rate, std::function<void()> poll);
+Dialled dial_of(const scene::Scene& scene, const store::Kernels& kernels, const store::Prepared& prepared,
+                contact::Model model, const std::optional<CoarserMesh>& coarser, Hertz rate,
+                std::function<void()> poll);
 
 /// Returns the scene with the settings of steps that were chosen, as results store it.
 scene::Scene resolved(scene::Scene scene, const contact::Dialled& dialled);

@@ -44,6 +44,7 @@ std::filesystem::path settings_path(const std::filesystem::path& folder, const s
                                     scene::MeshHashes* known) {
   std::string names, data = fmt::format("{}\n{}\n", scene::toml_number(*scene.accuracy),
                                         static_cast<int>(scene.contact.scheme));
+  if (scene.motion.is_finite()) data += "finite\n";
   for (const Quantity quantity : scene.accuracy_of) data += std::string(name_of(quantity)) + '\n';
   for (const scene::Body& body : scene.bodies) {
     const scene::KernelRequest request = scene::kernel_request(scene, body, known);

@@ -55,7 +55,8 @@ struct Settings {
 scene::Scene with_settings(scene::Scene scene, const KernelSettings& settings);
 
 /// The file of the settings of a scene, `<bodies>-<first 12 digits of a hash>.settings.toml`. The hash covers
-/// the accuracy, the data of all kernels and which pairs have friction, but not velocities, gaps or times.
+/// the accuracy, the data of all kernels, which pairs have friction and whether rotations are finite, but not
+/// velocities, gaps or times.
 /// Throws as kernel_request does.
 std::filesystem::path settings_path(const std::filesystem::path& folder, const scene::Scene& scene,
                                     scene::MeshHashes* known = nullptr);

@@ -79,10 +79,12 @@ ErrorReport choose(Impact& impact, Paired& paired, const scene::Scene& open,
     if ((++steps & 63) == 0) console.advance(steps);
   };
   const auto coarser = settings ? accuracy::read_coarser(open, *settings, folder) : std::nullopt;
-  contact::Dialled dialled =
-      accuracy::dial_of(impact.scene, impact.kernels, paired.prepared, std::move(paired.model), coarser,
-                        settings ? settings->rate : Hertz{0}, poll);
-  paired.model = std::move(dialled.model);
+  // The model that comes back has fewer points, or serves the first touch of bodies that turn alone.
+  const bool turns = impact.scene.motion.is_finite();
+  accuracy::Dialled dialled = accuracy::dial_of(impact.scene, impact.kernels, paired.prepared,
+                                                turns ? paired.model : std::move(paired.model), coarser,
+                                                settings ? settings->rate : Hertz{0}, poll);
+  if (!turns) paired.model = std::move(dialled.model);
   impact.scene = accuracy::resolved(std::move(impact.scene), dialled);
   out.estimate = dialled.estimate;
   if (out.estimate)

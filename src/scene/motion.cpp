@@ -66,15 +66,14 @@ void refuse_axes(const Table& root) {
         entry.complain("axes", "needs [motion] rotation = \"finite\": add it, or leave axes out");
 }
 
-/// Refuses settings that the accuracy would choose: they would serve the first touch only.
+/// Refuses single precision, and loads on a body whose free flight leads it to the first touch, which
+/// accuracy serves.
 void check_settings(const Table& root, const Scene& scene) {
-  if (root.has("accuracy") && scene.accuracy)
-    refuse(root, "accuracy",
-           "chooses settings for the first touch only: give modes.up_to_hz or modes.count and "
-           "accuracy = \"off\"");
-  if (scene.modes.open())
-    refuse(root, "modes",
-           "accuracy would choose modes for the first touch only: give modes.up_to_hz or modes.count");
+  const Loads& loads = scene.loads;
+  if (scene.accuracy && !(loads.tractions.empty() && loads.points.empty() && loads.motions.empty()))
+    refuse(root, "loads",
+           "with finite rotation, accuracy allows gravity only: leave the other loads out, or give "
+           "modes.up_to_hz or modes.count and accuracy = \"off\"");
   if (scene.time.precision == Precision::float32)
     refuse(root, "time.precision", "finite rotation needs \"double\": leave it out");
 }
@@ -92,6 +91,7 @@ void read_motion(const Table& root, Scene& scene) {
   check_contact(root, scene);
   if (root.has("strikes")) refuse(root, "strikes", "with finite rotation, there are none: leave it out");
   check_settings(root, scene);
+  scene.time.precision_by_accuracy = false;
 }
 
 }  // namespace ricochet::scene

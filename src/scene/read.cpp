@@ -56,8 +56,8 @@ const SectionOf<Scene> scene_keys{
             .choices = {"off"},
             .remark = ": the relative error that results may have"},
       "relative error allowed in the quantities of `accuracy_of`; `ricochet-kernel` and `ricochet-contact` "
-      "choose the settings that the scene leaves open. `\"off\"`: nothing is chosen, and no error is "
-      "estimated"},
+      "choose the settings that the scene leaves open. With finite rotation, they serve the [first "
+      "touch](scene.md#bodies-that-turn). `\"off\"`: nothing is chosen, and no error is estimated"},
      {"accuracy_of", Access(Type::texts, read_quantities, quantities_of), "", "`[\"impulse\", \"rebound\"]`",
       any(),
       "quantities to which `accuracy` applies: some of `\"impulse\"`, `\"rebound\"`, `\"spin\"`, "

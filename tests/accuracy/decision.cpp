@@ -247,4 +247,66 @@ TEST(Decision, refines_the_mesh_where_bodies_miss_each_other_by_less_than_a_cand
   EXPECT_THAT(far.reason, HasSubstr("nothing touches"));
 }
 
+/// Of a body that turns, whose kernel holds these candidates.
+Decision after_pilot_of_turning(double candidates, bool turns = true) {
+  scene::Scene scene = open_scene();
+  if (turns) scene.motion.rotation = Rotation::finite;
+  accuracy::Settings settings = second_round(scene);
+  settings.coarser.reset();
+  contact::Dialled round = round_with({{Cause::mesh, 0.1}});
+  round.quantities.emplace();
+  round.quantities->nearer = 1e-5;
+  round.quantities->pressed.assign(40, false);
+  round.quantities->pressed[0] = true;
+  round.model.gap = contact::Vector::LinSpaced(40, 0, 1);
+  round.model.area = contact::Vector::Ones(40);
+  kernels::Kernel kernel;
+  kernel.surface.area.assign(40, 1.0);
+  contact::Bodies::Block& body = round.model.bodies.emplace_back();
+  body.name = "part";
+  body.kernel = &kernel;
+  body.rotation.setIdentity();
+  body.translation.setZero();
+  round.model.point_a = round.model.point_b = contact::Matrix::Zero(40, 3);
+  round.model.pairs.push_back({.first_point = 0, .points = 40, .a = 0, .b = -1, .reach = {}});
+  std::vector<BodySize> sizes = body_of(1000, 1e4, 0);
+  sizes[0].candidates = candidates;
+  return decide(scene, settings, round, sizes);
+}
+
+// 120 Ritz vectors for 40 candidates would be cheaper than 1000 modes, and a zone holds a few of them.
+TEST(Decision, gives_bodies_that_turn_modes_and_all_of_their_candidates) {
+  const Decision turning = after_pilot_of_turning(40), fixed = after_pilot_of_turning(0, false);
+  ASSERT_TRUE(turning.next && fixed.next);
+  EXPECT_EQ(turning.next->found.basis, scene::Basis::modes);
+  EXPECT_FALSE(turning.next->found.zone);
+  EXPECT_EQ(fixed.next->found.basis, scene::Basis::contact);
+  EXPECT_TRUE(fixed.next->found.zone);
+}
+
+// From order 3 to 4, 1200 candidates become 2133, and 1100 become 1956.
+TEST(Decision, starts_no_round_with_too_many_candidates_of_a_body_that_turns) {
+  scene::Scene scene = open_scene();
+  scene.motion.rotation = Rotation::finite;
+  const auto found = [&](double candidates) {
+    std::vector<BodySize> sizes = small;
+    sizes[0].candidates = candidates;
+    return decide(scene, second_round(scene), round_with({{Cause::mesh, 0.1}}), sizes);
+  };
+  EXPECT_TRUE(found(1100).next);
+  EXPECT_FALSE(found(1200).next);
+  EXPECT_THAT(found(1200).reason, HasSubstr("the response to 2e+03 candidates"));
+}
+
+// Finer elements reduce the distance of coarse patches from points that move. Without any, the share stays.
+TEST(Decision, reduces_the_share_of_rotation_with_the_elements) {
+  scene::Scene scene = open_scene();
+  const auto round = round_with({{Cause::mesh, 1e-3}, {Cause::spacing, 1e-3}, {Cause::rotation, 0.1}});
+  EXPECT_EQ(decide(scene, second_round(scene), round, small).reason, "mesh");
+  scene.bodies[0].order_open = scene.bodies[0].size_open = false;
+  const Decision fixed = decide(scene, second_round(scene), round, small);
+  EXPECT_FALSE(fixed.next);
+  EXPECT_THAT(fixed.reason, HasSubstr("rotation contributes 0.1: "));
+}
+
 }  // namespace decision_test

@@ -33,7 +33,9 @@ scene::Scene scene_of_two() {
     body.mesh = "part.step";
     body.order_open = body.size_open = body.refine_open = true;
   }
-  scene.contact.pairs.emplace_back();
+  scene::Pair& pair = scene.contact.pairs.emplace_back();
+  pair.a = "upper";
+  pair.b = "lower";
   return scene;
 }
 

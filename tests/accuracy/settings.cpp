@@ -37,7 +37,7 @@ TEST(Settings, are_shared_by_scenes_with_the_same_bodies_and_accuracy) {
     EXPECT_EQ(settings_of(with_accuracy({same})), path) << same;
   for (const char* other :
        {"bodies.ball.material.young=2e9", "bodies.block.order=3", "modes.count=10", "accuracy_of=spin",
-        "contact.reach=1e-3", "accuracy=1e-3", "contact.friction=0.1"})
+        "contact.reach=1e-3", "accuracy=1e-3", "contact.friction=0.1", "motion.rotation=finite"})
     EXPECT_NE(settings_of(with_accuracy({other})), path) << other;
   EXPECT_NE(settings_of(with_accuracy(), "another ball"), path);
   EXPECT_EQ(settings_of(with_accuracy({"contact.friction=0.1"})),

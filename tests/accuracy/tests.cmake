@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: BSD-2-Clause
-add_serial_tests(accuracy accuracy LIBRARIES ricochet_accuracy FILES contact_zone decision local_refinement settings)
+add_serial_tests(accuracy accuracy LIBRARIES ricochet_accuracy FILES around_first_touch contact_zone decision local_refinement settings)

@@ -370,6 +370,7 @@ TEST(Json, holds_what_the_summary_holds_and_null_for_what_is_not_known) {
                     .by_cause = {{Cause::mesh, std::nullopt},
                                  {Cause::modes, Errors{{Quantity::impulse, 3}, {Quantity::spin, 6}}},
                                  {Cause::step, Errors{{Quantity::impulse, 4}, {Quantity::spin, 8}}}}};
+  s.error_estimate->until_s = 0.5;
   write_json(s, folder / "x.summary.json");
   std::ifstream again(folder / "x.summary.json");
   const auto estimate = nlohmann::json::parse(again)["error_estimate"];
@@ -377,6 +378,7 @@ TEST(Json, holds_what_the_summary_holds_and_null_for_what_is_not_known) {
       spin{{"total", 10.0}, {"mesh", nullptr}, {"modes", 6.0}, {"step", 8.0}};
   nlohmann::json expected = impulse;
   expected["quantity"] = "impulse";
+  expected["until_s"] = 0.5;
   expected["quantities"] = {{"impulse", impulse}, {"spin", spin}};
   EXPECT_EQ(estimate, expected);
   EXPECT_EQ(json["episodes"].size(), 2U);

@@ -6,7 +6,11 @@ import re
 import unittest
 import warnings
 
+import numpy as np
+from scipy.spatial.transform import Rotation
+
 import ricochet
+import scenes
 from programs import MESHES, Forked, ProgramTest, contact, impact, kernel, scene_of
 
 ROD = MESHES / "two-rods" / "rod.geo"
@@ -91,6 +95,7 @@ class Accuracy(ProgramTest):
         causes = {"mesh", "modes", "basis", "step", "eigensolver", "precision", "spacing", "zone"}
         estimate = self.collide()["error_estimate"]
         quantities, worst = estimate.pop("quantities"), estimate.pop("quantity")
+        self.assertIsNone(estimate.pop("until_s"))  # to the end of the run
         self.assertEqual(estimate, quantities[worst])
         self.assertIn(worst, ("impulse", "rebound"))
         self.assertEqual(set(quantities), {"impulse", "rebound", "peak_force", "duration", "energy"})
@@ -239,6 +244,79 @@ duration = 3e-4
         self.assertRegex(
             refused.err, r"no settings for accuracy = 0.01 at .*Run ricochet-kernel"
         )  # the default
+
+
+class FirstTouch(ProgramTest):
+    """An ellipsoid falls, turning, on a floor without friction, and bounces. It hardly vibrates, so the impulse of its first
+    touch is that of a rigid body that keeps its energy."""
+
+    AXES = np.array([0.5, 0.4, 0.3])  # m
+    EGG = """
+SetFactory("OpenCASCADE");
+DefineConstant[size = 0.2];
+Sphere(1) = {0, 0, 0, 1};
+Dilate {{0, 0, 0}, {0.5, 0.4, 0.3}} { Volume{1}; }
+Mesh.MeshSizeMin = size; Mesh.MeshSizeMax = size;
+Physical Volume("egg") = {1};
+"""
+    BODY = """
+mesh = "egg.geo"
+geometry = { size = 0.2 }
+material = { density = 2, young = 1e7, poisson = 0.3 }
+rotate_deg = [35, -20, 40]
+translate = [0, 0, 0.6]
+velocity = [0.7, 0.2, -1]
+angular_velocity = [1, 2, 1.5]
+contact = "all"
+"""
+
+    def setUp(self):
+        super().setUp()
+        self.write("egg.geo", self.EGG)
+        more = '[motion]\nrotation = "finite"\nsecond_run = false\n[loads]\ngravity = [0, 0, -9.81]'
+        floor = {"floor": "normal = [0, 0, 1]"}
+        text = scenes.scene({"egg": self.BODY}, "", "", "duration = 0.6", floor, "Egg", more)
+        self.scene = self.write("egg.toml", f"accuracy = 0.15\n{text.replace('[modes]', '')}")
+        self.out = self.folder / "out"
+
+    def rigid_impulse(self, body, k):
+        """[N s] of a touch that begins at sample k"""
+        turn = Rotation.from_quat(np.roll(body.attitude[k], -1))
+        velocity, spin = body.velocity[k], body.spin[k]
+        normal, square = np.array([0, 0, 1]), self.AXES**2
+        down = turn.inv().apply(-normal)
+        arm = turn.apply(square * down / np.sqrt(down @ (square * down)))
+        own = np.diag(body.mass / 5 * (square.sum() - square))
+        inertia = turn.as_matrix() @ own @ turn.as_matrix().T
+        lever = np.cross(arm, normal)
+        approach = -(velocity + np.cross(spin, arm)) @ normal
+        return 2 * approach / (1 / body.mass + lever @ np.linalg.solve(inertia, lever))
+
+    def test_of_a_body_that_turns_is_what_accuracy_serves(self):
+        made = self.succeed(kernel(self.scene, self.out, quiet=False)).out
+        self.assertIn("up to the end of the first touch at", made)
+        printed = self.succeed(contact(self.scene, self.out, quiet=False)).out
+        result = ricochet.Result(self.out / "egg.result.h5")
+        first, second = result.summary["touches"]
+        estimate = result.summary["error_estimate"]
+        self.assertRegex(printed, "error estimate .*; up to the end of the first touch at 0.138")
+        # The touch of linear rotations lasts a few per cent longer or shorter.
+        lasted = first["end_s"] - first["start_s"]
+        self.assertAlmostEqual(estimate["until_s"], first["end_s"], delta=0.1 * lasted)
+        self.assertGreater(second["start_s"], estimate["until_s"])
+        k = int(np.searchsorted(result.time, first["start_s"])) - 1
+        exact = self.rigid_impulse(result.bodies["egg"], k)
+        error = abs(first["impulse_ns"] / exact - 1)
+        self.assertLess(error, estimate["quantities"]["impulse"]["total"])
+        self.assertLess(estimate["total"], 0.15)
+        self.assertIsNotNone(estimate["rotation"])
+        self.assertIn("contact_rate_hz", result.scene["time"])
+
+        away = ["bodies.egg.velocity=[0,0,9]"]
+        self.succeed(contact(self.scene, self.out, *away))
+        summary = self.summary(self.out)
+        self.assertIsNone(summary["error_estimate"])
+        self.assertTrue(any("nothing touches" in warning for warning in summary["warnings"]))
 
 
 if __name__ == "__main__":

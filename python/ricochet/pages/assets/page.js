@@ -216,10 +216,11 @@ function errorsSection() {
                           "how far its main results may be off, by cause."));
   const causes = {total: "all together", mesh: "mesh", modes: "modes above the band", basis: "vectors in the band",
                   step: "step of time", eigensolver: "eigensolver", precision: "precision",
-                  spacing: "spacing of contact points", zone: "points beyond the reach"};
+                  spacing: "spacing of contact points", zone: "points beyond the reach",
+                  rotation: "finite rotation, beyond the turn"};
   const largest = Math.max(estimate.total, 1e-300), quantities = Object.entries(estimate.quantities);
   const shown = (share) => share === null || share === undefined ? "not known" : digits(share, 2);
-  const rows = Object.entries(causes).map(([key, label]) => {
+  const rows = Object.entries(causes).filter(([key]) => key in estimate).map(([key, label]) => {
     const bar = make("i", {class: "bar"}), share = estimate[key];
     bar.style.width = `${12 * (share ?? 0) / largest}rem`;
     return row(label, keyed(`error_estimate.${key}`, share, shown(share)), bar,
@@ -228,6 +229,8 @@ function errorsSection() {
   const asked = run.asked.accuracy ? `; ${digits(run.asked.accuracy)} was asked for` : "";
   at.append(table(["cause", `relative error of ${spaced(estimate.quantity)}`, "", ...quantities.map(([name]) => spaced(name))], rows),
             note(`Estimated${asked}. The first column is the requested quantity with the largest error.`));
+  if (estimate.until_s)
+    at.append(note(`Estimates hold up to the end of the first touch, at ${quantity(estimate.until_s, "s", 6)}.`));
 }
 
 function askedSection() {
