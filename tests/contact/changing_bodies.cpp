@@ -168,6 +168,25 @@ TEST(ChangingBodies, bring_the_motion_of_a_simulation_that_begins_with_them) {
   }
 }
 
+// A body strikes another one from below, at the place of one that came from above: they do not pass through
+// each other.
+TEST(ChangingBodies, meet_where_those_before_them_did_not) {
+  const SharedKernel kernel = box(0);
+  Scene scene = scene_of({{.name = "", .kernel = kernel, .translate = {0, 0, 1}}});
+  scene.gravity = {0, 0, 0};
+  Simulation simulation(scene);
+  const std::size_t above = simulation.add("above", kernel, at(0, 1.075, {0, 0, -1}), rough);
+  while (simulation.active() == 0) ASSERT_EQ(simulation.step(), StepStatus::ok);
+  EXPECT_NEAR(simulation.time(), 0.015, 1e-3);
+  simulation.remove(above);
+  const double height = simulation.body_motion(0).position[2];
+  const std::size_t below = simulation.add("below", kernel, at(0, height - 0.075, {0, 0, 1}), rough);
+  for (int k = 0; k < 600 && simulation.active() == 0; ++k) ASSERT_EQ(simulation.step(), StepStatus::ok);
+  EXPECT_GT(simulation.active(), 0);
+  simulation.step_block(1000);
+  EXPECT_GT(simulation.body_motion(0).position[2] - simulation.body_motion(below).position[2], 0.0599);
+}
+
 // What lies on a body falls when it is removed: by ½gt², to the elastic energy that the support had stored.
 TEST(ChangingBodies, fall_when_what_bore_them_is_removed) {
   const SharedKernel kernel = box(0);
@@ -319,8 +338,10 @@ TEST(ChangingBodies, refuse_a_state_of_other_bodies) {
   EXPECT_EQ(numbers(simulation.body_motion(number)), numbers(then));
   simulation.remove(number);
   EXPECT_FALSE(simulation.restore(two));
+  const Simulation::State three = simulation.save();
   simulation.add("b", kernel, at(1, 0.1), rough);  // at the same place
   EXPECT_FALSE(simulation.restore(two));
+  EXPECT_FALSE(simulation.restore(three));
 }
 
 // Steps after a change allocate nothing, and a body that takes a place which another one has left needs no
