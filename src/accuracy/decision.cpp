@@ -130,12 +130,13 @@ std::string excess(const std::vector<BodySize>& sizes, double candidates) {
   const auto work_of = [&](const BodySize& size) {
     return (size.vectors + candidates_of_body(size)) * size.unknowns;
   };
-  double work = 0;
-  for (const BodySize& size : sizes) work += work_of(size);
+  double work = 0, turning = 0;  // candidates of bodies that turn
+  for (const BodySize& size : sizes) {
+    work += work_of(size);
+    turning += size.candidates;
+  }
   const BodySize& largest = *std::ranges::max_element(sizes, {}, work_of);
-  if (work <= most_work && largest.unknowns <= most_unknowns &&
-      std::ranges::max(sizes, {}, &BodySize::candidates).candidates <= most_candidates)
-    return "";
+  if (work <= most_work && largest.unknowns <= most_unknowns && turning <= most_candidates) return "";
   candidates = candidates_of_body(largest);
   return fmt::format(
       "the next round would compute about {:.1g} modes{} of {:.1g} unknowns of \"{}\", which is more than "

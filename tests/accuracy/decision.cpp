@@ -295,6 +295,14 @@ TEST(Decision, starts_no_round_with_too_many_candidates_of_a_body_that_turns) {
   };
   EXPECT_TRUE(found(1100).next);
   EXPECT_FALSE(found(1200).next);
+  // Of two bodies, 600 become 1067, and those of a given mesh stay: both count.
+  std::vector<BodySize> two = small;
+  two[0].candidates = 600;
+  two.push_back(two[0]);
+  two[1].body = "other";
+  EXPECT_TRUE(decide(scene, second_round(scene), round_with({{Cause::mesh, 0.1}}), two).next);
+  two[1].candidates = 1200;
+  EXPECT_FALSE(decide(scene, second_round(scene), round_with({{Cause::mesh, 0.1}}), two).next);
   EXPECT_THAT(found(1200).reason, HasSubstr("the response to 2e+03 candidates"));
 }
 
