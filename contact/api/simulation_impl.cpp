@@ -78,10 +78,11 @@ void Simulation::Impl::add_force() noexcept {
     force += now.head(force.size()) / per_sample();
     rubbing += now.tail(rubbing.size()) / per_sample();
   } else {
-    for (const int row : floating->forced()) {
-      if (!std::exchange(is_forced[static_cast<std::size_t>(row)], true)) forced.push_back(row);
-      of_row(row) += now(row) / per_sample();
-    }
+    for (const std::span<const int> rows : floating->forced())
+      for (const int row : rows) {
+        if (!std::exchange(is_forced[static_cast<std::size_t>(row)], true)) forced.push_back(row);
+        of_row(row) += now(row) / per_sample();
+      }
   }
   begins_sample = stepper->at_sample();
   if (begins_sample) turn_to_world();

@@ -25,6 +25,9 @@
 // bodies asleep bear forces.
 #pragma once
 
+#include <array>
+#include <span>
+
 #include "contact/motion/coriolis.hpp"
 #include "contact/stepping/moving_points.hpp"
 #include "contact/stepping/stepper.hpp"
@@ -47,8 +50,8 @@ class FloatingStepper final : public Stepper {
   /// Throws InputError if it turns too fast. @param name  for the message
   void put_in(int body, const std::string& name, const Pose& pose);
   bool is_present(int body) const { return bodies_[static_cast<std::size_t>(body)].present; }
-  /// The rows that may have a force in the last step.
-  std::span<const int> forced() const { return written_; }
+  /// The rows that may have a force in the last step: of the step, and of pairs asleep.
+  std::array<std::span<const int>, 2> forced() const { return {written_, sleeping_}; }
 
   StepStatus step() noexcept override;
   std::unique_ptr<Stepper> clone() const override { return std::make_unique<FloatingStepper>(*this); }
