@@ -77,9 +77,12 @@ TEST(Sleep, of_a_body_lasts_whatever_others_do_elsewhere) {
     if (active == 0) active = stepper->active();
     ASSERT_GE(stepper->active(), active);
     ASSERT_GE(stepper->modal()->energy().residual, start.residual * (1 - 1e-9));
-    for (std::size_t f = 0; f < model->friction.size(); ++f)
-      if (const int i = model->friction[f].point; i < model->pairs[0].points && stepper->end_force()(i) > 0)
+    for (std::size_t f = 0; f < model->friction.size(); ++f) {
+      const int i = model->friction[f].point;
+      if (i < model->pairs[0].points && stepper->end_force()(i) > 0) {
         ASSERT_EQ(stepper->slip().states()[f], ContactState::stick);
+      }
+    }
   }
   while (single->steps() < stepper->steps()) ASSERT_EQ(single->step(), StepStatus::ok);
   EXPECT_GT(touching, 100);
