@@ -142,7 +142,7 @@ StepTrial ContactLaw::solve(const StepMatrices& matrices, const MeanForce& befor
   islands_.separate();
   for (std::optional<StepTrial>& trial : trials_) trial.reset();
   for (int pair = 0; pair < islands_.pairs(); ++pair) {
-    next_[pair] = {.bank = before.pairs()[pair].bank};
+    next_[pair] = {.reserve = before.pairs()[pair].reserve, .bank = before.pairs()[pair].bank};
     if (before.pairs()[pair].carries) islands_.join(pair);
   }
   islands_.assign();
@@ -230,13 +230,14 @@ StepTrial ContactLaw::solve_island(int island, const StepMatrices& matrices, con
   gather(before, slip);
 
   bool shock = false, begins = true;
-  double bank = 0;
+  double bank = 0, reserve = 0;
   for (int k = 0; k < islands_.pairs(); ++k) {
     if (islands_.of(k) != island) continue;
     const MeanForce::Pair& pair = before.pairs()[k];
     shock = shock || pair.shock;
     begins = begins && !pair.carries;
     bank += pair.bank;
+    reserve += pair.reserve;
   }
   const StepMatrices part =
       all ? matrices
@@ -251,7 +252,8 @@ StepTrial ContactLaw::solve_island(int island, const StepMatrices& matrices, con
     if (next.shock || trial.cools || overdraws(trial))
       trial = attempt(part, next.weights = backward_euler, slip);
   }
-  if (moves_ && has_forces(trial.status) && overdraws(trial)) {
+  const auto left = [&] { return bank + trial.removed - trial.heat; };
+  if (moves_ && has_forces(trial.status) && left() + reserve < 0) {
     keeps_depth_ = true;
     trial = attempt(part, next.weights = backward_euler, slip);
     keeps_depth_ = false;
@@ -261,9 +263,12 @@ StepTrial ContactLaw::solve_island(int island, const StepMatrices& matrices, con
   for (int k = 0; k < islands_.pairs(); ++k) {
     if (islands_.of(k) != island) continue;
     next_[k] = next;
+    next_[k].reserve = before.pairs()[k].reserve;
     next_[k].bank = before.pairs()[k].bank + credit_[k];
+    // Points that are pushed out
+    if (moves_ && left() < 0 && reserve > 0) next_[k].reserve *= std::max(0.0, 1 + left() / reserve);
   }
-  share_bank(island, bank + trial.removed - trial.heat);
+  share_bank(island, moves_ && left() + reserve >= 0 ? std::max(left(), 0.0) : left());
   return trial;
 }
 

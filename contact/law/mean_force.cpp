@@ -64,7 +64,9 @@ void MeanForce::find_carriers() noexcept {
   carries_ = false;
   for (Pair& pair : pairs_) {
     carries_ = carries_ || (pair.carries && !pair.asleep);
-    if (!pair.carries) pair.bank = 0;
+    if (pair.carries) continue;
+    pair.reserve += pair.bank;
+    pair.bank = 0;
   }
 }
 
@@ -75,10 +77,13 @@ void MeanForce::restore(std::span<const int> rows, const Vector& end,
 }
 
 double MeanForce::draw(int pair, double energy) noexcept {
-  double& bank = pairs_[static_cast<std::size_t>(pair)].bank;
-  const double drawn = std::min(energy, bank);
-  bank -= drawn;
-  return energy - drawn;
+  Pair& of = pairs_[static_cast<std::size_t>(pair)];
+  for (double* account : {&of.reserve, &of.bank}) {
+    const double drawn = std::min(energy, *account);
+    *account -= drawn;
+    energy -= drawn;
+  }
+  return energy;
 }
 
 void MeanForce::reduce(int pair, double share) noexcept {

@@ -22,7 +22,8 @@
 //
 // Any other step that would overdraw the bank is repeated by backward Euler (λ̄ = λ⁺), in which contact cannot
 // gain energy. Contact therefore puts no energy into the bodies in any touch, for any Δ, N, m and masses. A
-// bank that outlived its touch would let a later one bounce by more than it came with.
+// bank that outlived its touch would let a later one bounce by more than it came with. It becomes a reserve,
+// which pays only for what bodies that turn need to stay where they touch (floating_stepper.hpp).
 //
 // With springs s(λ) of the points (patch_spring.hpp), R λ + s(λ) takes the place of R λ, and the energy e(λ)
 // that they store is added to ½ λᵀRλ.
@@ -66,7 +67,10 @@ class MeanForce {
     bool shock = false;                    ///< the step was the first one of a shock
     bool restarts = false;                 ///< the history begins anew with the step
     bool asleep = false;  ///< its bodies rest: its forces stay as they are, whatever others do
-    double bank = 0;      ///< its part of the bank of its island, ≥ 0; 0 unless it carries [J]
+    /// What its earlier touches removed, less what the turns of R and points that were pushed out have taken
+    /// [J].
+    double reserve = 0;
+    double bank = 0;  ///< its part of the bank of its island, ≥ 0; 0 unless it carries [J]
   };
 
   /// State of one pair with n rows. @param conserving  whether steps use the mean, and not backward Euler
@@ -90,8 +94,8 @@ class MeanForce {
   void advance(std::span<const int> rows, const Vector& force, const std::vector<Pair>& pairs) noexcept;
   /// Sets forces at the last instant, by position among some rows, and the state of the pairs.
   void restore(std::span<const int> rows, const Vector& end, const std::vector<Pair>& pairs) noexcept;
-  /// Draws energy from the part of the bank of a pair. Returns what is missing, 0 if the part suffices. A
-  /// negative energy is paid in.
+  /// Draws energy from the reserve of a pair, and then from its part of the bank. Returns what is missing, 0
+  /// if they suffice. A negative energy is paid into the reserve.
   double draw(int pair, double energy) noexcept;
   /// Multiplies the forces of a pair at the last instant by a share of 0 to 1.
   void reduce(int pair, double share) noexcept;

@@ -11,10 +11,11 @@
 //
 //   - The forces of the last step keep their directions, in the world or in the body that a point meets,
 //   while
-//     R turns with the bodies and points move along them, which changes the energy stored in R. The bank of
-//     the island pays for a rise. If it cannot, the forces are reduced until the energy is that of before.
+//     R turns with the bodies and points move along them, which changes the energy stored in R. The reserve
+//     and the bank of the island pay for a rise. If they cannot, the forces are reduced until the energy is
+//     that of before.
 //   - A gap may be below 0 at the start, since the drift is a rotation and the step took it for a straight
-//     line, by (ΩΔ)³ r/24. Where the bank cannot pay for pushing the point out, it may only not sink further.
+//     line, by (ΩΔ)³ r/24. Where they cannot pay for pushing the point out, it may only not sink further.
 //
 // Bodies of an island that have come to rest on obstacles that do not move fall asleep: they stay where they
 // are, with their last forces and at no cost, until a search finds that a body in motion may reach one of
