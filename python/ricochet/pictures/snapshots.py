@@ -32,9 +32,8 @@ def snapshots_picture(result: LoadedResult, surfaces: dict[str, MovingSurface], 
     whole = turning and len(result.episodes) > 1
     if whole:
         start, end = result.spans()[0][0], result.spans()[-1][0]
-        during = np.arange(
-            max(np.searchsorted(time, start) - 1, 0), min(np.searchsorted(time, end) + 1, len(time))
-        )
+        before, after = int(np.searchsorted(time, start)) - 1, int(np.searchsorted(time, end))
+        during = np.arange(max(before, 0), min(after + 1, len(time)))
     else:
         start, end = result.spans()[longest]
         during = np.flatnonzero((time > start + half) & (time <= end + half))
