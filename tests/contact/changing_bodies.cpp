@@ -209,6 +209,40 @@ TEST(ChangingBodies, fall_when_what_bore_them_is_removed) {
   EXPECT_NEAR(simulation.body_motion(1).position[2], 0.03, 1e-5);  // it lies on the floor
 }
 
+// Two damped boxes lie on each other until they sleep; their forces stay in all that a simulation gives. When
+// the lower one is removed, the upper one wakes and falls. 1e-3: by which forces may still change at rest.
+TEST(ChangingBodies, bear_their_weight_and_fall_also_when_they_sleep) {
+  Cloud cloud({0.1, 0.08, 0.06}, 2000, 1e-8, 3, true, 0);
+  for (std::size_t n = 6; n < cloud.kernel.modes.decay_rate.size(); ++n)
+    cloud.kernel.modes.decay_rate[n] = 0.2 * cloud.kernel.modes.angular_frequency[n];
+  const double weight = cloud.mass * g;
+  const SharedKernel kernel = shared(cloud.kernel);
+  Simulation simulation(scene_of({{.name = "", .kernel = kernel, .translate = {0, 0, 0.03 + 1e-6}},
+                                  {.name = "", .kernel = kernel, .translate = {0, 0, 0.09 + 2e-6}}}));
+  const auto sleeps = [&](std::size_t body) {
+    const BodyMotion now = simulation.body_motion(body);
+    return now.velocity == Vector3{0, 0, 0} && now.spin == Vector3{0, 0, 0};
+  };
+  do {
+    ASSERT_EQ(simulation.step(), StepStatus::ok);
+  } while (simulation.steps() < 20'000 && !(sleeps(0) && sleeps(1)));
+  ASSERT_TRUE(sleeps(0) && sleeps(1));
+  simulation.step_block(10);
+  double total = 0;
+  EXPECT_EQ(simulation.step_block(1, {.total_force = &total}).steps, 1);
+  EXPECT_NEAR(total, 3 * weight, 3e-3 * weight);  // of one box on the other, and of both on the floor
+  double listed = 0, by_point = 0;
+  for (const Touching& one : simulation.contacts())
+    for (std::size_t axis = 0; axis < 3; ++axis) listed += one.force[axis] * one.normal[axis];
+  for (const double force : simulation.force()) by_point += force;
+  EXPECT_NEAR(listed, total, 1e-3 * weight);
+  EXPECT_NEAR(by_point, total, 1e-9 * weight);
+  const double height = simulation.body_motion(1).position[2];
+  simulation.remove(0);
+  simulation.step_block(1000);
+  EXPECT_NEAR(height - simulation.body_motion(1).position[2], g * 0.05 * 0.05 / 2, 1e-6);
+}
+
 // What a body brings is its kinetic energy; what it takes away is that and its elastic one. The balance of
 // the others stays closed, to round-off of the energies.
 TEST(ChangingBodies, keep_the_ledger_closed) {
