@@ -60,11 +60,10 @@ FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepO
       over_(*state_.system) {
   for (Vector* x : {&dq_, &modal_force_, &displaced_, &kept_q_, &kept_v_}) x->setZero(model->omega.size());
   for (Vector* x : {&rest_, &end_before_}) x->setZero(capacity_of(*model));
-  rest_force_.setZero(model->rows());
   for (std::vector<int>* x : {&written_, &next_written_, &sleeping_})
     x->reserve(static_cast<std::size_t>(model->rows()));
+  slow_since_.resize(bodies_.size());
   rests_.resize(bodies_.size());
-  rest_of_.resize(bodies_.size());
 }
 
 FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepOptions& options)

@@ -9,8 +9,7 @@
 // kick is that of the mean forces over the displacements d of moving_points.hpp, so that the theorem of
 // mean_force.hpp holds for any rotation. Two things are new:
 //
-//   - The forces of the last step keep their directions, in the world or in the body that a point meets,
-//   while
+//   - The forces of the last step keep their directions, in the world or in the body that a point meets, and
 //     R turns with the bodies and points move along them, which changes the energy stored in R. The reserve
 //     and the bank of the island pay for a rise. If they cannot, the forces are reduced until the energy is
 //     that of before.
@@ -74,7 +73,7 @@ class FloatingStepper final : public Stepper {
   bool is_steady(double time) noexcept;
   bool any_moves() const noexcept;
   StepStatus rest() noexcept;
-  void let_sleep(FloatingBody& body) noexcept;
+  void let_sleep(int body) noexcept;
   void let_pairs_sleep() noexcept;
   void wake(int body) noexcept;
   void wake_all() noexcept;
@@ -97,7 +96,6 @@ class FloatingStepper final : public Stepper {
   Work move_modes(const ModeConstants& over) noexcept;
   bool commit(const Work& work, double residual, double time) noexcept;
   void look_for_rest() noexcept;
-  void add_forces_at_rest() noexcept;
   StepStatus end(const StepTrial& trial) noexcept;
   double elastic_energy(const FloatingBody& body) const noexcept;
   double swing_energy(const FloatingBody& body, double energy) const noexcept;
@@ -112,28 +110,17 @@ class FloatingStepper final : public Stepper {
   MovingPoints points_;
   TurningLoads loads_;
   std::vector<MovingPoints::Travel> travels_;
-  Islands islands_;               ///< scratch: of forces at the start of a step; of what may meet
-  int epoch_;                     ///< steps between two searches
-  std::int64_t search_at_ = 0;    ///< step of the next one
-  std::int64_t clear_until_ = 0;  ///< step before which nothing can touch
-  std::int64_t look_at_ = 0;      ///< step from which on it is computed anew
-  /// Of a body: whether the last search found it slow, and since when it rests [s].
-  struct Rest {
-    bool slow = false;
-    double since = 0;
-  };
-  /// Of an island, at a search.
-  struct IslandRest {
-    bool slow = false, long_enough = true;
-    double force = 0, change = 0;  ///< Σp̄², and that of its change since the last search [N²]
-  };
-  std::vector<Rest> rests_;          ///< by body
-  std::vector<IslandRest> rest_of_;  ///< scratch: by body of which an island has the number
-  std::vector<char> carries_;        ///< by island, scratch: whether it has a force at the start of a step
-  std::vector<double> energy_of_;    ///< by body, scratch [J]
-  Vector rest_force_;                ///< (n) p̄ at the last search [N]
-  std::vector<double> stored_;       ///< by pair, in R after the last step [J]
-  Vector end_before_;                ///< p at the start of the step, by position
+  Islands islands_;                 ///< scratch: of forces at the start of a step; of what may meet
+  int epoch_;                       ///< steps between two searches
+  std::int64_t search_at_ = 0;      ///< step of the next one
+  std::int64_t clear_until_ = 0;    ///< step before which nothing can touch
+  std::int64_t look_at_ = 0;        ///< step from which on it is computed anew
+  std::vector<double> slow_since_;  ///< by body [s]
+  std::vector<char> rests_;         ///< by island, scratch: whether all its bodies rest
+  std::vector<char> carries_;       ///< by island, scratch: whether it has a force at the start of a step
+  std::vector<double> energy_of_;   ///< by body, scratch [J]
+  std::vector<double> stored_;      ///< by pair, in R after the last step [J]
+  Vector end_before_;               ///< p at the start of the step, by position
   std::vector<MeanForce::Pair> pairs_before_;
   /// Rows of the last step, which may not be 0 in force_; those of the step before it, in next_force_. The
   /// former have their u in next_u_.

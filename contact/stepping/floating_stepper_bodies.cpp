@@ -26,6 +26,7 @@ FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepO
     turning_.candidate_force[k] = earlier.turning_.candidate_force[then];
   }
   kept_ = bodies_;
+  std::ranges::fill(slow_since_, time());
   carry(earlier.state_.q, state_.q, from.modes);
   carry(earlier.state_.v, state_.v, from.modes);
   carry(earlier.state_.now.lift, state_.now.lift, from.modes);
@@ -39,7 +40,6 @@ FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepO
   contact_.slip.take(earlier.contact_.slip, from);
   carry(earlier.contact_.force, contact_.force, from.rows);
   carry(earlier.next_u_, next_u_, from.rows);
-  carry(earlier.rest_force_, rest_force_, from.rows);
   contact_.ambiguous = earlier.contact_.ambiguous;
   contact_.persistency = earlier.contact_.persistency;
   contact_.residual = earlier.contact_.residual;
@@ -109,6 +109,7 @@ void FloatingStepper::put_in(int number, const std::string& name, const Pose& po
   for (Vector* x : {&state_.q, &state_.v, &turning_.rates})
     x->segment(bodies_[k].first_mode, bodies_[k].modes).setZero();
   turning_.poses[k] = pose;
+  slow_since_[k] = time();
   exchange();
   look_at_ = steps_;
   search_anew();

@@ -8,10 +8,9 @@
 namespace ricochet::contact {
 namespace {
 
-/// An island rests if the speeds of its bodies are below this share of those of a fall by their own size,
-/// -120 dB, and if its forces change by less than this share from one search to the next, for the time of the
-/// longest of these falls. What swings is slow at its turning point, but not for so long.
-constexpr double resting = 1e-6, steady = 1e-3;
+/// A body rests once it has been slower than this share of the speed of a fall by its own size, -120 dB, for
+/// the time of this fall. What swings is slow at its turning point, but not for so long.
+constexpr double resting = 1e-6;
 
 }  // namespace
 
@@ -26,75 +25,46 @@ StepStatus FloatingStepper::rest() noexcept {
   return StepStatus::ok;
 }
 
-/// Finds out since when each body rests, and lets islands fall asleep.
+/// Finds out since when each body has been slow, and lets islands of bodies at rest fall asleep.
 void FloatingStepper::look_for_rest() noexcept {
   const Model& model = *state_.system->model;
   const double g = model.gravity.norm();
-  const bool may_rest = contact_.active > 0 && model.belts.empty() && is_steady(epoch_ * options_.step);
+  const bool may_rest = model.belts.empty() && is_steady(epoch_ * options_.step);
   islands_.separate();
   for (std::size_t p = 0; p < model.pairs.size(); ++p)
     if (contact_.mean.pairs()[p].carries) islands_.join(static_cast<int>(p));
-  std::ranges::fill(rest_of_, IslandRest{.slow = may_rest});
-  const auto island_of = [&](int body) -> IslandRest& {
-    return rest_of_[static_cast<std::size_t>(islands_.of_body(body))];
+  std::ranges::fill(rests_, true);
+  const auto rests = [&](std::size_t k) -> char& {
+    return rests_[static_cast<std::size_t>(islands_.of_body(static_cast<int>(k)))];
   };
-  const auto each = [&](auto&& use) {
-    for (int k = 0; k < static_cast<int>(bodies_.size()); ++k)
-      if (bodies_[static_cast<std::size_t>(k)].moves()) use(k, island_of(k));
-  };
-  bool any_slow = false;
-  each([&](int k, IslandRest& island) {
-    const FloatingBody& body = bodies_[static_cast<std::size_t>(k)];
-    const double fall = body.mass * g * points_.radius(k),
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const FloatingBody& body = bodies_[k];
+    if (!body.moves()) continue;
+    const double size = points_.radius(static_cast<int>(k)),
                  kinetic = body.kinetic() +
                            0.5 * state_.v.segment(body.first_elastic(), body.elastic()).squaredNorm();
-    island.slow = island.slow && body.torque.isZero(0) && kinetic <= resting * resting * fall;
-    any_slow = any_slow || island.slow;
-  });
-  if (any_slow) add_forces_at_rest();
-  each([&](int k, IslandRest& island) {
-    Rest& own = rests_[static_cast<std::size_t>(k)];
-    const bool rests = own.slow && island.slow && island.change <= steady * steady * island.force;
-    if (!rests) own.since = time();
-    own.slow = island.slow;
-    island.long_enough =
-        island.long_enough && island.force > 0 && time() - own.since >= std::sqrt(2 * points_.radius(k) / g);
-  });
+    if (!may_rest || !body.torque.isZero(0) || !(kinetic <= resting * resting * body.mass * g * size))
+      slow_since_[k] = time();
+    rests(k) = rests(k) && time() - slow_since_[k] >= std::sqrt(2 * size / g);
+  }
   bool falls_asleep = false;
-  each([&](int k, IslandRest& island) {
-    if (!island.long_enough) return;
-    let_sleep(bodies_[static_cast<std::size_t>(k)]);
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    if (!bodies_[k].moves() || !rests(k)) continue;
+    let_sleep(static_cast<int>(k));
     falls_asleep = true;
-  });
+  }
   if (falls_asleep) let_pairs_sleep();
 }
 
-/// Adds up the forces of islands, and their changes since the last search that found one of them slow.
-void FloatingStepper::add_forces_at_rest() noexcept {
-  const Model& model = *state_.system->model;
-  for (Eigen::Index row = 0; row < rest_force_.size(); ++row) {
-    const double now = contact_.force(row), change = now - rest_force_(row);
-    if (now == 0 && change == 0) continue;
-    const Model::PairBlock& pair =
-        model.pairs[static_cast<std::size_t>(contact_.mean.pair_of_row()[static_cast<std::size_t>(row)])];
-    for (const int k : {pair.a, pair.b}) {
-      if (k < 0) continue;
-      IslandRest& island = rest_of_[static_cast<std::size_t>(islands_.of_body(k))];
-      island.force += now * now;
-      island.change += change * change;
-    }
-  }
-  rest_force_ = contact_.force;
-}
-
-void FloatingStepper::let_sleep(FloatingBody& body) noexcept {
+void FloatingStepper::let_sleep(int number) noexcept {
+  FloatingBody& body = bodies_[static_cast<std::size_t>(number)];
   body.asleep = true;
   body.velocity.setZero();
   body.momentum.setZero();
   for (Vector* rates : {&state_.v, &state_.next_v, &turning_.rates})
     rates->segment(body.first_mode, body.modes).setZero();
   state_.next_q.segment(body.first_mode, body.modes) = state_.q.segment(body.first_mode, body.modes);
-  turning_.poses[static_cast<std::size_t>(&body - bodies_.data())] = body.pose();
+  turning_.poses[static_cast<std::size_t>(number)] = body.pose();
 }
 
 /// Lets the pairs sleep of which no body moves, and takes their rows out of those that steps write.
@@ -129,7 +99,7 @@ void FloatingStepper::wake(int number) noexcept {
   const Model& model = *state_.system->model;
   const auto rouse = [&](int k) {
     bodies_[static_cast<std::size_t>(k)].asleep = false;
-    rests_[static_cast<std::size_t>(k)] = {.since = time()};
+    slow_since_[static_cast<std::size_t>(k)] = time();
   };
   rouse(number);
   for (bool spreads = true; spreads;) {

@@ -29,6 +29,14 @@ SharedKernel box(double irregular = 0.1, unsigned seed = 3) {
   return shared(Cloud({0.1, 0.08, 0.06}, 2000, 1e-8, seed, true, irregular).kernel);
 }
 
+/// One with flat faces that stops ringing within some periods.
+Cloud damped_box() {
+  Cloud out({0.1, 0.08, 0.06}, 2000, 1e-8, 3, true, 0);
+  for (std::size_t n = 6; n < out.kernel.modes.decay_rate.size(); ++n)
+    out.kernel.modes.decay_rate[n] = 0.2 * out.kernel.modes.angular_frequency[n];
+  return out;
+}
+
 /// Above a floor, with pairs between all. Named a, b, c, …
 Scene scene_of(const std::vector<Body>& bodies, const std::optional<Friction>& friction = rough) {
   Scene scene;
@@ -212,9 +220,7 @@ TEST(ChangingBodies, fall_when_what_bore_them_is_removed) {
 // Two damped boxes lie on each other until they sleep; their forces stay in all that a simulation gives. When
 // the lower one is removed, the upper one wakes and falls. 1e-3: by which forces may still change at rest.
 TEST(ChangingBodies, bear_their_weight_and_fall_also_when_they_sleep) {
-  Cloud cloud({0.1, 0.08, 0.06}, 2000, 1e-8, 3, true, 0);
-  for (std::size_t n = 6; n < cloud.kernel.modes.decay_rate.size(); ++n)
-    cloud.kernel.modes.decay_rate[n] = 0.2 * cloud.kernel.modes.angular_frequency[n];
+  const Cloud cloud = damped_box();
   const double weight = cloud.mass * g;
   const SharedKernel kernel = shared(cloud.kernel);
   Simulation simulation(scene_of({{.name = "", .kernel = kernel, .translate = {0, 0, 0.03 + 1e-6}},
@@ -241,6 +247,24 @@ TEST(ChangingBodies, bear_their_weight_and_fall_also_when_they_sleep) {
   simulation.remove(0);
   simulation.step_block(1000);
   EXPECT_NEAR(height - simulation.body_motion(1).position[2], g * 0.05 * 0.05 / 2, 1e-6);
+}
+
+// Added at rest, at the place that another one left and at a new one, while a box presses on the floor that
+// has lain there for a second.
+TEST(ChangingBodies, fall_from_rest_however_long_others_have_rested) {
+  const SharedKernel kernel = shared(damped_box().kernel);
+  Simulation simulation(scene_of({{.name = "", .kernel = kernel, .translate = {0, 0, 0.03}},
+                                  {.name = "", .kernel = kernel, .translate = {1, 0, 0.03}}}));
+  simulation.step_block(1000);
+  simulation.remove(1);
+  simulation.push(0, {0, 0, -1}, {0, 0, 1e-9});  // the torque keeps it awake
+  simulation.step_block(10'000);
+  ASSERT_GT(simulation.active(), 0);
+  for (const double x : {1.0, 2.0}) {
+    const std::size_t body = simulation.add(x == 1 ? "again" : "new", kernel, at(x, 0.5), rough);
+    simulation.step_block(1000);
+    EXPECT_NEAR(0.5 - simulation.body_motion(body).position[2], g * 0.05 * 0.05 / 2, 1e-6);
+  }
 }
 
 // What a body brings is its kinetic energy; what it takes away is that and its elastic one. The balance of
