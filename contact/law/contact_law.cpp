@@ -242,33 +242,33 @@ StepTrial ContactLaw::solve_island(int island, const StepMatrices& matrices, con
   const StepMatrices part =
       all ? matrices
           : StepMatrices{.M = p.M.view(), .R = p.R.view(), .S = p.S.view(), .S_mean = p.S_mean.view()};
-  const auto overdraws = [&](const StepTrial& trial) { return bank + trial.removed - trial.heat < 0; };
+  const auto left = [&](const StepTrial& trial) { return bank + trial.removed - trial.heat; };
   const bool mean = before.is_conserving() && !shock;
   MeanForce::Pair next{.weights = mean ? conserving_mean : backward_euler, .restarts = shock};
   StepTrial trial = attempt(part, next.weights, slip);
   if (mean && has_forces(trial.status)) {
     next.shock = next.restarts = begins && is_shock(trial);
-    if (trial.opens && overdraws(trial)) trial = attempt(part, next.weights = reduced(trial, bank), slip);
-    if (next.shock || trial.cools || overdraws(trial))
+    if (trial.opens && left(trial) < 0) trial = attempt(part, next.weights = reduced(trial, bank), slip);
+    if (next.shock || trial.cools || left(trial) < 0)
       trial = attempt(part, next.weights = backward_euler, slip);
   }
-  const auto left = [&] { return bank + trial.removed - trial.heat; };
-  if (moves_ && has_forces(trial.status) && left() + reserve < 0) {
+  if (moves_ && has_forces(trial.status) && left(trial) + reserve < 0) {
     keeps_depth_ = true;
     trial = attempt(part, next.weights = backward_euler, slip);
     keeps_depth_ = false;
   }
   if (!has_forces(trial.status)) return trial;
   store_forces();
+  // For points that are pushed out
+  const double paid = moves_ ? std::clamp(-left(trial), 0.0, reserve) : 0;
   for (int k = 0; k < islands_.pairs(); ++k) {
     if (islands_.of(k) != island) continue;
     next_[k] = next;
-    next_[k].reserve = before.pairs()[k].reserve;
     next_[k].bank = before.pairs()[k].bank + credit_[k];
-    // Points that are pushed out
-    if (moves_ && left() < 0 && reserve > 0) next_[k].reserve *= std::max(0.0, 1 + left() / reserve);
+    next_[k].reserve = before.pairs()[k].reserve;
+    if (paid > 0) next_[k].reserve *= 1 - paid / reserve;
   }
-  share_bank(island, moves_ && left() + reserve >= 0 ? std::max(left(), 0.0) : left());
+  share_bank(island, left(trial) + paid);
   return trial;
 }
 

@@ -41,7 +41,7 @@ void MeanForce::advance(const Vector& force, const std::vector<Pair>& pairs) noe
     if (pair.restarts) before = end;
     pair.carries = pair.carries || (end.cwiseMax(before).array() > 0).any();
   }
-  find_carriers();
+  end_touches();
 }
 
 void MeanForce::advance(std::span<const int> rows, const Vector& force,
@@ -57,10 +57,11 @@ void MeanForce::advance(std::span<const int> rows, const Vector& force,
     end_(row) = force(row);
     pair.carries = pair.carries || std::max(end_(row), before_(row)) > 0;
   }
-  find_carriers();
+  end_touches();
 }
 
-void MeanForce::find_carriers() noexcept {
+/// Finds out whether anything carries, and ends the touches of pairs that do not.
+void MeanForce::end_touches() noexcept {
   carries_ = false;
   for (Pair& pair : pairs_) {
     carries_ = carries_ || (pair.carries && !pair.asleep);
@@ -93,7 +94,7 @@ void MeanForce::reduce(int pair, double share) noexcept {
 
 void MeanForce::let_sleep(int pair, bool asleep) noexcept {
   pairs_[static_cast<std::size_t>(pair)].asleep = asleep;
-  find_carriers();
+  end_touches();
 }
 
 void MeanForce::forget(int pair) noexcept {
@@ -103,7 +104,7 @@ void MeanForce::forget(int pair) noexcept {
     before_.segment(first, size).setZero();
   }
   pairs_[static_cast<std::size_t>(pair)] = {};
-  find_carriers();
+  end_touches();
 }
 
 void MeanForce::take(const MeanForce& earlier, const Correspondence& from) {
@@ -111,7 +112,7 @@ void MeanForce::take(const MeanForce& earlier, const Correspondence& from) {
   carry(earlier.before_, before_, from.rows);
   for (std::size_t p = 0; p < from.pair.size(); ++p)
     if (from.pair[p] >= 0) pairs_[p] = earlier.pairs_[static_cast<std::size_t>(from.pair[p])];
-  find_carriers();
+  end_touches();
 }
 
 void MeanForce::clear() noexcept {

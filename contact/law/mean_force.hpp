@@ -115,7 +115,7 @@ class MeanForce {
     Eigen::Index first, size;
   };
 
-  void find_carriers() noexcept;
+  void end_touches() noexcept;
 
   std::vector<int> pair_of_row_;
   std::vector<Segment> segments_;
