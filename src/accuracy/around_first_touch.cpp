@@ -10,12 +10,10 @@
 #include "contact/pairing/placement.hpp"
 #include "contact/stepping/run_steps.hpp"
 #include "kernels/algebra.hpp"
+#include "src/accuracy/contact_zone.hpp"
 
 namespace ricochet::accuracy {
 namespace {
-
-/// Bodies may leave faster than they came, since off-centre forces turn them.
-constexpr double after_impact = 2;
 
 bool needs_receivers(const scene::Scene& scene) {
   return std::ranges::count(scene.accuracy_of, Quantity::receivers) > 0;

@@ -93,7 +93,6 @@ bool has_zone(const scene::Scene& scene) {
 }
 
 std::optional<double> within_flight(const scene::Scene& scene) {
-  constexpr double after_impact = 2;
   const scene::Loads& loads = scene.loads;
   if (!has_zone(scene) || !loads.tractions.empty() || !loads.points.empty() || !loads.motions.empty())
     return std::nullopt;

@@ -9,12 +9,15 @@
 
 namespace ricochet::accuracy {
 
+/// By how much faster a body may leave than it came, since off-centre forces turn it: the free end of a rod
+/// that falls on its other end becomes twice as fast.
+inline constexpr double after_impact = 2;
+
 /// Whether a distance may limit the candidates: not at rest, nor if any part of a body that turns may touch.
 bool has_zone(const scene::Scene& scene);
 
-/// Twice the distance by which bodies can approach each other rigidly in the duration of the scene [m]. The
-/// factor allows for a body that turns after its first impact: the free end of a rod that falls on its other
-/// end becomes twice as fast. No value without a zone, and if nothing bounds the approach: if a body turns
+/// The distance by which bodies can approach each other rigidly in the duration of the scene, times
+/// after_impact [m]. No value without a zone, and if nothing bounds the approach: if a body turns
 /// from the beginning, or if forces or supports move it.
 std::optional<double> within_flight(const scene::Scene& scene);
 
