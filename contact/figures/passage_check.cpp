@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include "contact/pairing/crease_points.hpp"
-#include "contact/pairing/surface_distance.hpp"
 
 namespace ricochet::contact {
 
@@ -43,12 +42,19 @@ WorldSurface moved(WorldSurface surface, const Displacement& u, const Vector3d& 
   return surface;
 }
 
-/// Largest depth of a node of one body inside the other, and of creases that cross.
-double depth(const SurfaceProjection& a, const SurfaceProjection& b) {
+Eigen::AlignedBox3d box_of(const SurfaceProjection& surface) {
+  Eigen::AlignedBox3d box;
+  for (const Vector3d& x : surface.surface().node) box.extend(x);
+  return box;
+}
+
+/// Largest depth of a node of one body inside the other, and of creases that cross. No node has come deeper
+/// than it has moved, at most by `moved`.
+double depth(const SurfaceProjection& a, const SurfaceProjection& b, double moved) {
   double deepest = 0;
   for (const auto& [one, other] : {std::pair(&a, &b), std::pair(&b, &a)}) {
     for (const Vector3d& x : one->surface().node)
-      if (const auto y = other->closest(x))
+      if (const auto y = other->closest(x, moved))
         // Beyond the end of an open surface, the closest point is not opposite.
         if (const double inside = -y->normal.dot(x - y->point); inside > straight * (x - y->point).norm())
           deepest = std::max(deepest, inside);
@@ -94,13 +100,13 @@ void PassageCheck::observe(const std::vector<RigidMotion>& motion, double time) 
     meeting.looked_at = now;
     ++meeting.looks;
     const SurfaceProjection a(moved(meeting.a, relative, of_a.rotation - of_b.rotation));
-    if (surface_distance(a, meeting.b, meeting.least) > meeting.least) continue;
+    if (!box_of(a).intersects(box_of(meeting.b))) continue;
     double approach = 0;
     for (int i = pair.first_point; i < pair.first_point + pair.points; ++i) {
       const Vector3d x = model_.point_a.row(i), y = model_.point_b.row(i), n = model_.normal.row(i);
       approach = std::max(approach, n.dot(x + of_a.at(x) - y - of_b.at(y)));
     }
-    const double deepest = depth(a, meeting.b);
+    const double deepest = depth(a, meeting.b, now.colwise().norm().maxCoeff());
     if (deepest <= std::max(meeting.deepest, meeting.least + times_approach * approach)) continue;
     meeting.deepest = deepest;
     meeting.time = time;

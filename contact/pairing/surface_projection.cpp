@@ -458,14 +458,20 @@ std::optional<Projection> SurfaceProjection::first_along(
   return nearest.projection;
 }
 
-std::optional<Projection> SurfaceProjection::closest(const Vector3d& x) const {
-  Nearest nearest([&](const Eigen::AlignedBox3d& box) { return box.exteriorDistance(x); },
-                  [&](int element) -> std::optional<std::pair<Projection, double>> {
-                    const Element& on = surface_.element[element];
-                    const auto found = projection(surface_, on, closest_weights(surface_, on, x));
-                    if (!found) return std::nullopt;
-                    return std::pair(*found, (found->point - x).norm());
-                  });
+std::optional<Projection> SurfaceProjection::closest(const Vector3d& x, double within) const {
+  Nearest nearest(
+      [&](const Eigen::AlignedBox3d& box) {
+        const double least = box.exteriorDistance(x);
+        return least <= within ? least : none;
+      },
+      [&](int element) -> std::optional<std::pair<Projection, double>> {
+        const Element& on = surface_.element[element];
+        const auto found = projection(surface_, on, closest_weights(surface_, on, x));
+        if (!found) return std::nullopt;
+        const double distance = (found->point - x).norm();
+        if (distance > within) return std::nullopt;
+        return std::pair(*found, distance);
+      });
   Eigen::BVMinimize(elements_, nearest);
   return nearest.projection;
 }

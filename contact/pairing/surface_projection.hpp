@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -110,9 +111,10 @@ class SurfaceProjection {
   std::optional<Projection> first_along(const Eigen::Vector3d& x, const Eigen::Vector3d& d, double size,
                                         const std::function<bool(const Projection&)>& faces) const;
 
-  /// Returns the point closest to x on the chords of the elements, or no value if there are no elements or
-  /// the normals at the corners cancel.
-  std::optional<Projection> closest(const Eigen::Vector3d& x) const;
+  /// Returns the point closest to x on the chords of the elements, or no value if there are none within a
+  /// distance or the normals at the corners cancel.
+  std::optional<Projection> closest(const Eigen::Vector3d& x,
+                                    double within = std::numeric_limits<double>::infinity()) const;
 
   /// Projects x along the mutual normal n = (n_a − n_b)/|n_a − n_b|. This normal depends on the result, so it
   /// is found by fixed-point iteration from the closest point. Each round reduces the error by about the
