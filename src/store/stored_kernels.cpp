@@ -58,7 +58,7 @@ contact::Placement PlacementStore::place(const scene::Scene& scene, const Kernel
   const std::vector<contact::PlacedBody> bodies = bodies_of(library);
   for (const contact::PlacedBody& body : bodies)
     key.bodies.push_back({body.name, body.kernel->surface.components, body.kernel->surface.direction,
-                          contact::surface_of(body)});
+                          kernels::whole_surface(body.kernel->surface), body.rotation, body.translation});
   const auto same = std::ranges::find(known_, key, &std::pair<Key, contact::Placement>::first);
   if (same == known_.end()) {
     known_.emplace_back(std::move(key), in_file(scene.file, [&] { return placement_of(library); }));

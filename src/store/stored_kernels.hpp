@@ -3,6 +3,7 @@
 // to the next.
 #pragma once
 
+#include <Eigen/Core>
 #include <deque>
 #include <filesystem>
 #include <map>
@@ -13,7 +14,6 @@
 #include <utility>
 #include <vector>
 
-#include "contact/pairing/surface_projection.hpp"
 #include "ricochet/kernel.hpp"
 #include "src/scene/data/body.hpp"
 #include "src/scene/request.hpp"
@@ -46,7 +46,9 @@ class PlacementStore {
     std::string name;
     int components = 3;
     std::optional<Vector3> direction;
-    contact::WorldSurface surface;
+    kernels::WholeSurface surface;  ///< body axes
+    Eigen::Matrix3d rotation;
+    Eigen::Vector3d translation;
     bool operator==(const Body&) const = default;
   };
   struct Key {
