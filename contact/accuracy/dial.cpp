@@ -53,9 +53,9 @@ Hertz chosen_rate(Estimator& estimator, const DialRequest& request, double durat
     first = std::max(first, stable_steps(estimator.model(), duration));
     steps = std::max(known, 4 * first);
   } else {
-    // A known rate may be that of a shorter contact. No step is longer than an output sample.
+    // A known rate may be that of a shorter contact. No step is longer than a given output sample.
     const double sample = request.options.steps_per_sample * request.options.step;
-    steps = std::max(std::round(known / 4), std::ceil(duration / sample));
+    steps = std::max(std::round(known / 4), request.choose_samples ? first : std::ceil(duration / sample));
   }
   steps = std::max(steps, steps_of_contact(estimator, request.options, duration, first));
   StepOptions options = request.options, best = options;

@@ -12,6 +12,7 @@ struct DialRequest {
   double accuracy = 0;  ///< relative error that the quantities of interest may have
   StepOptions options;  ///< step and precision are only starting values if they are left open
   bool choose_rate = false, choose_precision = false, choose_points = false;
+  bool choose_samples = false;  ///< with choose_rate: whether steps may be longer than output samples
   Hertz rate{0};  ///< with choose_rate: where to start, from the settings of a similar run; 0: unknown
 };
 

@@ -55,7 +55,11 @@ void bind_scene(py::module_& module) {
       .def_property_readonly("needs_other_orders",
                              [](const scene::Scene& scene) { return scene.accuracy.has_value(); })
       .def("toml", [](const scene::Scene& scene) { return scene::to_toml(scene); })
-      .def("kernel_files", &kernel_files);
+      .def("kernel_files", &kernel_files)
+      .def("chosen", [](const scene::Scene& scene, const fs::path& folder) {
+        store::KernelStore store;
+        return accuracy::chosen(scene, folder, store);
+      });
   module.def("overridden", &scene::overridden);
 }
 

@@ -35,7 +35,6 @@ void check_steppable(const scene::Scene& scene) {
   if (scene.contact.kernel == scene::ContactKernel::table)
     refuse("contact.kernel", "kernels of the kind \"table\"");
   if (scene.contact.scheme == Scheme::at_rest) refuse("contact.scheme", "bodies at rest");
-  if (scene.accuracy) refuse("accuracy", "with settings that error estimates choose");
 }
 
 Scene scene_of(const scene::Scene& scene, const std::vector<Kernel>& kernels,

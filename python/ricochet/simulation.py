@@ -104,11 +104,14 @@ class Simulation:
         kernels: kernels by body; default: those that `ricochet.kernels` wrote to `scene.out`.
         pickups: channels to listen to; default: x, y and z of each receiver of the scene, in its order.
 
-        Raises InputError, one line, for kernels that are missing, for bodies that overlap or do not meet, and
-        for scenes that only `impact` supports: `accuracy`, the scheme "static", sampled responses.
+        A scene with `accuracy` is stepped with the settings that `ricochet.kernels` chose and stored in
+        `scene.out`.
+
+        Raises InputError, one line, for kernels or settings that are missing, for bodies that overlap or do
+        not meet, and for scenes that only `impact` supports: the scheme "static", sampled responses.
         """
         self.scene = scene_of(scene)
-        core = self.scene._for_impact()
+        core = self.scene._for_impact().chosen(self.scene.out)
         self.kernels = dict(kernels) if kernels is not None else stored_kernels(self.scene)
         missing = [body for body in self.scene.bodies if body not in self.kernels]
         if missing:

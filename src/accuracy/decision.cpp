@@ -168,6 +168,7 @@ KernelSettings coarser_than(const Settings& last, const KernelSettings& next) {
 /// the mesh have the same band and basis, so that they differ only in the mesh. Changes that follow each
 /// other show a pace only if they are of the same elements.
 Settings following(const Settings& last, Settings next, const contact::Dialled& round) {
+  next.found.view = true;
   if (change_between(last.found, next.found) != MeshChange{}) {
     KernelSettings coarser = coarser_than(last, next.found);
     const MeshChange now = change_between(coarser, next.found);
@@ -435,6 +436,10 @@ bool gives_spacing(const scene::Scene& scene) {
 
 namespace {
 
+/// Where candidates of coarse elements alone are apart, finer ones halve the distance that is left. More than
+/// this share of it is also left between the surfaces.
+constexpr double still_there = 0.75;
+
 Decision after_no_touch(const Table& table, const Settings& settings, const contact::Dialled& round) {
   if (!round.quantities || !(round.quantities->missed_by < round.quantities->spacing_there))
     return {{}, "nothing touches, so the settings are those of the start"};
@@ -442,7 +447,11 @@ Decision after_no_touch(const Table& table, const Settings& settings, const cont
   const std::string missed = fmt::format("nothing touches, by {:.2g} m at candidates {:.2g} m apart",
                                          round.quantities->missed_by, round.quantities->spacing_there);
   if (!table.has_finer()) return {{}, missed + ", and their elements are the finest that accuracy chooses"};
-  return {following(settings, table.with_finer_mesh(settings), round), "mesh (" + missed + ")"};
+  if (settings.missed_by > 0 && round.quantities->missed_by > still_there * settings.missed_by)
+    return {{}, missed + ", and finer elements bring them no nearer"};
+  Settings next = table.with_finer_mesh(settings);
+  next.missed_by = round.quantities->missed_by;
+  return {following(settings, std::move(next), round), "mesh (" + missed + ")"};
 }
 
 /// With few candidates, the share of their spacing is uncertain. Corners and edges may be touched by few,

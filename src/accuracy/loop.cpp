@@ -212,6 +212,10 @@ scene::Scene close_by_accuracy(const scene::Scene& given, const fs::path& folder
       console.say(fmt::format("accuracy: stops after {} rounds, the most that it makes", most_rounds));
     settings = *outcome->next;
   }
+  if (!last->found.view) {  // the pilot is the last round that succeeded
+    last->found.view = true;
+    std::ranges::copy(compute(with_settings(scene, last->found), false), std::back_inserter(written));
+  }
   parallel::on_first_rank(comm, [&] {
     write_settings(*last, scene, path);
     // Kernels of earlier rounds would only take space.

@@ -35,6 +35,13 @@ bool leaves_points_open(const scene::Scene& scene) {
                               [](const scene::Pair& pair) { return pair.spacing.has_value(); });
 }
 
+/// Sets the rate of contact steps.
+void set_rate(const scene::Contact& contact, Hertz rate, scene::Time& time) {
+  (contact.has_contact_rate() ? time.contact_rate_hz.emplace() : time.rate_hz) = rate.value;
+  if (time.samples_by_accuracy) time.rate_hz = std::min(time.rate_hz, rate.value);
+  time.rate_by_accuracy = time.samples_by_accuracy = false;
+}
+
 }  // namespace
 
 ClosedScene closed(scene::Scene scene, const std::filesystem::path& folder, store::KernelStore& store) {
@@ -48,6 +55,21 @@ ClosedScene closed(scene::Scene scene, const std::filesystem::path& folder, stor
         scene.file.string(), *scene.accuracy, path.string(), scene.file.string()));
   return {settings ? with_settings(std::move(scene), settings->found) : std::move(scene),
           std::move(settings)};
+}
+
+scene::Scene chosen(const scene::Scene& scene, const std::filesystem::path& folder,
+                    store::KernelStore& store) {
+  ClosedScene out = closed(scene, folder, store);
+  if (out.settings && out.settings->rate.value > 0 && scene.time.rate_by_accuracy)
+    set_rate(out.scene.contact, out.settings->rate, out.scene.time);
+  return without_accuracy(std::move(out.scene));
+}
+
+scene::Scene closed_if_known(const scene::Scene& scene, const std::filesystem::path& folder) try {
+  store::KernelStore store;
+  return missing_settings(scene, folder, store) ? scene : closed(scene, folder, store).scene;
+} catch (const InputError&) {
+  return scene;
 }
 
 std::optional<std::filesystem::path> missing_settings(const scene::Scene& scene,
@@ -125,6 +147,7 @@ contact::Dialled dial_linear(const scene::Scene& scene, const store::Kernels& ke
                           .choose_rate = scene.time.rate_by_accuracy,
                           .choose_precision = scene.time.precision_by_accuracy,
                           .choose_points = choose_points,
+                          .choose_samples = scene.time.samples_by_accuracy,
                           .rate = rate});
   });
 }
@@ -156,11 +179,7 @@ Dialled dial_of(const scene::Scene& scene, const store::Kernels& kernels, const 
 }
 
 scene::Scene resolved(scene::Scene scene, const contact::Dialled& dialled) {
-  if (dialled.rate) {
-    (scene.contact.has_contact_rate() ? scene.time.contact_rate_hz.emplace() : scene.time.rate_hz) =
-        dialled.rate->value;
-    scene.time.rate_by_accuracy = false;
-  }
+  if (dialled.rate) set_rate(scene.contact, *dialled.rate, scene.time);
   if (dialled.precision) {
     scene.time.precision = *dialled.precision;
     scene.time.precision_by_accuracy = false;

@@ -25,6 +25,15 @@ struct ClosedScene {
 /// scene leaves its modes open.
 ClosedScene closed(scene::Scene scene, const std::filesystem::path& folder, store::KernelStore& store);
 
+/// The scene with the settings stored in `folder`, that of the steps among them, and without accuracy: it
+/// runs with them, and nothing is estimated. Throws as `closed` does. A scene without accuracy stays as it
+/// is.
+scene::Scene chosen(const scene::Scene& scene, const std::filesystem::path& folder,
+                    store::KernelStore& store);
+
+/// The scene with the settings stored in `folder`; as it is if there are none yet, or a mesh is missing.
+scene::Scene closed_if_known(const scene::Scene& scene, const std::filesystem::path& folder);
+
 /// The path of the settings of a scene with an accuracy if there is no such file.
 std::optional<std::filesystem::path> missing_settings(const scene::Scene& scene,
                                                       const std::filesystem::path& folder,

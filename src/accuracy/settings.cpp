@@ -37,16 +37,27 @@ scene::Scene with_settings(scene::Scene scene, const KernelSettings& settings) {
   }
   for (scene::Pair& pair : scene.contact.pairs)
     if (!pair.zone && !pair.reach) pair.zone = settings.zone;
+  scene.output.view = scene.output.view && settings.view;
+  return scene;
+}
+
+scene::Scene without_accuracy(scene::Scene scene) {
+  scene.accuracy.reset();
+  scene.settings.clear();
+  scene::Time& time = scene.time;
+  time.rate_by_accuracy = time.samples_by_accuracy = time.precision_by_accuracy = false;
   return scene;
 }
 
 std::filesystem::path settings_path(const std::filesystem::path& folder, const scene::Scene& scene,
                                     scene::MeshHashes* known) {
+  if (!scene.settings.empty()) return folder / scene.settings;
   std::string names, data = fmt::format("{}\n{}\n", scene::toml_number(*scene.accuracy),
                                         static_cast<int>(scene.contact.scheme));
   if (scene.motion.is_finite()) data += "finite\n";
   for (const Quantity quantity : scene.accuracy_of) data += std::string(name_of(quantity)) + '\n';
-  for (const scene::Body& body : scene.bodies) {
+  for (scene::Body body : scene.bodies) {
+    body.damping = {};
     const scene::KernelRequest request = scene::kernel_request(scene, body, known);
     names += body.name + '-';
     data += fmt::format("{} {} {}\n", request.hash, body.order_open, body.size_open);
@@ -77,12 +88,14 @@ const SectionOf<KernelSettings> kernel_keys{
      {"up_to_hz", &KernelSettings::up_to, "", required(), scene::above("0")},
      {"flexibility_error", &KernelSettings::flexibility_error},
      {"zone", &KernelSettings::zone, "", none, scene::above("0")},
+     {"view", scene::Access(&KernelSettings::view).if_changed()},
      {"bodies", Type::table}}};
 
 const SectionOf<Settings> settings_keys{"the settings",
                                         "",
                                         {{"rate_hz", &Settings::rate},
                                          {"for_few_candidates", &Settings::for_few_candidates},
+                                         {"missed_by", scene::Access(&Settings::missed_by).if_changed()},
                                          {"found", Type::table},
                                          {"coarser", Type::table},
                                          {"coarser_change", Type::table},

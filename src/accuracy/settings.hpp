@@ -33,6 +33,7 @@ struct KernelSettings {
   Hertz up_to{0};
   double flexibility_error = 0;  ///< of basis `contact`, also where a later round may change to it
   std::optional<double> zone;    ///< [m]; no value: all candidates
+  bool view = true;              ///< whether kernels have the visualisation surface that the scene asks for
   bool operator==(const KernelSettings&) const = default;
 };
 
@@ -48,16 +49,21 @@ struct Settings {
   Hertz rate{0};  ///< rate of contact steps; 0 at rest
   /// How often elements near contact became smaller only because few candidates were pressed.
   int for_few_candidates = 0;
+  double missed_by =
+      0;  ///< distance that was left in the round before, in which nothing touched [m]; 0: none
   bool operator==(const Settings&) const = default;
 };
 
 /// The scene with these settings in place of those that it leaves open, and with these meshes.
 scene::Scene with_settings(scene::Scene scene, const KernelSettings& settings);
 
-/// The file of the settings of a scene, `<bodies>-<first 12 digits of a hash>.settings.toml`. The hash covers
-/// the accuracy, the data of all kernels, which pairs have friction and whether rotations are finite, but not
-/// velocities, gaps or times.
-/// Throws as kernel_request does.
+/// The scene without its accuracy, so that nothing is chosen or estimated.
+scene::Scene without_accuracy(scene::Scene scene);
+
+/// The file of the settings of a scene: the one that it names, or
+/// `<bodies>-<first 12 digits of a hash>.settings.toml`. The hash covers the accuracy, the data of all
+/// kernels but damping, which pairs have friction and whether rotations are finite, but not velocities, gaps
+/// or times. Throws as kernel_request does.
 std::filesystem::path settings_path(const std::filesystem::path& folder, const scene::Scene& scene,
                                     scene::MeshHashes* known = nullptr);
 

@@ -44,7 +44,7 @@ namespace {
 
 /// The texts of options whose values are paths or part of an override.
 struct Texts {
-  std::string scene, out, accuracy, fclib;
+  std::string scene, out, accuracy, fclib, write_scene;
 };
 
 void add_scene_options(CLI::App& app, const Program& program, Options& options, Texts& texts) {
@@ -83,6 +83,9 @@ void add_impact_options(CLI::App& app, Options& options, Texts& texts) {
   app.add_option("--fclib", texts.fclib,
                  "Write the complementarity problems of steps into this folder, for FCLIB")
       ->type_name("DIR");
+  app.add_option("--write-scene", texts.write_scene,
+                 "Write the scene with the settings that were chosen for its accuracy into this file")
+      ->type_name("FILE");
   app.add_option("--fclib-every", options.fclib_every, "Write every N-th step with contact (default: 1)")
       ->type_name("N")
       ->check(above_zero());
@@ -104,7 +107,7 @@ Elsewhere elsewhere_of(const Program& program) {
                       {"--ranks", "ricochet kernel, modes and run"}};
   const std::vector<const char*> of_others =
       program.impacts ? std::vector{"--check", "--verify"}
-                      : std::vector{"--vtk", "--batch", "--fclib", "--fclib-every"};
+                      : std::vector{"--vtk", "--batch", "--fclib", "--fclib-every", "--write-scene"};
   for (const char* option : of_others)
     elsewhere[option] = program.impacts ? "ricochet kernel" : "ricochet impact";
   return elsewhere;
@@ -127,6 +130,7 @@ Parsed parse(const Program& program, int argc, const char* const* argv, bool spe
   if (!texts.accuracy.empty()) options.overrides.push_back("accuracy=" + texts.accuracy);
   options.scene = texts.scene;
   options.fclib = texts.fclib;
+  options.write_scene = texts.write_scene;
   options.out = texts.out.empty() ? options.scene.parent_path() / "out" : std::filesystem::path(texts.out);
   return {options, 0};
 }

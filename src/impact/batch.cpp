@@ -27,6 +27,7 @@
 #include "src/scene/read.hpp"
 #include "src/scene/request.hpp"
 #include "src/scene/scene.hpp"
+#include "src/scene/write.hpp"
 
 namespace ricochet::impact {
 
@@ -126,9 +127,19 @@ class Batch {
       if (request.contains("derive"))
         for (const Json& file : request["derive"]) derive(scene, options_.out / file.get<std::string>());
       const auto records = kept(request, scene);
-      if (request.value("kernels", false))
-        return {{{"status", 0}, {"kernels", needed(scene)}, {"reads", other_files(scene)}}};
-      return impact(std::move(scene), records);
+      if (request.value("kernels", false)) {
+        Answer out{{{"status", 0}, {"kernels", needed(scene)}, {"reads", other_files(scene)}}};
+        if (scene.accuracy && scene.settings.empty())
+          out.json["settings"] =
+              accuracy::settings_path(options_.out, scene, &store_.meshes).filename().string();
+        return out;
+      }
+      Answer out = impact(scene, records);
+      if (scene.accuracy) {
+        overrides.emplace_back("accuracy=off");
+        add_chosen(scene, overrides, out.json);
+      }
+      return out;
     } catch (const InputError& error) {
       return {{{"status", 2}, {"error", error.what()}}};
     } catch (const Json::exception&) {
@@ -143,35 +154,63 @@ class Batch {
 
  private:
   /// Writes the missing kernels of the scene that can be derived from `file`.
-  void derive(scene::Scene scene, const fs::path& file) {
+  void derive(const scene::Scene& scene, const fs::path& file) {
     if (accuracy::missing_settings(scene, options_.out, store_)) return;
-    scene = accuracy::closed(std::move(scene), options_.out, store_).scene;
+    const auto [closed, settings] = accuracy::closed(scene, options_.out, store_);
+    derive_kernels(closed, file);
+    if (settings && settings->coarser)
+      derive_kernels(accuracy::with_settings(scene, *settings->coarser), file);
+  }
+
+  void derive_kernels(const scene::Scene& scene, const fs::path& file) {
+    const auto header = kernels::read_header(file);
+    if (!header) return;
     const std::vector<store::StoredKernel> stored = store::find_kernels(scene, options_.out, store_);
     for (std::size_t k = 0; k < stored.size(); ++k) {
-      if (stored[k].enough || store::is_limited(scene, scene.bodies[k])) continue;
+      if (stored[k].enough) continue;
       auto request = scene::kernel_request(scene, scene.bodies[k], &store_.meshes);
-      const auto header = kernels::read_header(file);
-      request.normal_residual = header && header->normal_residual && scene::may_be_normal(request);
+      request.normal_residual = header->normal_residual && scene::may_be_normal(request);
+      // Whether its candidates suffice depends on the placement.
+      request.points = header->held;
+      request.within_reach = header->held.has_value();
+      if (request.within_reach && !store::is_limited(scene, scene.bodies[k])) continue;
       scene::seal(request);
-      if (const auto kernel = scene::derive_from(file, request))
-        kernels::write(*kernel, scene::kernel_path(options_.out, request));
+      const fs::path path = scene::kernel_path(options_.out, request);
+      if (fs::exists(path)) continue;
+      if (const auto kernel = scene::derive_from(file, request)) kernels::write(*kernel, path);
     }
   }
 
-  Json needed(scene::Scene scene) {
+  Json needed(const scene::Scene& scene) {
     store::check_histories(scene);
     Json out = Json::array();
     if (const auto settings = accuracy::missing_settings(scene, options_.out, store_)) {
       out.push_back({{"file", settings->filename().string()}, {"there", false}});
       return out;
     }
-    scene = accuracy::closed(std::move(scene), options_.out, store_).scene;
-    for (const store::StoredKernel& kernel : store::find_kernels(scene, options_.out, store_)) {
-      const fs::path& path = kernel.enough ? kernel.path : kernel.whole;
-      if (!kernel.enough && kernels::has_newer_format(path)) kernels::read(path);  // throws
-      out.push_back({{"file", path.filename().string()}, {"there", kernel.enough}});
-    }
+    const auto [closed, settings] = accuracy::closed(scene, options_.out, store_);
+    const auto add = [&](const scene::Scene& needs) {
+      for (const store::StoredKernel& kernel : store::find_kernels(needs, options_.out, store_)) {
+        const fs::path& path = kernel.enough ? kernel.path : kernel.whole;
+        if (!kernel.enough && kernels::has_newer_format(path)) kernels::read(path);  // throws
+        out.push_back({{"file", path.filename().string()}, {"there", kernel.enough}});
+      }
+    };
+    add(closed);
+    if (settings && settings->coarser) add(accuracy::with_settings(scene, *settings->coarser));
     return out;
+  }
+
+  /// Adds the overrides that give a scene the settings chosen for its accuracy, so that other impacts with
+  /// the same ones need no estimate.
+  void add_chosen(const scene::Scene& open, std::vector<std::string> overrides, Json& answer) const {
+    Json chosen{"accuracy=off"};
+    for (const std::string& override : scene::differences(open, chosen_)) {
+      chosen.push_back(override);
+      overrides.push_back(override);
+    }
+    // A key of one pair may exclude what is chosen for the others.
+    if (scene::read(options_.scene, overrides).contact == chosen_.contact) answer["chosen"] = chosen;
   }
 
   /// Size and time of the last change, which identify a version, of each file that an impact reads besides
@@ -194,16 +233,24 @@ class Batch {
     console::Console quiet(true);
     Keeper keeper(kept);
     scene.motion.second_run = false;  // a sweep uses all cores, and its points show how figures scatter
-    const ImpactSummary summary = run_impact({std::move(scene), options_.out}, store_, quiet, keeper).summary;
+    const ImpactResult result = run_impact({std::move(scene), options_.out}, store_, quiet, keeper);
+    chosen_ = result.impact->scene;
     const std::string text =
-        std::visit([](const auto& figures) { return contact::json_text(figures); }, summary);
+        std::visit([](const auto& figures) { return contact::json_text(figures); }, result.summary);
     Answer out{{{"status", 0}, {"summary", Json::parse(text)}}, keeper.file()};
+    if (chosen_.accuracy)
+      out.json["meets"] = std::visit(
+          [&](const auto& figures) {
+            return !figures.error_estimate || figures.error_estimate->meets(*chosen_.accuracy);
+          },
+          result.summary);
     if (!out.records.empty()) out.json["histories"] = out.records.size();
     return out;
   }
 
   const console::Options& options_;
   store::KernelStore store_;
+  scene::Scene chosen_;  ///< of the last impact
 };
 
 /// The answer as one line. Bytes of a path that are not UTF-8 become U+FFFD.

@@ -24,8 +24,14 @@ namespace ricochet::impact {
 ///     {"status": 0, "summary": {…}}                 keys of summary.json
 ///     {"histories": 5120, "status": 0, "summary": {…}}
 ///                                   an HDF5 file of so many bytes follows this line
-///     {"status": 0, "kernels": [{"file": "…", "there": true}, …], "reads": {…}}
-///                                   reads: sampled responses and histories
+///     {"status": 0, "summary": {…}, "meets": true, "chosen": ["accuracy=off", "bodies.upper.order=3", …]}
+///                                   of a scene with accuracy. meets: whether the error is below it, or
+///                                   nothing touches; chosen: overrides with which the scene needs no
+///                                   estimate
+///     {"status": 0, "kernels": [{"file": "…", "there": true}, …], "reads": {…}, "settings": "…"}
+///                                   reads: sampled responses and histories; settings: the file of the
+///                                   settings of a scene with accuracy that names none. Kernels of the
+///                                   coarser mesh, for estimates, are listed too
 ///     {"status": 2, "error": "…"}                   the request was refused; 1: the computation failed
 ///
 /// A damaged kernel counts as missing, but a kernel of a newer format is an error. A request that is not a

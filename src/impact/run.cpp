@@ -4,10 +4,15 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <fstream>
 #include <ostream>
+#include <string>
+#include <utility>
 
+#include "base/atomic_file.hpp"
 #include "contact/files/summary_file.hpp"
 #include "ricochet/error.hpp"
+#include "src/accuracy/scene_dial.hpp"
 #include "src/impact/files.hpp"
 #include "src/impact/motion.hpp"
 #include "src/impact/report.hpp"
@@ -30,17 +35,31 @@ void check_problems(const console::Options& options, const scene::Scene& scene) 
         options.scene.string()));
 }
 
+/// Writes a scene with the settings that were chosen for its accuracy.
+void write_scene(scene::Scene scene, const fs::path& path) {
+  const std::string accuracy = scene.accuracy ? fmt::format("{:g}", *scene.accuracy) : "";
+  scene = accuracy::without_accuracy(std::move(scene));
+  scene.file = path;
+  base::AtomicFile temporary(path);
+  std::ofstream file(temporary.path());
+  if (!accuracy.empty()) file << "# With the settings chosen for accuracy = " << accuracy << ".\n";
+  file << scene::to_toml(scene);
+  file.close();
+  if (!file) temporary.fail();
+  temporary.commit();
+}
+
 }  // namespace
 
 int run_contact(const console::Options& options, std::ostream& out) {
   const auto started = std::chrono::steady_clock::now();
   const scene::Scene scene = scene::read(options.scene, options.overrides);
+  const fs::path folder = options.out.empty() ? options.scene.parent_path() / "out" : options.out;
   if (options.dry_run) {
-    out << scene::to_toml(scene);
+    out << scene::to_toml(accuracy::closed_if_known(scene, folder));
     return 0;
   }
   check_problems(options, scene);
-  const fs::path folder = options.out.empty() ? options.scene.parent_path() / "out" : options.out;
   const bool motion = options.vtk || scene.output.vtk_every > 0;
   if (motion) check_motion(scene);
 
@@ -53,6 +72,7 @@ int run_contact(const console::Options& options, std::ostream& out) {
 
   console.begin("writing");
   files.commit(summary);
+  if (!options.write_scene.empty()) write_scene(impact->scene, options.write_scene);
   std::visit(
       [&](auto& figures) {
         figures.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();

@@ -11,6 +11,7 @@
 #include "base/atomic_file.hpp"
 #include "kernels/write.hpp"
 #include "src/accuracy/loop.hpp"
+#include "src/accuracy/scene_dial.hpp"
 #include "src/kernel/compute.hpp"
 #include "src/kernel/discretise.hpp"
 #include "src/kernel/verify.hpp"
@@ -168,7 +169,7 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
     scene = scene::read(options.scene, options.overrides, scene::Purpose::kernels);
   });
   if (options.dry_run) {
-    if (first) std::cout << scene::to_toml(scene);
+    if (first) std::cout << scene::to_toml(accuracy::closed_if_known(scene, options.out));
     return 0;
   }
   if (options.verify) {

@@ -63,6 +63,10 @@ const SectionOf<Scene> scene_keys{
       "quantities to which `accuracy` applies: some of `\"impulse\"`, `\"rebound\"`, `\"spin\"`, "
       "`\"peak_force\"`, `\"duration\"`, `\"energy\"` and `\"receivers\"`, or their only name. At rest: "
       "`\"force\"` and `\"approach\"`, always both"},
+     {"settings", Access(&Scene::settings).if_changed(), "", "a file for all impacts of these bodies", any(),
+      "with `accuracy`: the file of the settings chosen, `NAME.settings.toml`, in the folder of the kernels. "
+      "Impacts that need settings of their own have files of their own, as the [groups of a "
+      "study](studies.md#studies-with-accuracy)"},
      {"bodies", Type::table, "", required(), any(),
       "`[bodies.NAME]`, one table for each elastic body. NAME consists of letters, digits, `-` and `_`. A "
       "scene with a `contact.table` has no bodies",
@@ -89,7 +93,8 @@ const SectionOf<Scene> scene_keys{
 const SectionOf<Time> time_keys{
     "[time]",
     "",
-    {{"rate_hz", &Time::rate_hz, "Hz", initial, above("0"),
+    {{"rate_hz", &Time::rate_hz, "Hz", "`44100.0`, or fewer, chosen by `accuracy` without receivers",
+      above("0"),
       "output samples per second. In free flight, steps go from sample to sample. With scheme = `impulse` "
       "and with sampled responses, also the steps per second; `impulse` with `accuracy` chooses it"},
      {"contact_rate_hz", &Time::contact_rate_hz, "Hz", "rate_hz, or chosen by `accuracy`", above("0"),
@@ -128,6 +133,7 @@ void read_time(const Table& root, Scene& scene) {
                     time.rate_hz));
   if (time.precision == Precision::float32 && !steps_by_modes)
     table->complain("precision", "belongs to scheme = \"compliant\" and kernel = \"modes\": leave it out");
+  time.samples_by_accuracy = time.rate_by_accuracy && steps_by_modes && !table->has("rate_hz");
   time.precision_by_accuracy = scene.accuracy && steps_by_modes && !table->has("precision");
 }
 
@@ -166,6 +172,19 @@ void refuse_unnumbered_modes(const Table& root, const Scene& scene) {
       root.complain(fmt::format("bodies.{}.damping.by_mode", body.name),
                     "needs numbered modes: set modes.basis = \"modes\" with up_to_hz or count, without "
                     "flexibility_error, or give t60");
+}
+
+/// Refuses a file of settings that is not in the folder of the kernels, or without accuracy.
+void check_settings_file(const Table& root, const Scene& scene) {
+  if (scene.settings.empty()) return;
+  if (!scene.accuracy && !root.has("accuracy"))
+    root.complain("settings", "belongs to accuracy: leave it out, or give an accuracy");
+  constexpr std::string_view ending = ".settings.toml";
+  if (scene.settings.find('/') != std::string::npos || scene.settings.size() <= ending.size() ||
+      !scene.settings.ends_with(ending))
+    root.complain("settings", fmt::format("is \"{}\": give the name of a file in the folder of the kernels, "
+                                          "NAME{}",
+                                          scene.settings, ending));
 }
 
 /// Refuses names longer than the 255 bytes that file systems allow. The longest names are those of temporary
@@ -269,10 +288,12 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   if (meets) scene.contact = read_contact(root, scene);
   const char* no_contact = "needs [contact]: leave it out, or add [contact]";
   if (!meets && scene.accuracy) root.complain("accuracy", no_contact);
+  check_settings_file(root, scene);
   if (!meets && root.has("strikes")) root.complain("strikes", no_contact);
   if (purpose == Purpose::impact || by_table || root.has("time")) read_time(root, scene);
   read_loads(root, scene);
   read_output(root, scene);
+  if (!scene.output.receivers.empty()) scene.time.samples_by_accuracy = false;
   read_motion(root, scene);
   refuse_what_does_not_go(root, scene);
   refuse_long_names(scene);

@@ -38,6 +38,8 @@ struct Scene {
   /// scene leaves open and requests error estimates.
   std::optional<double> accuracy;
   std::vector<Quantity> accuracy_of{Quantity::impulse, Quantity::rebound};
+  /// File of the settings chosen for `accuracy`, beside the kernels; empty: named after the bodies.
+  std::string settings{};
   /// Sorted by name, then copies of mallets; empty with contact.table.
   std::vector<Body> bodies;
   std::vector<Strike> strikes{};     ///< [[strikes]], already applied to bodies and pairs

@@ -3,6 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <set>
+#include <sstream>
+
 #include "src/scene/keys.hpp"
 #include "src/scene/loads.hpp"
 #include "src/scene/scene.hpp"
@@ -45,7 +49,8 @@ std::string motion_of(const Scene& scene) {
 std::string time_of(const Scene& scene) {
   if (!(scene.time.duration > 0)) return "";
   std::set<std::string_view> open;
-  if (scene.time.rate_by_accuracy && !scene.contact.has_contact_rate()) open.insert("rate_hz");
+  if (scene.time.samples_by_accuracy || (scene.time.rate_by_accuracy && !scene.contact.has_contact_rate()))
+    open.insert("rate_hz");
   if (scene.time.precision_by_accuracy || (!scene.accuracy && scene.time.precision == Time{}.precision))
     open.insert("precision");
   return "\n[time]\n" + time_keys.without(open).write(scene.time);
@@ -92,6 +97,39 @@ std::string to_toml(const Scene& scene) {
   if (!tabular) text += loads_of(scene.loads, folder);
   return text + output_of(scene.output,
                           tabular ? output_keys.without({"snapshot_every", "vtk_every"}) : output_keys);
+}
+
+namespace {
+
+/// Adds the lines of `to` that `from` does not have, as overrides of keys below a table.
+void add_differences(const std::string& table, const std::string& from, const std::string& to,
+                     std::vector<std::string>& out) {
+  std::set<std::string> known;
+  std::istringstream before(from), after(to);
+  for (std::string line; std::getline(before, line);) known.insert(line);
+  for (std::string line; std::getline(after, line);)
+    if (const auto equals = line.find(" = "); equals != std::string::npos && !known.contains(line))
+      out.push_back(table + line.replace(equals, 3, "="));
+}
+
+}  // namespace
+
+std::vector<std::string> differences(const Scene& from, const Scene& to) {
+  std::vector<std::string> out;
+  for (std::size_t k = 0; k < to.bodies.size(); ++k)
+    if (to.bodies[k].copy_of.empty())
+      add_differences(fmt::format("bodies.{}.", to.bodies[k].name), body_keys.write(from.bodies[k]),
+                      body_keys.write(to.bodies[k]), out);
+  add_differences("modes.", "", modes_keys.write(to.modes), out);  // defaults depend on what is open
+  // Keys of [contact] are those of every pair that does not have them.
+  for (std::size_t k = 0; k < to.contact.pairs.size(); ++k)
+    add_differences("contact.", pair_keys.write(from.contact.pairs[k]), pair_keys.write(to.contact.pairs[k]),
+                    out);
+  const std::string open = time_of(from), closed = time_of(to);
+  add_differences("time.", open, closed, out);
+  std::ranges::sort(out);
+  out.erase(std::ranges::unique(out).begin(), out.end());
+  return out;
 }
 
 }  // namespace ricochet::scene

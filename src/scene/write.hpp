@@ -19,6 +19,10 @@ struct Scene;
 /// The resolved scene as TOML, with every default. Reading it gives the same scene.
 std::string to_toml(const Scene& scene);
 
+/// All keys of modes, and those of bodies, pairs and time in which `to` differs from `from`, the same scene
+/// with some keys open, as overrides `KEY=VALUE`.
+std::vector<std::string> differences(const Scene& from, const Scene& to);
+
 std::string toml_number(double value);  ///< shortest text that gives the same number; always a float
 std::string toml_string(const std::string& text);
 /// The path relative to the folder; empty if the path is empty.

@@ -241,6 +241,14 @@ TEST(Decision, refines_the_mesh_where_bodies_miss_each_other_by_less_than_a_cand
   ASSERT_TRUE(near.next);
   EXPECT_EQ(near.reason, "mesh (nothing touches, by 0.0002 m at candidates 0.001 m apart)");
   EXPECT_EQ(near.next->found.mesh, accuracy::meshes_at(scene, 2));
+  // A gap of curvature, which falls with the square of the element, halves from 1 to 1/√2 of its size.
+  round.quantities->missed_by = 1e-4;
+  EXPECT_TRUE(decide(scene, *near.next, round, small).next);
+  // 1.5e-4 of the surfaces and 5e-5 of curvature become 1.5e-4 and 2.5e-5.
+  round.quantities->missed_by = 1.75e-4;
+  const Decision there = decide(scene, *near.next, round, small);
+  EXPECT_FALSE(there.next);
+  EXPECT_THAT(there.reason, HasSubstr("finer elements bring them no nearer"));
   round.quantities->missed_by = 2e-3;
   const Decision far = decide(scene, settings, round, small);
   EXPECT_FALSE(far.next);

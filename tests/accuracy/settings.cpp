@@ -89,11 +89,12 @@ TEST(Settings, survive_text_with_every_member_whatever_its_value) {
     size = draw();
   };
   const auto draw_kernels = [&](KernelSettings& settings) {
-    auto& [mesh, basis, up_to, flexibility_error, zone] = settings;
+    auto& [mesh, basis, up_to, flexibility_error, zone, view] = settings;
     basis = flip() ? Basis::modes : Basis::contact;
     up_to = Hertz{draw()};
     flexibility_error = draw();
     if (flip()) zone = draw();
+    view = flip();
     for (const char* body : {"ball", "a-b_1"}) {
       if (flip()) continue;
       auto& [order, size_factor, refine] = mesh[body];
@@ -110,13 +111,14 @@ TEST(Settings, survive_text_with_every_member_whatever_its_value) {
   };
   for (int k = 0; k < 200; ++k) {
     Settings settings;
-    auto& [found, coarser, coarser_change, change_of_rest, rate, for_few_candidates] = settings;
+    auto& [found, coarser, coarser_change, change_of_rest, rate, for_few_candidates, missed_by] = settings;
     draw_kernels(found);
     if (flip()) draw_kernels(coarser.emplace());
     draw_changes(coarser_change);
     draw_changes(change_of_rest);
     rate = Hertz{draw()};
     for_few_candidates = static_cast<int>(random() % 5);
+    if (flip()) missed_by = draw();
     ASSERT_EQ(parse_settings(to_toml(settings)), settings) << to_toml(settings);
   }
 }

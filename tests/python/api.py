@@ -403,9 +403,12 @@ class Simulation(KernelsTest):
             ricochet.Simulation(self.scene).restore(start)
 
     def test_is_refused_in_one_line(self):
-        for key, value in {"accuracy": 0.1, "contact.scheme": "static"}.items():
-            with self.assertRaisesRegex(ricochet.InputError, f"^two-rods.toml: {key}: [^\n]*$"):
-                ricochet.Simulation(self.scene.changed({key: value}), self.kernels)
+        for changes, line in (
+            ({"contact.scheme": "static"}, "contact.scheme: a Simulation"),
+            ({"modes": {"residual_flexibility": True}}, "no settings for accuracy = 0.01 at"),
+        ):
+            with self.assertRaisesRegex(ricochet.InputError, f"two-rods.toml: {line} [^\n]*$"):
+                ricochet.Simulation(self.scene.changed(changes), self.kernels)
         for function in (ricochet.Simulation, ricochet.impact):
             with self.assertRaisesRegex(
                 ricochet.InputError, "bodies.moving.angular_velocity: this body cannot"

@@ -10,6 +10,8 @@ struct Time : Stepping {
   /// contact steps have a rate of their own, otherwise rate_hz.
   bool rate_by_accuracy = false;
   bool precision_by_accuracy = false;
+  /// rate_hz is not given, and nothing listens at it: where contact needs fewer steps, so many samples do.
+  bool samples_by_accuracy = false;
   double duration = 0;  ///< [s]; 0: not given, as equilibrium needs none
   bool operator==(const Time&) const = default;
 };
