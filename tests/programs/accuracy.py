@@ -3,15 +3,17 @@
 summary names the cause if a scene cannot reach it."""
 
 import re
+import tomllib
 import unittest
 import warnings
 
+import h5py
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 import ricochet
 import scenes
-from programs import MESHES, Forked, ProgramTest, contact, impact, kernel, scene_of
+from programs import BIN, MESHES, Command, Forked, ProgramTest, Run, contact, impact, kernel, scene_of
 
 ROD = MESHES / "two-rods" / "rod.geo"
 SCENE = """
@@ -231,6 +233,76 @@ duration = 3e-4
         self.assertIsNotNone(faster["error_estimate"]["mesh"])
         self.assertEqual(settings.stat().st_mtime_ns, before)
         self.assertEqual(len(self.rounds("accuracy=5e-2", "bodies.bar.velocity=[2,0,0]")), 1)
+
+    def test_the_chosen_settings_are_a_scene(self):
+        chosen = self.folder / "chosen.toml"
+        dry = [BIN / "ricochet-contact", self.scene, "--dry-run", "--accuracy", "5e-2"]
+        self.assertNotIn("up_to_hz", self.succeed(Run(dry)).out)
+        self.succeed(Command("run", self.scene, "--accuracy", "5e-2", "--write-scene", chosen))
+        result = ricochet.Result(self.out / "bar.result.h5")
+        known = self.succeed(Run(dry)).out
+        self.assertEqual(tomllib.loads(known)["modes"], result.scene["modes"])
+
+        # Without accuracy, the same impact needs the kernels that are there. Patches are not coarsened, which
+        # accuracy allows to change results by a tenth of it.
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # contact may remove more than 1 % of the energy
+            again = ricochet.impact(scene_of(chosen), self.out)
+        self.assertNotIn("accuracy", again.scene)
+        self.assertAlmostEqual(
+            again.summary["impulse_ns"] / result.summary["impulse_ns"], 1, delta=0.1 * 5e-2
+        )
+        self.assertIsNone(again.summary["error_estimate"])
+
+        # A live loop takes them from the file of settings.
+        live = ricochet.Simulation(scene_of(self.scene, "accuracy=5e-2"))
+        while live.time < 3e-4:
+            live.step()
+        self.assertAlmostEqual(
+            live.mean_velocity("bar")[0], result.summary["exit_velocity"]["bar"][0], delta=5e-2
+        )
+
+    def test_a_study_chooses_settings_for_groups_of_rows(self):
+        study = self.write(
+            "speeds.toml",
+            """
+scene = "bar.toml"
+[set]
+accuracy = 5e-2
+"bodies.bar.translate" = [-0.10001, 0, 0]
+[grid]
+"bodies.bar.velocity[0]" = { from = 0.5, to = 4, steps = 6, scale = "log" }
+"bodies.bar.damping.loss_factor" = [1e-4, 2e-4]
+""",
+        )
+        said = self.succeed(Command("sweep", study, "--ranks", "1"))
+        with h5py.File(self.out / "speeds.sweep.h5") as file:
+            inputs = {key: column[:] for key, column in file["inputs"].items()}
+            names = ("impulse_ns", "error_estimate.total", "error_estimate.interpolated")
+            impulse, total, interpolated = (file["outputs"][name][:] for name in names)
+        speed, between = inputs["bodies.bar.velocity[0]"], interpolated == 1
+        # A linear system: the impulse is proportional to the speed, but for the time of the first step.
+        np.testing.assert_allclose(impulse / speed, impulse[0] / speed[0], rtol=2 * 5e-2)
+        self.assertLess(total.max(), 5e-2)
+        self.assertGreater(total.min(), 0)
+        # Four corners and the middle have estimates.
+        self.assertEqual((len(speed), between.sum()), (12, 7))
+        self.assertIn(
+            "settings for 1 group of impacts: errors of 5 are estimated, of 7 interpolated", said.out
+        )
+        (settings,) = self.out.glob("*.settings.toml")
+
+        # An estimate of its own, of a row between.
+        row = int(np.flatnonzero(between)[0])
+        sets = [f"{key}={values[row]}" for key, values in inputs.items()]
+        sets += ["accuracy=5e-2", "bodies.bar.translate=[-0.10001,0,0]", f"settings={settings.name}"]
+        own = self.run_impact(*sets)
+        self.assertAlmostEqual(own["impulse_ns"] / impulse[row], 1, delta=1e-2)
+        self.assertLess(abs(np.log(own["error_estimate"]["total"] / total[row])), np.log(2))
+
+        before = {path: path.stat().st_mtime_ns for path in self.out.glob("*.kernel.h5")}
+        self.assertIn("all done before", self.succeed(Command("sweep", study, "--ranks", "1")).out)
+        self.assertEqual({path: path.stat().st_mtime_ns for path in self.out.glob("*.kernel.h5")}, before)
 
     def test_what_prevents_the_accuracy_is_named(self):
         rounds = self.rounds("accuracy=1e-4", "bodies.bar.order=2", "modes.up_to_hz=3e4")

@@ -145,6 +145,15 @@ def number(amount: int, what: str) -> str:
     return f"{amount} {what}" + "s" * (amount != 1)
 
 
+def say_groups(sweep: Sweep) -> None:
+    groups = sweep.groups
+    if groups.names:
+        say(
+            f"settings for {number(len(groups.names), 'group')} of impacts: errors of {groups.estimated} are "
+            f"estimated, of {len(groups.served) - groups.kept} interpolated"
+        )
+
+
 def report_kernels(sweep: Sweep) -> None:
     text = f"{number(len(sweep.kernels.names), 'kernel')}, all computed"
     if refused := sweep.refused:
@@ -152,6 +161,7 @@ def report_kernels(sweep: Sweep) -> None:
     if any("died" in row for row in refused.values()):
         raise SolverError(f"{text}. Some kernels ended without a reason; the same command tries them again.")
     say(text)
+    say_groups(sweep)
 
 
 def report_part(sweep: Sweep, ran: int) -> None:
@@ -173,6 +183,7 @@ def report(sweep: Sweep, table: Table, drawn: Drawn, ran: int) -> None:
     text += ", all done before" if ran == 0 and not sweep.collects else ""
     text += f', {without} refused or failed (column "error"; --retry runs them again)' if without else ""
     say(text)
+    say_groups(sweep)
     if untouched := sum(value == 0 for value in table.outputs.get("touched", ())):
         say(f'{untouched} of {total} touched nothing (column "touched")')
     say(f"{sweep.results}\n{sweep.stem}.sweep.csv")

@@ -96,9 +96,9 @@ class Kernels:
         """Refuses a setting, and all others that would fail for the same reason: those that need the kernel
         that is to blame, or exactly the same kernels, and those whose meshes are refused."""
         blamed = self._blamed(missing[index], answer)
-        meshes = self._meshes(index) if answer["status"] == 2 else None
+        meshes = self.meshes(index) if answer["status"] == 2 else None
         for other, files in missing.items():
-            if blamed in files or files == missing[index] or meshes == self._meshes(other):
+            if blamed in files or files == missing[index] or meshes == self.meshes(other):
                 self.refused[other] = answer
 
     def _blamed(self, files: list[str], answer: Answer) -> str | None:
@@ -111,7 +111,7 @@ class Kernels:
         there = self._stamps()
         return next((file for file in files if file not in there), files[0])
 
-    def _meshes(self, index: int) -> str:
+    def meshes(self, index: int) -> str:
         """The part of a setting on which the check of meshes depends. With `reach`, this is the whole
         setting, because the placement of the bodies then determines the candidates."""
         setting = self.study.fixed | self.study.settings[index]
@@ -124,7 +124,7 @@ class Kernels:
         while True:
             asked: dict[str, int] = {}
             for index in self._first_of_each(missing).values():
-                asked.setdefault(self._meshes(index), index)
+                asked.setdefault(self.meshes(index), index)
             asked = {meshes: index for meshes, index in asked.items() if meshes not in self.checked}
             if not asked or len(asked) == 1 and not self.checked:
                 return

@@ -13,6 +13,7 @@ from typing import Any
 from ricochet import programs
 from ricochet.errors import InputError, failure
 from ricochet.progress import Progress
+from ricochet.studies.groups import Groups
 from ricochet.studies.histories import Source
 from ricochet.studies.journal import Journal, Part
 from ricochet.studies.kernels import Files, Kernels
@@ -50,6 +51,8 @@ class Sweep:
         self.keys = [""] * len(study.settings)
         self.refused: dict[int, Row] = {}  # answers by index of the setting
         self.wanted = {"keep": study.keep} if study.keep else {}  # in requests
+        self.families: dict[str, list[int]] = {}  # by file of settings: unfinished impacts with accuracy
+        self.groups = Groups(study, self.kernels, self.journal, self.keys, part is not None)
 
     def prepare(self) -> None:
         """Checks all settings and computes the kernels that this stage needs. Raises InputError and
@@ -65,7 +68,7 @@ class Sweep:
                 raise failure(self.refused[0]["status"], self.refused[0]["error"])
             missing = {index: files for index, files in missing.items() if index not in self.refused}
             if not missing or self.collects:
-                return
+                break
             name = min(missing.values())[0]
             if self.part:
                 raise InputError(
@@ -82,6 +85,12 @@ class Sweep:
             for index, answer in self.kernels.refused.items():
                 self.journal.add(self.keys[index], json.dumps(answer).encode())
             before = missing
+        if not self.collects:
+            for family, members in self.families.items():
+                self.groups.settle(family, members)
+            self.refused |= self.groups.refused
+            if len(self.refused) == len(self.keys):
+                raise failure(self.refused[0]["status"], self.refused[0]["error"])
 
     def _check(self) -> Files:
         """Requests the list of kernels of each setting. Fills `keys` and `refused`. Returns, by index, the
@@ -89,6 +98,7 @@ class Sweep:
         study = self.study
         scene, version = [content_of(study.text), study.fixed], programs.version()
         self.refused, missing, bar = {}, {}, Progress(len(study.settings))
+        self.families.clear()
         requests = (
             {"set": programs.settings(setting), "kernels": True, **self.wanted} for setting in study.settings
         )
@@ -98,12 +108,19 @@ class Sweep:
             if answer["status"] != 0:
                 self.refused[index] = answer
                 continue
-            files = [kernel["file"] for kernel in answer["kernels"]]
-            self.kernels.names.update(files)
+            family = answer.get("settings")
+            kernels = [] if family else answer["kernels"]
+            files = [family] if family else [kernel["file"] for kernel in kernels]
+            self.kernels.names.update(kernel["file"] for kernel in kernels)
             identity = [version, scene, study.settings[index], files, answer["reads"]]
             text = json.dumps(identity, sort_keys=True, default=str)
             self.keys[index] = hashlib.sha256(text.encode()).hexdigest()[:24]
-            lacking = [kernel["file"] for kernel in answer["kernels"] if not kernel["there"]]
+            if family and not self.journal.finished(self.keys[index]):
+                if self.journal.refused(self.keys[index]):
+                    self.refused[index] = self.journal.rows[self.keys[index]]
+                else:
+                    self.families.setdefault(family, []).append(index)
+            lacking = [kernel["file"] for kernel in kernels if not kernel["there"]]
             if lacking and self.journal.refused(self.keys[index]):
                 self.refused[index] = self.journal.rows[self.keys[index]]
             elif lacking and not self.journal.finished(self.keys[index]):
@@ -130,10 +147,16 @@ class Sweep:
             if key in rows:
                 check(rows[key])
         settings = self.study.settings
-        requests = ({"set": programs.settings(settings[index]), **self.wanted} for index in left)
+        served = self.groups.served
+        requests = (
+            {"set": programs.settings(settings[k]) + (served[k].chosen if k in served else []), **self.wanted}
+            for k in left
+        )
         with contextlib.closing(self.kernels.ask(requests)) as answers:
             for index, line, records in answers:
                 key = self.keys[left[index]]
+                if left[index] in served:
+                    line = json.dumps(served[left[index]].complete(json.loads(line))).encode()
                 self.journal.add(key, line, records)
                 check(rows[key])
                 bar.advance("impacts")
