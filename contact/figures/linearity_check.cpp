@@ -74,18 +74,26 @@ void LinearityCheck::observe_rotation(const Vector& q, double time) {
   }
 }
 
+FarthestTurn LinearityCheck::farthest_turn() const {
+  if (turns_.empty()) return {};
+  const auto worst = std::ranges::max_element(turns_, {}, &Turn::angle);
+  return {static_cast<std::size_t>(worst - turns_.begin()), worst->angle};
+}
+
 /// Warning about the body that turned farthest, unless its rotation while touching is reported already.
 std::string LinearityCheck::turned_in_flight() const {
   if (turns_.empty()) return "";
-  const auto worst = std::ranges::max_element(turns_, {}, &Turn::angle);
-  const std::string& name = model_.bodies[static_cast<std::size_t>(worst - turns_.begin())].name;
+  const auto [body, angle] = farthest_turn();
+  const std::string& name = model_.bodies[body].name;
+  const auto since = turns_[body].since;
   // What is written up to this time is right.
-  if (!worst->since || *worst->since >= last_) return "";
+  if (!since || *since >= last_) return "";
   if (rotation_warning(tilted_, tilt_) && name == tilted_) return "";
   return fmt::format(
       "{} turned by {:.3g} degrees in flight, beyond {:g} after {:.4g} s: rotations are linearised, so its "
-      "later motion and contact are wrong. End the run there (time.duration)",
-      name, in_degrees(worst->angle), largest_rotation_deg, *worst->since);
+      "later motion and contact are wrong. Set motion.rotation = \"finite\", or end the run there "
+      "(time.duration)",
+      name, in_degrees(angle), largest_rotation_deg, *since);
 }
 
 void LinearityCheck::observe(const Stepper& stepper, const Vector& before, bool first) {

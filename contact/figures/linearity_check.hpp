@@ -2,6 +2,7 @@
 // Checks whether a run stays within linear elasticity with pairs fixed in the reference configuration.
 #pragma once
 
+#include <cstddef>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -24,6 +25,12 @@ std::optional<std::string> rotation_warning(const std::string& body, double angl
 /// @param nearer  distance by which the bodies of the pair approached each other [m]
 std::optional<std::string> reach_warning(const Model& model, const Model::PairBlock& pair, double nearer);
 
+/// The body that turned farthest in its rigid modes.
+struct FarthestTurn {
+  std::size_t body = 0;  ///< its number
+  double angle = 0;      ///< largest of the run [rad]
+};
+
 class LinearityCheck {
  public:
   /// @param wave_speed  smallest √(E/ρ) of the bodies [m/s]; 0 if unknown, without a warning on fast impacts
@@ -41,6 +48,8 @@ class LinearityCheck {
 
   /// Farthest rigid approach of points [m], over all pairs.
   double nearer() const;
+  /// Of the steps of `observe_rotation`; 0 without bodies.
+  FarthestTurn farthest_turn() const;
   std::vector<std::string> warnings() const;
 
  private:

@@ -6,7 +6,6 @@
 
 #include "contact/figures/equilibrium_summary.hpp"
 #include "contact/figures/figure_observer.hpp"
-#include "contact/figures/linearity_check.hpp"
 #include "contact/figures/receivers.hpp"
 #include "contact/figures/spectrum.hpp"
 #include "contact/static/equilibrium.hpp"
@@ -15,6 +14,9 @@
 
 namespace ricochet::contact {
 namespace {
+
+/// Between two looks at the rotation of the bodies, which hardly changes meanwhile.
+constexpr std::int64_t steps_between_turns = 8;
 
 /// Gathers the quantities of an impact step by step.
 class QuantityObserver {
@@ -36,6 +38,8 @@ class QuantityObserver {
     last_ = stepper.steps();
     open_ += passed;
     if (receivers_) listen(stepper, passed);
+    if (observed_++ % steps_between_turns == 0)
+      linearity_.observe_rotation(stepper.modal()->q, stepper.time());
     if (!figures_.touching()) return;
     force_.resize(force_.size() + static_cast<std::size_t>(open_), 0.0);
     force_.back() = stepper.force().head(stepper.points()).sum();
@@ -54,7 +58,8 @@ class QuantityObserver {
                    .pressed = pressed_,
                    .force = force_,
                    .impulse = impulse_,
-                   .nearer = linearity_.nearer()};
+                   .nearer = linearity_.nearer(),
+                   .turn = linearity_.farthest_turn()};
     if (receivers_) out.figures[Quantity::receivers] = bands();
     if (force_.empty()) {
       out.missed_by = figures_.closest();
@@ -94,6 +99,7 @@ class QuantityObserver {
   std::vector<std::vector<double>> heard_;  ///< velocity of each axis of each receiver [m/s]
   double longest_ = 0;
   std::int64_t last_ = 0, touch_ = 0, open_ = 0;  ///< steps made, of the last touch, and since its last force
+  std::int64_t observed_ = 0;                     ///< number of steps and flights
 };
 
 }  // namespace

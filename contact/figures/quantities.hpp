@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "contact/figures/figure.hpp"
+#include "contact/figures/linearity_check.hpp"
 #include "contact/model/model.hpp"
 #include "ricochet/step_options.hpp"
 
@@ -23,6 +24,7 @@ struct Quantities {
   std::vector<double> force{};  ///< Σ λ_i of each step [N]; empty at rest
   Vector impulse{};             ///< (n) impulses of the rows [N s]; empty at rest
   double nearer = 0;            ///< farthest rigid approach of pressed points [m]; 0 at rest
+  FarthestTurn turn{};          ///< with linear rotations; otherwise, and at rest, 0
   /// If nothing touched in an impact: the smallest distance of a pair of points [m], and the side of a square
   /// with the area of this point [m].
   double missed_by = std::numeric_limits<double>::infinity(), spacing_there = 0;

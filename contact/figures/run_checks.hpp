@@ -24,6 +24,7 @@ class RunChecks {
   /// Call it after each step. @param figures  which have observed this step
   void observe(const Stepper& stepper, const FigureObserver& figures);
 
+  FarthestTurn farthest_turn() const { return linearity_.farthest_turn(); }
   std::map<std::string, Neglected> neglected() const { return rotation_.neglected(); }
   std::vector<std::string> warnings(const ImpactFigures& figures) const;
 

@@ -51,6 +51,8 @@ struct Summary : ImpactFigures {
   std::map<std::string, std::string> basis;  ///< by body, from kernels::Modes::kind
   int modes_in_residual = 0;             ///< modes above half the rate, which are quasi-static in this run
   Rotation rotation = Rotation::linear;  ///< of free bodies
+  /// Whether rotations are linear for want of kernels although a body turns too far; set by the caller.
+  bool needs_turning_kernels = false;
   std::map<std::string, Neglected> neglected;  ///< by free body, with finite rotations
   /// With finite rotations: when a second run, with speeds larger by half a per cent and another step, shows
   /// another motion; set by the caller. No value if it does not, or if there is none.

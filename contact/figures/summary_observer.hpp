@@ -25,6 +25,9 @@ class SummaryObserver {
 
   void observe(const Stepper& stepper);
 
+  /// With linear rotations; 0 with finite ones, and with sampled responses.
+  FarthestTurn farthest_turn() const { return checks_ ? checks_->farthest_turn() : FarthestTurn{}; }
+
   /// The caller must set the elapsed times.
   Summary summary() const;
 

@@ -105,7 +105,6 @@ ProblemFiles::ProblemFiles(const Model& model, const StepOptions& step, ProblemO
 void ProblemFiles::observe(const Stepper& stepper) {
   if (stepper.active() > 0 && !(stepper.residual().scale > 0) && seen_++ % options_.every == 0) {
     write(stepper);
-    ++written_;
   }
   if (model_.friction.empty()) return;
   slip_ = stepper.slip();
@@ -144,12 +143,19 @@ ProblemFiles::Problem ProblemFiles::problem_of(const Stepper& stepper) const {
   return out;
 }
 
-void ProblemFiles::write(const Stepper& stepper) const {
+void ProblemFiles::remove() {
+  for (const std::filesystem::path& file : written_) std::filesystem::remove(file);
+  written_.clear();
+}
+
+void ProblemFiles::write(const Stepper& stepper) {
   const Problem problem = problem_of(stepper);
   const Eigen::Index m = model_.points();
   const bool rubs = !model_.friction.empty();
   const FileRows rows(model_);
-  Writer file(options_.folder / fmt::format("{}-i{:08}-{}.hdf5", options_.name, stepper.steps(), m));
+  const auto& path = written_.emplace_back(
+      options_.folder / fmt::format("{}-i{:08}-{}.hdf5", options_.name, stepper.steps(), m));
+  Writer file(path);
   write_integer(file, "/fclib_local/spacedim", rows_each);
   write_matrix(file, problem.S, rows, m);
   write_vector(file, "/fclib_local/vectors/q", problem.q, rows, "m");

@@ -38,7 +38,9 @@ class ProblemFiles {
   /// solve short. Throws InputError if the file cannot be written.
   void observe(const Stepper& stepper);
 
-  int written() const { return written_; }
+  int written() const { return static_cast<int>(written_.size()); }
+  /// Removes the files, because the run is repeated.
+  void remove();
 
  private:
   /// A contact problem and its solution, in the rows of the model.
@@ -48,7 +50,7 @@ class ProblemFiles {
     Vector mu;       ///< (m)
   };
   Problem problem_of(const Stepper& stepper) const;
-  void write(const Stepper& stepper) const;
+  void write(const Stepper& stepper);
 
   const Model& model_;
   ProblemOptions options_;
@@ -57,7 +59,8 @@ class ProblemFiles {
   // with friction: before the step
   Slip slip_;
   Vector displacement_, force_;  ///< (n) u, p
-  int seen_ = 0, written_ = 0;
+  int seen_ = 0;
+  std::vector<std::filesystem::path> written_;
 };
 
 }  // namespace ricochet::contact

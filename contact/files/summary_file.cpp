@@ -78,6 +78,7 @@ Json json_of(const Summary& summary) {
            {"episodes", episodes},
            {"touches", touches},
            {"rotation", summary.rotation == Rotation::finite ? "finite" : "linear"},
+           {"needs_turning_kernels", summary.needs_turning_kernels},
            {"neglected", neglected},
            {"separation_s", number(summary.separation_s)},
            {"peak_force_n", summary.peak_force_n},

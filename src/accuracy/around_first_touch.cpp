@@ -69,7 +69,7 @@ AroundFirstTouch around_first_touch(const contact::FirstTouch& touch, const scen
   AroundFirstTouch out;
   out.turned = touch.turned;
   scene::Scene& scene = out.scene = whole;
-  scene.motion.rotation = Rotation::linear;
+  scene.motion = {};  // linear rotations
   scene.time.duration = touch.until - touch.from;
   scene.bodies.clear();
   scene.contact.pairs.clear();

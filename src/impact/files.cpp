@@ -53,6 +53,7 @@ void ImpactFiles::started(const Impact& impact, const contact::Stepper& stepper)
     sounds_.emplace(model.receivers, impact.samples(), impact.scene.time.rate_hz, impact.scene.output.sound);
   });
   sounds_->record(recorder_->receivers());
+  if (problems_) problems_->remove();
   if (!options_.problems.empty())
     problems_.emplace(model, impact.options,
                       contact::ProblemOptions{.folder = options_.problems,

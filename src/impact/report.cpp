@@ -31,7 +31,7 @@ std::string episodes_of(const contact::Summary& s) {
 
 }  // namespace
 
-std::string report(const contact::Summary& s) {
+std::string report(const contact::Summary& s, const scene::Scene& scene) {
   std::string text;
   const auto line = [&](const char* name, const std::string& value) {
     text += fmt::format("{:<20}{}\n", name, value);
@@ -45,6 +45,8 @@ std::string report(const contact::Summary& s) {
   if (s.modes_in_residual > 0)
     modes += fmt::format(" ({} above half the rate: quasi-static)", s.modes_in_residual);
   if (!modes.empty()) line("modes", modes);
+  if (scene.motion.is_finite())
+    line("rotation", "finite" + (scene.motion.reason.empty() ? "" : ": " + scene.motion.reason));
   line("contact points", fmt::format("{}; {} candidates have no opposite surface; at most {} touch at a time",
                                      s.candidates, s.unpaired, s.max_active));
   if (!s.contact_start_s) {

@@ -13,7 +13,7 @@ struct Scene;
 
 namespace ricochet::impact {
 
-std::string report(const contact::Summary& summary);
+std::string report(const contact::Summary& summary, const scene::Scene& scene);
 std::string report(const contact::EquilibriumSummary& summary, const scene::Scene& scene);
 
 }  // namespace ricochet::impact

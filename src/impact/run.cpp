@@ -56,7 +56,8 @@ int run_contact(const console::Options& options, std::ostream& out) {
   const scene::Scene scene = scene::read(options.scene, options.overrides);
   const fs::path folder = options.out.empty() ? options.scene.parent_path() / "out" : options.out;
   if (options.dry_run) {
-    out << scene::to_toml(accuracy::closed_if_known(scene, folder));
+    const scene::Scene known = accuracy::closed_if_known(scene, folder);
+    out << scene::about_rotation(known) << scene::to_toml(known);
     return 0;
   }
   check_problems(options, scene);
@@ -84,7 +85,8 @@ int run_contact(const console::Options& options, std::ostream& out) {
 
   const auto* const figures = std::get_if<contact::Summary>(&summary);
   if (!options.quiet) {
-    out << (figures ? report(*figures) : report(std::get<contact::EquilibriumSummary>(summary), scene))
+    out << (figures ? report(*figures, impact->scene)
+                    : report(std::get<contact::EquilibriumSummary>(summary), scene))
         << fmt::format("\n{}\n{}\n", files.result().string(), files.summary().string());
     if (files.motion()) out << files.motion()->string() << '\n';
   }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "contact/accuracy/error_report.hpp"
@@ -60,8 +61,60 @@ Paired pair(Impact& impact, const ImpactRequest& request, store::KernelStore& st
   return out;
 }
 
+/// Ends a run with linear rotations that is to be repeated with finite ones. @param reason  for the user
+struct Repeat {
+  std::string reason;
+};
+
+/// Watches the rotations of a run whose scene leaves them open.
+class OpenRotation {
+ public:
+  /// @param obstacle  why the run cannot be repeated; empty: nothing is known
+  OpenRotation(const ImpactRequest& request, store::KernelStore& store, std::string obstacle)
+      : request_(request), store_(store), obstacle_(std::move(obstacle)) {}
+
+  /// Throws Repeat if a body turned too far and nothing prevents finite rotations.
+  void observe(const contact::FarthestTurn& turn) {
+    if (turn.angle <= scene::most_linear_turn || !obstacle_.empty()) return;
+    obstacle_ = obstacle();
+    if (obstacle_.empty()) throw Repeat{fmt::format("{} turns by more than 1 degree", name(turn))};
+  }
+
+  /// Adds what there is to say about a run that has ended with linear rotations.
+  void add_to(contact::Summary& summary, const contact::FarthestTurn& turn) const {
+    if (turn.angle <= scene::most_linear_turn) return;
+    summary.needs_turning_kernels = lacks_kernels_;
+    summary.warnings.push_back(fmt::format("{} turned by {:.3g} degrees, and rotations are linear: {}",
+                                           name(turn), turn.angle * 180 / std::numbers::pi, obstacle_));
+  }
+
+ private:
+  const std::string& name(const contact::FarthestTurn& turn) const {
+    return request_.scene.bodies[turn.body].name;
+  }
+  std::string obstacle() {
+    const scene::Scene turning = scene::with_finite_rotation(request_.scene, "");
+    try {
+      const scene::Scene closed = accuracy::closed(turning, request_.folder, store_).scene;
+      const auto kernels = store::find_kernels(closed, request_.folder, store_);
+      if (std::ranges::all_of(kernels, &store::StoredKernel::enough)) return "";
+    } catch (const InputError&) {
+      // No settings for its accuracy
+    }
+    lacks_kernels_ = true;
+    return "set motion.rotation = \"finite\" and run ricochet-kernel again, because finite ones need other "
+           "kernels, or set \"linear\"";
+  }
+
+  const ImpactRequest& request_;
+  store::KernelStore& store_;
+  std::string obstacle_;
+  bool lacks_kernels_ = false;
+};
+
 struct ErrorReport {
   std::optional<contact::ErrorEstimate> estimate;
+  contact::FarthestTurn turn;  ///< of the runs that were made
   std::vector<std::string> warnings;
 };
 
@@ -71,7 +124,7 @@ struct ErrorReport {
 ErrorReport choose(Impact& impact, Paired& paired, const scene::Scene& open,
                    const std::optional<accuracy::Settings>& settings, const std::filesystem::path& folder,
                    console::Console& console) {
-  ErrorReport out{{}, impact.kernels.warnings};
+  ErrorReport out{{}, {}, impact.kernels.warnings};
   if (!impact.scene.accuracy) return out;
   console.begin("estimates");
   std::int64_t steps = 0;
@@ -87,6 +140,7 @@ ErrorReport choose(Impact& impact, Paired& paired, const scene::Scene& open,
   if (!turns) paired.model = std::move(dialled.model);
   impact.scene = accuracy::resolved(std::move(impact.scene), dialled);
   out.estimate = dialled.estimate;
+  if (dialled.quantities) out.turn = dialled.quantities->turn;
   if (out.estimate)
     std::ranges::copy(contact::warnings(*out.estimate, *impact.scene.accuracy),
                       std::back_inserter(out.warnings));
@@ -136,7 +190,9 @@ double slowest_wave(const scene::Scene& scene) {
   return std::isfinite(slowest) ? slowest : 0;
 }
 
-contact::Summary steps(const Impact& impact, console::Console& console, ImpactObserver& observer) {
+/// @param open  null if rotations are decided
+contact::Summary steps(const Impact& impact, OpenRotation* open, console::Console& console,
+                       ImpactObserver& observer) {
   const double step = impact.options.step;
   console.begin("steps", impact.steps);
   const Clock::time_point started = Clock::now();
@@ -151,12 +207,14 @@ contact::Summary steps(const Impact& impact, console::Console& console, ImpactOb
                                    limits_of(impact.scene));
   const contact::StepsMade made = contact::run_steps(*stepper, impact.steps, [&](std::int64_t k) {
     figures.observe(*stepper);
+    if (open != nullptr) open->observe(figures.farthest_turn());
     if (second) second->observe(*stepper);
     observer.stepped(*stepper);
     console.advance(k);
   });
   check(made.status, impact.scene, static_cast<double>(made.steps + 1) * step);
   contact::Summary out = figures.summary();
+  if (open != nullptr) open->add_to(out, figures.farthest_turn());
   const double elapsed = seconds_since(started);
   out.real_time_factor = elapsed > 0 ? stepper->time() / elapsed : 0;
   console.end(fmt::format("{} steps of {:.4g} s", impact.steps, step));
@@ -168,19 +226,21 @@ contact::Summary steps(const Impact& impact, console::Console& console, ImpactOb
   return out;
 }
 
-}  // namespace
-
-ImpactResult run_impact(ImpactRequest request, store::KernelStore& store, console::Console& console,
-                        ImpactObserver& observer) {
-  const Clock::time_point started = Clock::now();
+/// Runs the scene once. @param obstacle  why rotations that it leaves open stay linear; empty: nothing is
+/// known, and then Repeat is thrown if they are to be finite
+ImpactResult run_once(const ImpactRequest& request, const std::string& obstacle, store::KernelStore& store,
+                      console::Console& console, ImpactObserver& observer) {
   accuracy::ClosedScene closed = accuracy::closed(request.scene, request.folder, store);
   auto data = std::make_unique<Impact>(Impact{.scene = std::move(closed.scene)});
   Impact& impact = *data;
+  std::optional<OpenRotation> open;
+  if (impact.scene.motion.rotation_open) open.emplace(request, store, obstacle);
   const bool by_table = impact.scene.contact.kernel == scene::ContactKernel::table;
   Paired paired;
   if (impact.scene.contact.table.empty()) paired = pair(impact, request, store, console);
   observer.prepared(impact);
   const ErrorReport report = choose(impact, paired, request.scene, closed.settings, request.folder, console);
+  if (open) open->observe(report.turn);
   impact.options = store::step_options(impact.scene);
   if (impact.scene.contact.table.empty())
     impact.model =
@@ -193,11 +253,10 @@ ImpactResult run_impact(ImpactRequest request, store::KernelStore& store, consol
     impact.steps = contact::step_count(impact.scene.time.duration, impact.scene.time.rate_hz) *
                    impact.options.steps_per_sample;
     if (by_table) add_table(impact, console);
-    summary = steps(impact, console, observer);
+    summary = steps(impact, open ? &*open : nullptr, console, observer);
   }
   std::visit(
       [&](auto& figures) {
-        figures.wall_s = seconds_since(started);
         if (by_table) return;
         figures.error_estimate = report.estimate;
         figures.warnings.insert(figures.warnings.end(), report.warnings.begin(), report.warnings.end());
@@ -211,6 +270,41 @@ ImpactResult run_impact(ImpactRequest request, store::KernelStore& store, consol
       },
       summary);
   return {std::move(data), std::move(summary)};
+}
+
+/// Runs the scene, again with finite rotations if it leaves them open and a body turns too far.
+ImpactResult run_as_it_turns(const ImpactRequest& request, store::KernelStore& store,
+                             console::Console& console, ImpactObserver& observer) {
+  ImpactRequest turning;
+  try {
+    return run_once(request, "", store, console, observer);
+  } catch (const Repeat& repeat) {
+    console.end();
+    console.say(
+        fmt::format("{}: repeated with finite rotation (motion.rotation = \"linear\" keeps the axes "
+                    "of the start)",
+                    repeat.reason));
+    turning = request;
+    turning.scene = scene::with_finite_rotation(request.scene, repeat.reason);
+  }
+  std::string failure;
+  try {
+    return run_once(turning, "", store, console, observer);
+  } catch (const InputError& error) {
+    failure = error.what();
+  }
+  console.say("repeated with linear rotation");
+  return run_once(request, fmt::format("finite ones failed ({})", failure), store, console, observer);
+}
+
+}  // namespace
+
+ImpactResult run_impact(ImpactRequest request, store::KernelStore& store, console::Console& console,
+                        ImpactObserver& observer) {
+  const Clock::time_point started = Clock::now();
+  ImpactResult out = run_as_it_turns(request, store, console, observer);
+  std::visit([&](auto& figures) { figures.wall_s = seconds_since(started); }, out.summary);
+  return out;
 }
 
 void check(StepStatus status, const scene::Scene& scene, double time) {

@@ -47,7 +47,8 @@ class ImpactObserver {
  public:
   virtual ~ImpactObserver() = default;
   virtual void prepared(const Impact&) {}  ///< the kernels are read, but no setting is chosen yet
-  virtual void started(const Impact&, const contact::Stepper&) {}      ///< before the first step
+  /// Before the first step; again if the run is repeated from there, in place of what was observed so far.
+  virtual void started(const Impact&, const contact::Stepper&) {}
   virtual void stepped(const contact::Stepper&) {}                     ///< after each step
   virtual void at_rest(const Impact&, const contact::Equilibrium&) {}  ///< at each knot
 };
@@ -59,7 +60,9 @@ struct ImpactResult {
   ImpactSummary summary;
 };
 
-/// Runs the scene without writing files or printing results; `console` shows the phases.
+/// Runs the scene without writing files or printing results; `console` shows the phases. If the scene leaves
+/// its rotations open and a free body turns by more than scene::most_linear_turn, repeats the run with
+/// finite ones, unless its kernels do not serve them.
 ///
 /// Throws a one-line InputError that begins with the name of the scene or of another file: for kernels that
 /// are missing or belong to another scene, for bodies that overlap or do not meet, for contact problems

@@ -169,7 +169,8 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
     scene = scene::read(options.scene, options.overrides, scene::Purpose::kernels);
   });
   if (options.dry_run) {
-    if (first) std::cout << scene::to_toml(accuracy::closed_if_known(scene, options.out));
+    const scene::Scene known = accuracy::closed_if_known(scene, options.out);
+    if (first) std::cout << scene::about_rotation(known) << scene::to_toml(known);
     return 0;
   }
   if (options.verify) {

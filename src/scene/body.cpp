@@ -143,7 +143,7 @@ const SectionOf<Body> body_keys{
       "its supports prevent; a rod moves along its axis only"},
      {"angular_velocity", &Body::angular_velocity, "rad/s", initial, any(),
       "initial angular velocity about the centre of mass, in world axes, for bodies that supports do not "
-      "hold. Unless `motion.rotation = \"finite\"`, rotations are linear: points move along their initial "
+      "hold. With [linear rotation](scene.md#which-rotation), points move along their initial "
       "tangents. The body starts without the strain of centrifugal forces"}}};
 
 const SectionOf<Body> matter_keys =

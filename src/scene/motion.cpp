@@ -3,8 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include "src/scene/keys.hpp"
 #include "src/scene/loads.hpp"
@@ -12,10 +16,23 @@
 
 namespace ricochet::scene {
 
+namespace {
+
+bool is_decided(const Motion& motion) { return !motion.rotation_open; }
+
+Access<Motion> rotation_access() {
+  Access<Motion> out = choice<Motion>(&Motion::rotation, {"linear", "finite"});
+  out.is_written = [](const void* motion) { return is_decided(*static_cast<const Motion*>(motion)); };
+  return out;
+}
+
+}  // namespace
+
 const SectionOf<Motion> rigid_motion_keys{
     "[motion]",
     "How free bodies move as a whole.",
-    {{"rotation", choice<Motion>(&Motion::rotation, {"linear", "finite"}).if_changed(), "", initial, any(),
+    {{"rotation", rotation_access(), "", "[by the angle](scene.md#which-rotation) by which bodies turn",
+      any(),
       "`\"linear\"`: rotations are small, and the points of a body move along their initial tangents. "
       "`\"finite\"`: bodies turn by any angle and [hit each other and obstacles with any part of their "
       "surface](scene.md#bodies-that-turn)"},
@@ -25,73 +42,128 @@ const SectionOf<Motion> rigid_motion_keys{
 
 namespace {
 
-[[noreturn]] void refuse(const Table& table, const std::string& key, const std::string& what) {
-  table.complain(key, what + ", or set motion.rotation = \"linear\"");
-}
+/// A key of the scene, and what to say about it.
+struct Remark {
+  std::string key, text;
+};
 
-/// Refuses the keys of a table of pairs that fix which points may touch.
-void refuse_choice_of_points(const Table& table) {
-  for (const char* key : {"reach", "zone", "along"})
-    if (table.has(key)) refuse(table, key, "a body that turns may touch with any candidate: leave it out");
-}
-
-void check_contact(const Table& root, const Scene& scene) {
-  const Contact& contact = scene.contact;
-  if (contact.kernel != ContactKernel::modes)
-    refuse(root, "contact.kernel", "finite rotation needs \"modes\": set it");
-  if (contact.scheme != Scheme::compliant)
-    refuse(root, "contact.scheme", "finite rotation needs \"compliant\": set it");
+/// The first key that fixes which points may touch, in [contact] or in a pair.
+std::optional<std::string> choice_of_points(const Table& root) {
   const auto table = root.table("contact", contact_keys);
-  if (!table) return;  // kernels alone
-  refuse_choice_of_points(*table);
-  for (const Table& entry : table->array("pair", pair_keys)) refuse_choice_of_points(entry);
+  if (!table) return std::nullopt;  // kernels alone
+  const auto chosen = [](const Table& pair) -> const char* {
+    for (const char* key : {"reach", "zone", "along"})
+      if (pair.has(key)) return key;
+    return nullptr;
+  };
+  if (const char* key = chosen(*table)) return fmt::format("contact.{}", key);
+  const auto pairs = table->array("pair", pair_keys);
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    if (const char* key = chosen(pairs[k])) return fmt::format("contact.pair[{}].{}", k, key);
+  return std::nullopt;
 }
 
-/// With linear rotations, pairs are those of surfaces that face each other at the start.
-void refuse_all_pairs(const Table& root) {
-  const auto table = root.table("contact", contact_keys);
-  Pair shared;
-  if (table) pair_keys.read(*table, shared);
-  if (shared.meets_all)
-    table->complain("between", "needs [motion] rotation = \"finite\": add it, or list the pairs");
-}
-
-/// With linear rotations, no load turns.
-void refuse_axes(const Table& root) {
-  const auto loads = root.table("loads", loads_keys);
-  if (!loads) return;
-  for (const LoadKind& kind : load_kinds)
-    for (const Table& entry : loads->array(kind.name, kind.keys))
-      if (entry.has("axes"))
-        entry.complain("axes", "needs [motion] rotation = \"finite\": add it, or leave axes out");
-}
-
-/// Refuses single precision, and loads on a body whose free flight leads it to the first touch, which
-/// accuracy serves.
-void check_settings(const Table& root, const Scene& scene) {
+/// The key that excludes finite rotations, and what to do about it; no value if there is none.
+std::optional<Remark> exclusion(const Table& root, const Scene& scene) {
+  if (scene.contact.kernel != ContactKernel::modes)
+    return Remark{"contact.kernel", "finite rotation needs \"modes\": set it"};
+  if (scene.contact.scheme != Scheme::compliant)
+    return Remark{"contact.scheme", "finite rotation needs \"compliant\": set it"};
+  if (const auto key = choice_of_points(root))
+    return Remark{*key, "a body that turns may touch with any candidate: leave it out"};
+  if (root.has("strikes")) return Remark{"strikes", "with finite rotation, there are none: leave it out"};
   const Loads& loads = scene.loads;
+  // Accuracy serves the first touch, to which its free flight leads a body.
   if (scene.accuracy && !(loads.tractions.empty() && loads.points.empty() && loads.motions.empty()))
-    refuse(root, "loads",
-           "with finite rotation, accuracy allows gravity only: leave the other loads out, or give "
-           "modes.up_to_hz or modes.count and accuracy = \"off\"");
+    return Remark{"loads",
+                  "with finite rotation, accuracy allows gravity only: leave the other loads out, or give "
+                  "modes.up_to_hz or modes.count and accuracy = \"off\""};
   if (scene.time.precision == Precision::float32)
-    refuse(root, "time.precision", "finite rotation needs \"double\": leave it out");
+    return Remark{"time.precision", "finite rotation needs \"double\": leave it out"};
+  return std::nullopt;
+}
+
+/// The key that linear rotations do not serve, and what to do without finite ones; no value if there is none.
+std::optional<Remark> demand(const Table& root) {
+  if (const auto table = root.table("contact", contact_keys)) {
+    Pair shared;
+    pair_keys.read(*table, shared);
+    // With linear rotations, pairs are those of surfaces that face each other at the start.
+    if (shared.meets_all) return Remark{"contact.between", "list the pairs"};
+  }
+  if (const auto loads = root.table("loads", loads_keys))
+    for (const LoadKind& kind : load_kinds) {
+      const auto entries = loads->array(kind.name, kind.keys);
+      for (std::size_t k = 0; k < entries.size(); ++k)
+        if (entries[k].has("axes"))  // with linear rotations, no load turns
+          return Remark{fmt::format("loads.{}[{}].axes", kind.name, k), "leave axes out"};
+    }
+  return std::nullopt;
+}
+
+/// Why only the mesh or the kernel of a body tells whether finite rotations move it; empty: they do.
+std::string doubt(const Body& body) {
+  if (body.imported()) return fmt::format("bodies.{} is imported", body.name);
+  if (std::ranges::any_of(body.materials, [](const Material& material) { return material.area > 0; }))
+    return fmt::format("bodies.{} is a rod", body.name);
+  const bool clamped =
+      std::ranges::any_of(body.support, [](const auto& support) { return support.second == "xyz"; });
+  if (!body.support.empty() && !clamped) return fmt::format("bodies.{}.support may let it move", body.name);
+  if (body.support.empty() && body.damping.law == Damping::Law::rayleigh && body.damping.first > 0)
+    return fmt::format("bodies.{}.damping damps its motion as a whole", body.name);
+  return "";
+}
+
+/// What the scene says against finite rotations; empty: nothing.
+std::string against(const std::optional<Remark>& excluded, const Scene& scene) {
+  if (excluded) return excluded->key + " excludes \"finite\"";
+  for (const Body& body : scene.bodies)
+    if (std::string doubted = doubt(body); !doubted.empty()) return doubted;
+  return "";
+}
+
+/// A free body whose spin at the start turns it too far for linear rotations; empty: there is none. Without a
+/// duration, as in a scene for kernels alone, any spin may.
+std::string spinning(const Scene& scene) {
+  for (const Body& body : scene.bodies) {
+    const auto& [x, y, z] = body.angular_velocity;
+    const double spin = std::hypot(x, y, z), turn = spin * scene.time.duration;
+    if (!body.support.empty() || spin == 0) continue;
+    if (scene.time.duration == 0) return fmt::format("bodies.{} spins", body.name);
+    if (turn > most_linear_turn)
+      return fmt::format("bodies.{} spins by {:.3g} degrees", body.name, turn * 180 / std::numbers::pi);
+  }
+  return "";
+}
+
+bool may_turn(const Scene& scene) {
+  const auto is_free = [](const Body& body) { return body.support.empty(); };
+  return !scene.contact.pairs.empty() && std::ranges::any_of(scene.bodies, is_free);
 }
 
 }  // namespace
 
 void read_motion(const Table& root, Scene& scene) {
-  if (const auto table = root.table("motion", rigid_motion_keys))
-    rigid_motion_keys.read(*table, scene.motion);
-  if (!scene.motion.is_finite()) {
-    refuse_all_pairs(root);
-    refuse_axes(root);
-    return;
+  const auto table = root.table("motion", rigid_motion_keys);
+  if (table) rigid_motion_keys.read(*table, scene.motion);
+  const bool given = table && table->has("rotation");
+  const auto excluded = exclusion(root, scene), demanded = demand(root);
+  if (excluded && given && scene.motion.is_finite())
+    root.complain(excluded->key, excluded->text + ", or set motion.rotation = \"linear\"");
+  if (demanded && given && !scene.motion.is_finite())
+    root.complain(demanded->key,
+                  fmt::format("needs motion.rotation = \"finite\": set it, or {}", demanded->text));
+  if (demanded && excluded)
+    root.complain(excluded->key, fmt::format("{}, or {}", excluded->text, demanded->text));
+
+  const std::string linear = against(excluded, scene),
+                    finite = demanded ? demanded->key + " needs it" : spinning(scene);
+  if (scene.motion.is_finite() || demanded || (!given && linear.empty() && !finite.empty())) {
+    scene = with_finite_rotation(std::move(scene), finite);
+  } else {
+    scene.motion.reason = linear;
+    scene.motion.rotation_open = !given && linear.empty() && may_turn(scene);
   }
-  check_contact(root, scene);
-  if (root.has("strikes")) refuse(root, "strikes", "with finite rotation, there are none: leave it out");
-  check_settings(root, scene);
-  scene.time.precision_by_accuracy = false;
 }
 
 }  // namespace ricochet::scene

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/rotation.hpp"
 
@@ -26,6 +27,14 @@ const HalfSpace* Scene::find_obstacle(const std::string& name) const {
 
 bool Contact::rubs(const std::string& name) const {
   return std::ranges::any_of(pairs, [&](const Pair& pair) { return pair.friction && pair.names(name); });
+}
+
+Scene with_finite_rotation(Scene scene, std::string reason) {
+  scene.motion.rotation = Rotation::finite;
+  scene.motion.rotation_open = false;
+  scene.motion.reason = std::move(reason);
+  scene.time.precision_by_accuracy = false;  // single precision is for linear rotations
+  return scene;
 }
 
 std::string slug(const std::string& title) {

@@ -56,6 +56,9 @@ struct Scene {
   bool operator==(const Scene&) const = default;
 };
 
+/// The scene with finite rotations, which it leaves open. @param reason  why
+Scene with_finite_rotation(Scene scene, std::string reason);
+
 /// The component of a vector along the normal of the obstacle; exactly 0 if it is round-off.
 double along_normal(const HalfSpace& obstacle, const Vector3& vector);
 

@@ -42,7 +42,12 @@ std::string toml_path(const std::filesystem::path& path, const std::filesystem::
 namespace {
 
 std::string motion_of(const Scene& scene) {
-  const std::string keys = rigid_motion_keys.write(scene.motion);
+  const Motion& motion = scene.motion;
+  // Bodies at rest, sampled responses, impulses and kernels alone have no choice.
+  const bool has_choice =
+      motion.is_finite() || (scene.contact.has_contact_rate() && !scene.contact.pairs.empty());
+  const std::string keys =
+      (has_choice ? rigid_motion_keys : rigid_motion_keys.without({"rotation"})).write(motion);
   return keys.empty() ? "" : "\n[motion]\n" + keys;
 }
 
@@ -99,6 +104,16 @@ std::string to_toml(const Scene& scene) {
                           tabular ? output_keys.without({"snapshot_every", "vtk_every"}) : output_keys);
 }
 
+std::string about_rotation(const Scene& scene) {
+  const Motion& motion = scene.motion;
+  if (motion.rotation_open)
+    return "# motion.rotation is \"linear\", or \"finite\" if the run finds that a body turns by more than 1 "
+           "degree.\n";
+  if (motion.reason.empty()) return "";
+  return fmt::format("# motion.rotation is \"{}\": {}.\n", motion.is_finite() ? "finite" : "linear",
+                     motion.reason);
+}
+
 namespace {
 
 /// Adds the lines of `to` that `from` does not have, as overrides of keys below a table.
@@ -125,6 +140,7 @@ std::vector<std::string> differences(const Scene& from, const Scene& to) {
   for (std::size_t k = 0; k < to.contact.pairs.size(); ++k)
     add_differences("contact.", pair_keys.write(from.contact.pairs[k]), pair_keys.write(to.contact.pairs[k]),
                     out);
+  add_differences("motion.", rigid_motion_keys.write(from.motion), rigid_motion_keys.write(to.motion), out);
   const std::string open = time_of(from), closed = time_of(to);
   add_differences("time.", open, closed, out);
   std::ranges::sort(out);

@@ -19,6 +19,10 @@ struct Scene;
 /// The resolved scene as TOML, with every default. Reading it gives the same scene.
 std::string to_toml(const Scene& scene);
 
+/// A comment on how its bodies turn, a line of TOML; empty if the scene gives it and nothing more is to be
+/// said.
+std::string about_rotation(const Scene& scene);
+
 /// All keys of modes, and those of bodies, pairs and time in which `to` differs from `from`, the same scene
 /// with some keys open, as overrides `KEY=VALUE`.
 std::vector<std::string> differences(const Scene& from, const Scene& to);

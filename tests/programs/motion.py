@@ -45,6 +45,8 @@ support = { bottom = "xyz" }
 count = 9
 [contact]
 between = ["striker", "base"]
+[motion]
+rotation = "linear"
 [time]
 rate_hz = 2000
 duration = 0.08

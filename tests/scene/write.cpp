@@ -91,12 +91,30 @@ TEST(Resolved, scene_with_each_form_of_a_value_reads_back) {
                               "reach = 0.02\nfriction = 0\n"));
 }
 
-// So that the texts of scenes with linear rotation are those of earlier versions.
-TEST(Resolved, scene_holds_the_rotation_if_it_is_finite) {
-  for (const char* set : {"title=scene", "motion={}", "motion.rotation=linear"})
-    EXPECT_THAT(to_toml(scene_of(smallest, {set})), Not(HasSubstr("motion"))) << set;
-  EXPECT_THAT(to_toml(scene_of(smallest, {"motion.rotation=finite"})),
-              HasSubstr("\n[motion]\nrotation = \"finite\"\n\n[time]\n"));
+TEST(Resolved, scene_holds_the_rotation_unless_it_is_open) {
+  for (const char* open : {"title=scene", "motion={}", "contact.scheme=impulse", "contact.kernel=table"})
+    EXPECT_THAT(to_toml(scene_of(smallest, {open})), Not(HasSubstr("motion"))) << open;
+  const auto expect = [](const char* rotation, const std::string& set) {
+    EXPECT_THAT(to_toml(scene_of(smallest, {set})),
+                HasSubstr(fmt::format("\n[motion]\nrotation = \"{}\"\n\n[time]\n", rotation)));
+  };
+  expect("finite", "motion.rotation=finite");
+  expect("finite", "contact.between=all");
+  expect("linear", "motion.rotation=linear");
+  expect("linear", "contact.reach=0.1");
+}
+
+TEST(AComment, says_how_bodies_turn_and_why) {
+  const auto about = [](const std::string& set) { return about_rotation(scene_of(smallest, {set})); };
+  EXPECT_EQ(about("motion.rotation=finite"), "");
+  EXPECT_EQ(about("motion.rotation=linear"), "");
+  EXPECT_EQ(about("contact.reach=0.1"),
+            "# motion.rotation is \"linear\": contact.reach excludes \"finite\".\n");
+  EXPECT_EQ(about("contact.between=all"), "# motion.rotation is \"finite\": contact.between needs it.\n");
+  // 2 rad/s over 0.01 s
+  EXPECT_EQ(about("bodies.ball.angular_velocity=[0,0,-2]"),
+            "# motion.rotation is \"finite\": bodies.ball spins by 1.15 degrees.\n");
+  EXPECT_THAT(about("title=scene"), HasSubstr("\"linear\", or \"finite\" if"));
 }
 
 // A unit vector may be slightly longer than 1. Normalising it again would change it.

@@ -7,6 +7,8 @@
 The options --set, --accuracy and --out are those of ricochet-kernel and ricochet-contact.
 """
 import argparse
+import contextlib
+import json
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -14,6 +16,7 @@ from typing import Any
 from ricochet import programs
 from ricochet.cli import plot
 from ricochet.cli.options import add_low_pass, add_run, words_for_programs
+from ricochet.errors import InputError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -28,29 +31,42 @@ def newer(target: Path, *sources: Path) -> bool:
     return target.exists() and all(source.stat().st_mtime <= target.stat().st_mtime for source in sources)
 
 
-def alike(stored: str, scene: dict[str, Any]) -> bool:
-    """Whether the scene of a result is this one, with the rate and precision that may be chosen for its accuracy."""
-    known = tomllib.loads(stored)
-    if "accuracy" in scene:
-        time = known.get("time", {})
-        for key in {"rate_hz", "contact_rate_hz", "precision"} - set(scene.get("time", {})):
+def summary_of(result: Path) -> Path:
+    return Path(str(result).removesuffix(".result.h5") + ".summary.json")
+
+
+def lacks_kernels(result: Path) -> bool:
+    """Whether a body turned although the kernels do not serve this."""
+    return bool(json.loads(summary_of(result).read_text()).get("needs_turning_kernels"))
+
+
+def same(made: dict[str, Any], asked: dict[str, Any]) -> bool:
+    """Whether a result is of the resolved scene that is asked for, which may have left its rotation to the run, and rate
+    and precision to its accuracy."""
+    motion, time = made.get("motion", {}), made.get("time", {})
+    if "rotation" not in asked.get("motion", {}) and motion.get("rotation") == "finite":
+        del motion["rotation"]
+    if "accuracy" in asked:
+        for key in {"rate_hz", "contact_rate_hz", "precision"} - set(asked.get("time", {})):
             time.pop(key, None)
-    return known == scene
+    return made | {"motion": motion} == asked | {"motion": asked.get("motion", {})}
 
 
 def current(result: Path, scene: dict[str, Any]) -> bool:
     """Whether the result file is complete and belongs to this resolved scene, these kernels and this program."""
     import h5py
 
-    if not result.exists() or not Path(str(result).removesuffix(".result.h5") + ".summary.json").exists():
+    if not result.exists() or not summary_of(result).exists():
         return False
     try:
         with h5py.File(result) as file:
             kernels = [result.parent / group.attrs["kernel"].decode() for group in file["bodies"].values()]
-            same = alike(file.attrs["scene"].decode(), scene)
+            made = tomllib.loads(file.attrs["scene"].decode())
+        if lacks_kernels(result):
+            return False
     except (OSError, KeyError, AttributeError, TypeError, ValueError):  # not a result of ricochet-contact
         return False
-    return same and newer(result, programs.BIN / "ricochet-contact", *kernels)
+    return same(made, scene) and newer(result, programs.BIN / "ricochet-contact", *kernels)
 
 
 def run(options: argparse.Namespace) -> None:
@@ -68,6 +84,10 @@ def run(options: argparse.Namespace) -> None:
         print(f"{result}: up to date")
     else:
         programs.contact(options.scene, [*words, *wanted])
+        if lacks_kernels(result):
+            with contextlib.suppress(InputError):  # the program has said why: the result stays as it is
+                programs.kernel(options.scene, [*words, "--set", "motion.rotation=finite"], options.ranks)
+                programs.contact(options.scene, [*words, *wanted])
     if table["contact"]["scheme"] != "static":  # bodies at rest have no motion to draw
         last = out / f"{slug}-energy.png"
         if options.low_pass is None and newer(last, result, Path(pictures.__file__)):

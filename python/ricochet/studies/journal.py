@@ -130,11 +130,13 @@ def storable(text: Any) -> bool:
 
 def outputs(summary: dict[str, Any]) -> dict[str, float]:
     """The numbers of a summary by name: "restitution", "exit_velocity.upper.y", "episodes" (number of
-    episodes), and "touched" (1 or 0)."""
+    episodes), "finite_rotation" and "touched" (1 or 0)."""
     found: dict[str, Any] = {}
     for name, value in summary.items():
         if name in ("episodes", "warnings"):
             found[name] = len(value)
+        elif name == "rotation":  # a run may have decided it
+            found["finite_rotation"] = int(value == "finite")
         elif name == "pairs":
             found |= {f"pairs.{k}.{key}": item for k, pair in enumerate(value) for key, item in pair.items()}
         elif isinstance(value, dict):
@@ -143,7 +145,7 @@ def outputs(summary: dict[str, Any]) -> dict[str, float]:
                     found |= {f"{name}.{key}.{axis}": v for axis, v in zip("xyz", item)}
                 elif isinstance(item, (int, float)):
                     found[f"{name}.{key}"] = item
-        elif value is None or isinstance(value, (int, float)):
+        elif value is None or isinstance(value, (int, float)) and not isinstance(value, bool):
             found[name] = math.nan if value is None else value
     if (steps := found.get("contact_steps")) is not None:
         found["touched"] = int(steps > 0)

@@ -75,6 +75,8 @@ direction = [0, 1, 0]
 [[contact.pair]]
 between = ["left", "beam"]
 direction = [0, -1, 0]
+[motion]
+rotation = "linear"
 [time]
 rate_hz = 1e5
 duration = 12e-3
