@@ -112,6 +112,7 @@ struct Outcome {
   Settings settings;             ///< of the round, with the rate
   std::optional<Settings> next;  ///< no value: the search ends
   std::string line;              ///< for the user
+  std::string turning{};         ///< body that turns too far for linear rotations; empty: none
 };
 
 /// Settings that another rank wrote as text.
@@ -123,10 +124,13 @@ Settings received(const std::string& text) {
 
 Outcome outcome_of_round(const scene::Scene& scene, Settings settings, const fs::path& folder,
                          MPI_Comm comm) {
-  std::string found, next, line;
+  std::string found, next, line, turning;
   parallel::on_first_rank(comm, [&] {
     const auto [kernels, dialled, sizes] = impact_of(scene, settings, folder);
     settings.rate = dialled.rate.value_or(Hertz{1 / scene.time.step()});
+    if (scene.motion.rotation_open && dialled.quantities)
+      if (const auto [body, angle] = dialled.quantities->turn; angle > scene::most_linear_turn)
+        turning = scene.bodies[body].name;
     const Decision decision = decide(scene, settings, dialled, sizes);
     if (dialled.estimate) line = "error " + contact::formatted(*dialled.estimate);
     line += line.empty() ? "" : "; ";
@@ -144,8 +148,8 @@ Outcome outcome_of_round(const scene::Scene& scene, Settings settings, const fs:
     found = to_toml(settings);
     if (decision.next) next = to_toml(*decision.next);
   });
-  for (std::string* text : {&found, &next, &line}) parallel::broadcast(comm, *text);
-  Outcome out{received(found), {}, line};
+  for (std::string* text : {&found, &next, &line, &turning}) parallel::broadcast(comm, *text);
+  Outcome out{received(found), {}, line, turning};
   if (!next.empty()) out.next = received(next);
   return out;
 }
@@ -156,9 +160,112 @@ scene::Scene closed_for_check(const scene::Scene& scene, MPI_Comm comm) {
   return with_settings(scene, pilot_settings(scene, comm).found);
 }
 
-scene::Scene close_by_accuracy(const scene::Scene& given, const fs::path& folder, MPI_Comm comm,
+namespace {
+
+/// The outcome of a search, the same on all ranks.
+struct Found {
+  scene::Scene scene;        ///< that has been searched, with its sizes of elements
+  Settings settings;         ///< of the last round that succeeded
+  std::string turning = {};  ///< body that turns too far for the linear rotations of the search; empty: none
+};
+
+class Search {
+ public:
+  /// @param compute  must outlive the search
+  Search(const fs::path& folder, MPI_Comm comm, console::Console& console, const ComputeKernels& compute)
+      : folder_(folder), comm_(comm), console_(console), compute_(compute) {}
+
+  /// Makes rounds from these settings on. Collective. @param known  whether they are those of an earlier
+  /// search. Throws InputError if no round succeeds.
+  Found run(scene::Scene scene, Settings settings, bool known) {
+    std::optional<Settings> last;  // of a round that succeeded
+    std::string first_error;
+    for (int round = 1; round <= most_rounds; ++round) {
+      const Clock::time_point start = Clock::now();
+      std::optional<Outcome> outcome;
+      try {
+        if (settings.coarser) try {
+            compute(with_settings(scene, *settings.coarser), round);
+          } catch (const InputError&) {  // the same on every rank
+            // The coarser mesh has no modes in the band of the round.
+            if (!last) throw;
+            settings.coarser = last->found;
+          }
+        compute(with_settings(scene, settings.found), round);
+        console_.begin(fmt::format("round {}", round));
+        outcome = outcome_of_round(scene, settings, folder_, comm_);
+        console_.end();
+      } catch (const InputError& error) {  // the same on every rank
+        if (!last) {
+          // Elements of the first level may be too coarse for the geometry, and then for the modes.
+          const bool first = first_error.empty();
+          if (first) first_error = error.what();
+          scene::Scene own = with_own_sizes(scene);
+          const bool larger = first && own != scene;
+          if (known || (!larger && !has_finer(scene, settings.found.mesh))) throw InputError(first_error);
+          scene = std::move(own);
+          settings.found.mesh =
+              larger ? coarsest_meshes(scene) : finer_meshes(scene, std::move(settings.found.mesh));
+          continue;
+        }
+        console_.say(fmt::format("accuracy, round {}: {}; stops: {}", round, text_of(settings.found, scene),
+                                 error.what()));
+        break;
+      }
+      last = outcome->settings;
+      console_.say(fmt::format("accuracy, round {}: {}: {} ({:.1f} s)", round, text_of(settings.found, scene),
+                               outcome->line, std::chrono::duration<double>(Clock::now() - start).count()));
+      if (!outcome->turning.empty()) return {std::move(scene), *last, outcome->turning};
+      if (!outcome->next) break;
+      if (round == most_rounds)
+        console_.say(fmt::format("accuracy: stops after {} rounds, the most that it makes", most_rounds));
+      settings = *outcome->next;
+    }
+    if (!last->found.view) {  // the pilot is the last round that succeeded
+      last->found.view = true;
+      compute(with_settings(scene, last->found), most_rounds);
+    }
+    return {std::move(scene), *last};
+  }
+
+  /// Kernels of all rounds.
+  const std::vector<fs::path>& written() const { return written_; }
+
+ private:
+  void compute(const scene::Scene& closed, int round) {
+    std::ranges::copy(compute_(closed, round == 1), std::back_inserter(written_));
+  }
+
+  const fs::path& folder_;
+  MPI_Comm comm_;
+  console::Console& console_;
+  const ComputeKernels& compute_;
+  std::vector<fs::path> written_;
+};
+
+/// Searches again with finite rotations; with linear ones, from the settings found so far, if no round
+/// succeeds.
+Found search_with_finite_rotation(const Found& linear, Search& search, MPI_Comm comm,
+                                  console::Console& console) {
+  console.say(
+      fmt::format("accuracy: {} turns by more than 1 degree: searches with finite rotation "
+                  "(motion.rotation = \"linear\" keeps the axes of the start)",
+                  linear.turning));
+  const scene::Scene turning = scene::with_finite_rotation(linear.scene, "");
+  try {
+    return search.run(turning, pilot_settings(turning, comm), false);
+  } catch (const InputError& error) {  // the same on every rank
+    console.say(fmt::format("accuracy: goes on with linear rotation: {}", error.what()));
+  }
+  scene::Scene scene = linear.scene;
+  scene.motion.rotation_open = false;
+  return search.run(std::move(scene), linear.settings, true);
+}
+
+}  // namespace
+
+scene::Scene close_by_accuracy(const scene::Scene& scene, const fs::path& folder, MPI_Comm comm,
                                console::Console& console, const ComputeKernels& compute) {
-  scene::Scene scene = given;
   const fs::path path = settings_path(folder, scene);
   std::string stored;
   parallel::on_first_rank(comm, [&] {
@@ -166,71 +273,27 @@ scene::Scene close_by_accuracy(const scene::Scene& given, const fs::path& folder
   });
   parallel::broadcast(comm, stored);
   const auto known = parse_settings(stored);
-  Settings settings = known ? *known : pilot_settings(scene, comm);
-  std::optional<Settings> last;  // of a round that succeeded
-  std::vector<fs::path> written;
-  std::string first_error;
-  for (int round = 1; round <= most_rounds; ++round) {
-    const Clock::time_point start = Clock::now();
-    std::optional<Outcome> outcome;
-    try {
-      if (settings.coarser) try {
-          std::ranges::copy(compute(with_settings(scene, *settings.coarser), round == 1),
-                            std::back_inserter(written));
-        } catch (const InputError&) {  // the same on every rank
-          // The coarser mesh has no modes in the band of the round.
-          if (!last) throw;
-          settings.coarser = last->found;
-        }
-      std::ranges::copy(compute(with_settings(scene, settings.found), round == 1),
-                        std::back_inserter(written));
-      console.begin(fmt::format("round {}", round));
-      outcome = outcome_of_round(scene, settings, folder, comm);
-      console.end();
-    } catch (const InputError& error) {  // the same on every rank
-      if (!last) {
-        // Elements of the first level may be too coarse for the geometry, and then for the modes.
-        const bool first = first_error.empty();
-        if (first) first_error = error.what();
-        scene::Scene own = with_own_sizes(scene);
-        const bool larger = first && own != scene;
-        if (known || (!larger && !has_finer(scene, settings.found.mesh))) throw InputError(first_error);
-        scene = std::move(own);
-        settings.found.mesh =
-            larger ? coarsest_meshes(scene) : finer_meshes(scene, std::move(settings.found.mesh));
-        continue;
-      }
-      console.say(fmt::format("accuracy, round {}: {}; stops: {}", round, text_of(settings.found, scene),
-                              error.what()));
-      break;
-    }
-    last = outcome->settings;
-    console.say(fmt::format("accuracy, round {}: {}: {} ({:.1f} s)", round, text_of(settings.found, scene),
-                            outcome->line, std::chrono::duration<double>(Clock::now() - start).count()));
-    if (!outcome->next) break;
-    if (round == most_rounds)
-      console.say(fmt::format("accuracy: stops after {} rounds, the most that it makes", most_rounds));
-    settings = *outcome->next;
-  }
-  if (!last->found.view) {  // the pilot is the last round that succeeded
-    last->found.view = true;
-    std::ranges::copy(compute(with_settings(scene, last->found), false), std::back_inserter(written));
-  }
+  Search search(folder, comm, console, compute);
+  const bool turns = known && known->found.rotation == Rotation::finite && scene.motion.rotation_open;
+  Found found = search.run(turns ? scene::with_finite_rotation(scene, "") : scene,
+                           known ? *known : pilot_settings(scene, comm), known.has_value());
+  if (!found.turning.empty()) found = search_with_finite_rotation(found, search, comm, console);
   parallel::on_first_rank(comm, [&] {
-    write_settings(*last, scene, path);
+    write_settings(found.settings, found.scene, path);
     // Kernels of earlier rounds would only take space.
     std::set<fs::path> needed;
     store::KernelStore store;
-    for (const auto* one : {&last->found, last->coarser ? &*last->coarser : nullptr})
+    const Settings& last = found.settings;
+    for (const auto* one : {&last.found, last.coarser ? &*last.coarser : nullptr})
       if (one != nullptr)
         for (const store::StoredKernel& kernel :
-             store::find_kernels(with_settings(scene, *one), folder, store))
+             store::find_kernels(with_settings(found.scene, *one), folder, store))
           needed.insert(kernel.path);
-    for (const fs::path& file : written)
+    for (const fs::path& file : search.written())
       if (!needed.contains(file)) fs::remove(file);
   });
   console.say(path.string());
-  return with_settings(scene, last->found);
+  return with_settings(found.scene, found.settings.found);
 }
 
 }  // namespace ricochet::accuracy

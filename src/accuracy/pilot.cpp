@@ -75,6 +75,7 @@ Settings pilot_settings(const scene::Scene& scene, MPI_Comm comm) {
   out.found.flexibility_error = coarse_flexibility_error;
   out.found.zone = within_flight(scene);
   out.found.view = !has_finer(scene, out.found.mesh);  // otherwise, nobody looks at its kernels
+  out.found.rotation = scene.motion.rotation;
   if (scene.modes.open()) {
     // Without a spacing, whole surfaces are candidates, and then modes are cheaper than Ritz vectors.
     const bool few = gives_spacing(scene) && !scene.motion.is_finite();

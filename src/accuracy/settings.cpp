@@ -20,6 +20,8 @@ constexpr std::size_t longest_names = 100;
 }  // namespace
 
 scene::Scene with_settings(scene::Scene scene, const KernelSettings& settings) {
+  if (scene.motion.rotation_open && settings.rotation == Rotation::finite)
+    scene = scene::with_finite_rotation(std::move(scene), "accuracy has found that a body turns");
   for (scene::Body& body : scene.bodies) {
     const auto mesh = settings.mesh.find(body.name);
     if (mesh != settings.mesh.end()) {
@@ -55,6 +57,7 @@ std::filesystem::path settings_path(const std::filesystem::path& folder, const s
   std::string names, data = fmt::format("{}\n{}\n", scene::toml_number(*scene.accuracy),
                                         static_cast<int>(scene.contact.scheme));
   if (scene.motion.is_finite()) data += "finite\n";
+  if (scene.motion.rotation_open) data += "open\n";
   for (const Quantity quantity : scene.accuracy_of) data += std::string(name_of(quantity)) + '\n';
   for (scene::Body body : scene.bodies) {
     body.damping = {};
@@ -89,6 +92,7 @@ const SectionOf<KernelSettings> kernel_keys{
      {"flexibility_error", &KernelSettings::flexibility_error},
      {"zone", &KernelSettings::zone, "", none, scene::above("0")},
      {"view", scene::Access(&KernelSettings::view).if_changed()},
+     {"rotation", choice<KernelSettings>(&KernelSettings::rotation, {"linear", "finite"}).if_changed()},
      {"bodies", Type::table}}};
 
 const SectionOf<Settings> settings_keys{"the settings",

@@ -34,6 +34,7 @@ struct KernelSettings {
   double flexibility_error = 0;  ///< of basis `contact`, also where a later round may change to it
   std::optional<double> zone;    ///< [m]; no value: all candidates
   bool view = true;              ///< whether kernels have the visualisation surface that the scene asks for
+  Rotation rotation = Rotation::linear;  ///< of scenes that leave it open
   bool operator==(const KernelSettings&) const = default;
 };
 
@@ -62,8 +63,8 @@ scene::Scene without_accuracy(scene::Scene scene);
 
 /// The file of the settings of a scene: the one that it names, or
 /// `<bodies>-<first 12 digits of a hash>.settings.toml`. The hash covers the accuracy, the data of all
-/// kernels but damping, which pairs have friction and whether rotations are finite, but not velocities, gaps
-/// or times. Throws as kernel_request does.
+/// kernels but damping, which pairs have friction and whether rotations are finite or open, but not
+/// velocities, gaps or times. Throws as kernel_request does.
 std::filesystem::path settings_path(const std::filesystem::path& folder, const scene::Scene& scene,
                                     scene::MeshHashes* known = nullptr);
 

@@ -140,7 +140,7 @@ std::vector<std::string> differences(const Scene& from, const Scene& to) {
   for (std::size_t k = 0; k < to.contact.pairs.size(); ++k)
     add_differences("contact.", pair_keys.write(from.contact.pairs[k]), pair_keys.write(to.contact.pairs[k]),
                     out);
-  add_differences("motion.", rigid_motion_keys.write(from.motion), rigid_motion_keys.write(to.motion), out);
+  add_differences("motion.", motion_of(from), motion_of(to), out);
   const std::string open = time_of(from), closed = time_of(to);
   add_differences("time.", open, closed, out);
   std::ranges::sort(out);

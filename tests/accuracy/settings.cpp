@@ -35,9 +35,9 @@ TEST(Settings, are_shared_by_scenes_with_the_same_bodies_and_accuracy) {
   for (const char* same :
        {"bodies.ball.velocity=[0,0,-1]", "contact.gap=1e-3", "title=x", "time.rate_hz=1e3"})
     EXPECT_EQ(settings_of(with_accuracy({same})), path) << same;
-  for (const char* other :
-       {"bodies.ball.material.young=2e9", "bodies.block.order=3", "modes.count=10", "accuracy_of=spin",
-        "contact.reach=1e-3", "accuracy=1e-3", "contact.friction=0.1", "motion.rotation=finite"})
+  for (const char* other : {"bodies.ball.material.young=2e9", "bodies.block.order=3", "modes.count=10",
+                            "accuracy_of=spin", "contact.reach=1e-3", "accuracy=1e-3", "contact.friction=0.1",
+                            "motion.rotation=finite", "motion.rotation=linear"})
     EXPECT_NE(settings_of(with_accuracy({other})), path) << other;
   EXPECT_NE(settings_of(with_accuracy(), "another ball"), path);
   EXPECT_EQ(settings_of(with_accuracy({"contact.friction=0.1"})),
@@ -89,7 +89,8 @@ TEST(Settings, survive_text_with_every_member_whatever_its_value) {
     size = draw();
   };
   const auto draw_kernels = [&](KernelSettings& settings) {
-    auto& [mesh, basis, up_to, flexibility_error, zone, view] = settings;
+    auto& [mesh, basis, up_to, flexibility_error, zone, view, rotation] = settings;
+    rotation = flip() ? Rotation::finite : Rotation::linear;
     basis = flip() ? Basis::modes : Basis::contact;
     up_to = Hertz{draw()};
     flexibility_error = draw();
@@ -153,6 +154,15 @@ TEST(Settings, replace_only_what_is_open) {
       with_settings(scene_of(open_scene, {"modes.count=10", "contact.reach=1"}), some_settings().found);
   EXPECT_FALSE(given.modes.up_to);
   EXPECT_FALSE(given.contact.pairs[0].zone);
+}
+
+TEST(Settings, decide_a_rotation_that_is_open) {
+  KernelSettings linear, finite;
+  finite.rotation = Rotation::finite;
+  EXPECT_TRUE(with_settings(scene_of(open_scene), finite).motion.is_finite());
+  EXPECT_FALSE(with_settings(scene_of(open_scene), linear).motion.is_finite());
+  EXPECT_FALSE(with_settings(scene_of(open_scene, {"motion.rotation=linear"}), finite).motion.is_finite());
+  EXPECT_TRUE(with_settings(scene_of(open_scene, {"motion.rotation=finite"}), linear).motion.is_finite());
 }
 
 }  // namespace settings_test

@@ -174,6 +174,21 @@ class RotationOfABar(ProgramTest):
                 with self.assertRaisesRegex(ricochet.InputError, "motion.rotation"):
                     simulation.push("bar", [0, 0, 1], [0, 0, 0])
 
+    def test_by_accuracy_is_that_of_its_settings(self):
+        results = {}
+        for title, more in {"itself": [], "given": ["motion.rotation=finite"]}.items():
+            out, sets = self.folder / title, [f"title={title}", "accuracy=0.5", *more]
+            printed = self.succeed(kernel(self.scene, out, *sets, quiet=False)).out
+            self.assertEqual("searches with finite rotation" in printed, not more)
+            # From the settings, the search goes on with finite rotation.
+            self.assertNotIn("searches", self.succeed(kernel(self.scene, out, *sets, quiet=False)).out)
+            self.succeed(contact(self.scene, out, *sets))
+            results[title] = ricochet.Result(out / f"{title}.result.h5")
+        self.assertEqual(differences(results["itself"], results["given"]), [])
+        self.assertEqual(results["itself"].summary["rotation"], "finite")
+        self.assertGreater(results["itself"].summary["error_estimate"]["until_s"], 0)
+        self.assertIn('rotation = "finite"', self.one(self.folder / "itself", "*.settings.toml").read_text())
+
 
 if __name__ == "__main__":
     unittest.main()
