@@ -37,20 +37,25 @@ constexpr double worth_while = 0.25;
 /// Ritz vectors that a contact-adapted basis holds for each candidate.
 constexpr double blocks_of_vectors = 3;
 
+/// After the pilot, another basis is also needed on the coarser mesh, and modes are certified on both.
+constexpr double cost_of_a_change = 3;
+
 bool is_open(const scene::Scene& scene) { return scene.modes.open(); }
 
 /// Ritz vectors cost a few solves for each candidate, whatever the band; modes cost a solve or two for each
 /// mode in it. With few modes and many candidates, as in flat contact, modes are therefore cheaper.
 /// The ends of rods meet with a shock, whose resonances only modes have. A body that turns has its whole
 /// surface as candidates.
+/// @param is_known  whether kernels of a coarser mesh have the basis of the settings
 scene::Basis cheaper_basis(const scene::Scene& scene, const KernelSettings& settings,
-                           const contact::Model& model, const std::vector<BodySize>& sizes) {
+                           const contact::Model& model, const std::vector<BodySize>& sizes, bool is_known) {
   if (scene.motion.is_finite()) return scene::Basis::modes;
   double modes = 0;
   for (const BodySize& size : sizes) modes += size.modes;
   const double candidates = settings.zone ? expected_candidates(model, settings, *settings.zone)
                                           : static_cast<double>(model.gap.size());
-  const bool few = modes < blocks_of_vectors * candidates;
+  const bool changes = is_known && settings.basis == scene::Basis::contact;
+  const bool few = (changes ? cost_of_a_change : 1) * modes < blocks_of_vectors * candidates;
   const bool rods = std::ranges::all_of(sizes, [](const BodySize& size) { return size.dimension == 1; });
   return few || rods ? scene::Basis::modes : scene::Basis::contact;
 }
@@ -276,6 +281,7 @@ class Table {
 
   bool has_finer() const { return finer_; }
   bool has_local() const { return local_.has_value(); }
+  bool has_coarser() const { return settings_.coarser.has_value(); }
 
   Settings with_finer_mesh(Settings settings) const {
     settings.found.mesh = finer_meshes(scene_, std::move(settings.found.mesh), fixed_);
@@ -286,7 +292,8 @@ class Table {
     settings.found = with_balls(std::move(settings.found), local_->balls);
     if (settings.found.zone && round_.quantities->nearer > 0)
       settings.found.zone = zone_with_finer_elements(round_.model, *round_.quantities);
-    if (is_open(scene_)) settings.found.basis = cheaper_basis(scene_, settings.found, round_.model, sizes_);
+    if (is_open(scene_))
+      settings.found.basis = cheaper_basis(scene_, settings.found, round_.model, sizes_, has_coarser());
     return settings;
   }
 
@@ -470,7 +477,7 @@ Decision after_pilot(const scene::Scene& scene, const Table& table, const Settin
   Settings next = settings;
   if (has_zone(scene)) next.found.zone = zone_of(round.model, *round.quantities);
   if (is_open(scene)) {
-    next.found.basis = cheaper_basis(scene, next.found, round.model, sizes);
+    next.found.basis = cheaper_basis(scene, next.found, round.model, sizes, false);
     next.found.up_to = band_after_pilot(settings, round, accuracy);
   }
   const auto spacing = round.estimate->by_cause.find(Cause::spacing);
