@@ -157,6 +157,12 @@ void Reader::check_shape(const std::string& dataset, const Shape& expected) cons
                      to_string(expected)));
 }
 
+bool Reader::is_single(const std::string& dataset) const {
+  if (!exists(dataset)) return false;
+  const Id type(H5Dget_type(open_dataset(dataset).get()));
+  return H5Tget_class(type.get()) == H5T_FLOAT && H5Tget_size(type.get()) == sizeof(float);
+}
+
 template <Element T>
 std::vector<T> Reader::read(const std::string& dataset, const Shape& expected) const {
   silence();

@@ -28,6 +28,9 @@ class Reader {
   /// Shape of a dataset. Throws InputError if there is no such dataset.
   Shape shape(const std::string& dataset) const;
 
+  /// Whether there is a dataset of floating-point numbers of this name that are stored in single precision.
+  bool is_single(const std::string& dataset) const;
+
   /// Values of a dataset of floating-point numbers (double, float) or integers (int64), row-major.
   /// Throws InputError if the dataset is missing, or if its type or shape differs from the expected one.
   template <Element T>

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "kernels/band.hpp"
+#include "kernels/compression.hpp"
 #include "ricochet/error.hpp"
 
 namespace ricochet::kernels {
@@ -116,7 +117,7 @@ void rescale(Modes& modes, double frequency, const Damping& damping) {
 
 void rescale(Surface& surface, const Growth& by) {
   auto& [components, direction, node, centroid, bulge, group, normal, area, corners, element, element_normal,
-         shape, flexibility, normal_residual, whole] = surface;
+         shape, flexibility, compact, normal_residual, whole] = surface;
   const auto rescale_geometry = [&](auto& nodes, auto& centroids, auto& bulges, auto& areas) {
     multiply(nodes, by.length);
     multiply(centroids, by.length);
@@ -126,6 +127,7 @@ void rescale(Surface& surface, const Growth& by) {
   rescale_geometry(node, centroid, bulge, area);
   multiply(shape, 1 / std::sqrt(by.mass));
   multiply(flexibility, 1 / by.stiffness);
+  if (compact) scale(*compact, 1 / by.stiffness);
   if (whole) {
     auto& [all_node, all_centroid, all_bulge, all_normal, all_area, all_corners, all_element,
            all_element_normal, held] = *whole;
@@ -272,6 +274,7 @@ Kernel restricted_to_points(Kernel kernel, const std::vector<std::int64_t>& poin
             square.push_back(surface.residual_flexibility[(i * r + a) * r * m + j * r + b]);
     surface.residual_flexibility = std::move(square);
   }
+  if (surface.compact) surface.compact = restricted(*surface.compact, points);
   if (!kernel.loads.body_force_residual.empty()) take_rows(kernel.loads.body_force_residual, 3, points, r);
   if (kernel.view && !kernel.view->residual_flexibility.empty()) {
     std::vector<float>& whole = kernel.view->residual_flexibility;
@@ -290,6 +293,7 @@ Kernel restricted_to_direction(Kernel kernel, const Vector3& direction) {
   if (surface.components != 3) fail(kernel, "has one direction only: compute it without contact.direction");
   if (surface.normal_residual)
     fail(kernel, "holds its residual flexibility along the normals alone: compute it for this direction");
+  if (surface.compact) fail(kernel, "is of a body that turns: compute it for this direction");
   const std::size_t m = surface.size();
   const auto along = [&](auto& matrix, std::size_t width) { contract(matrix, width, direction); };
   along(surface.shape, kernel.modes.size());
@@ -320,11 +324,16 @@ Kernel restricted_to_normals(Kernel kernel) {
   return kernel;
 }
 
+Kernel compacted(Kernel kernel) {
+  make_compact(kernel.surface);
+  return kernel;
+}
+
 Kernel truncated_to_flexibility_error(Kernel kernel, Hertz band, double error) {
   require_all_found(kernel);
   if (!kernel.modes.certificate.complete)
     fail(kernel, "holds imported modes, which are not known to be complete: leave flexibility_error out");
-  if (kernel.surface.residual_flexibility.empty())
+  if (!kernel.surface.has_flexibility())
     fail(kernel, "has no residual flexibility to represent truncated modes: compute it with one");
   Certificate& certificate = kernel.modes.certificate;
   const double above = error_above(kernel, RadPerSecond(band), RadPerSecond(Hertz{certificate.upto_hz}));

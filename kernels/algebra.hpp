@@ -70,6 +70,11 @@ Kernel restricted_to_direction(Kernel kernel, const Vector3& direction);
 /// InputError if the kernel has no residual flexibility in three components.
 Kernel restricted_to_normals(Kernel kernel);
 
+/// Keeps the residual flexibility in single precision, and compresses that of many candidates, as the steps
+/// of bodies that turn need it (kernels/compression.hpp). A kernel without residual flexibility in three
+/// components, or with a compact one, stays as it is.
+Kernel compacted(Kernel kernel);
+
 /// Keeps the modes that contact needs. The modes that contribute least over [0, band] are truncated and
 /// represented by the residual flexibility. Their number is the largest that keeps the error of the
 /// flexibility of the contact surface within `error` (above 0). The possible contribution of the modes above

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "kernels/band.hpp"
 
+#include "kernels/compression.hpp"
+
 #include <Eigen/Dense>
 
 #include <algorithm>
@@ -248,6 +250,8 @@ void truncate(Kernel& kernel, const std::vector<bool>& keep) {
   const auto n = static_cast<Index>(keep.size()), rows = static_cast<Index>(shape.size()) / n;
   const Matrix trace = Eigen::Map<const RowMajor>(shape.data(), rows, n)(Eigen::all, leaving);
   const Matrix flexible = trace * inverse(leaving).asDiagonal();
+  if (kernel.surface.compact)
+    add_square(*kernel.surface.compact, trace * inverse(leaving).cwiseSqrt().asDiagonal());
   if (!kernel.surface.residual_flexibility.empty()) {
     Eigen::Map<RowMajor> r(kernel.surface.residual_flexibility.data(), rows, rows);
     r.triangularView<Eigen::Lower>() += flexible * trace.transpose();
@@ -284,9 +288,7 @@ double truncation_error(const Kernel& kernel, RadPerSecond end, RadPerSecond ban
 }
 
 double error_above(const Kernel& kernel, RadPerSecond band, RadPerSecond end) {
-  const std::vector<double>& r = kernel.surface.residual_flexibility;
-  const Eigen::Map<const Eigen::VectorXd> entries(r.data(), r.size());
-  return Contributions(elastic_of(kernel).modes(), band).error_above(end, entries.norm());
+  return Contributions(elastic_of(kernel).modes(), band).error_above(end, norm_bound(kernel.surface));
 }
 
 double truncate_least_contributing(Kernel& kernel, RadPerSecond band, double error) {

@@ -13,7 +13,11 @@
 namespace ricochet::kernels {
 
 inline constexpr const char* kFormat = "ricochet-kernel";
-inline constexpr std::int64_t kVersion = 2;
+inline constexpr std::int64_t kVersion = 3;
+
+/// Group of the residual flexibility that is compressed. Such files have version 3, others version 2, because
+/// a reader of version 2 would take the body for one without residual flexibility.
+inline constexpr const char* kCompressed = "/surface/compressed_flexibility";
 
 /// Unit of the participation of a load, from which the reader recognises the kind of load.
 inline constexpr const char* kTractionUnit = "kg^-1/2 m^2";
@@ -112,13 +116,33 @@ void list_candidates(auto& file, const std::string& group, auto& surface) {
                         {surface.element.size() / corners, corners, 3}, "1");
 }
 
+/// @param m  number of candidates
+void list_compressed(auto& file, auto& compact, std::size_t m) {
+  const std::string group = kCompressed;
+  const std::size_t near = file.rows(group + "/near_candidate", compact.near_candidate, 1);
+  file.group(group);
+  file.attribute(group, "error", compact.error);
+  file.attribute(group, "columns", compact.columns);
+  file.dataset(group + "/global", compact.global, {3 * m, static_cast<std::size_t>(compact.columns)},
+               "m^1/2 N^-1/2");
+  file.dataset(group + "/near_first", compact.near_first, {m + 1}, "1");
+  file.dataset(group + "/near_candidate", compact.near_candidate, {near}, "1");
+  file.dataset(group + "/near_block", compact.near_block, {near, 3, 3}, "m/N");
+}
+
 void list_surface(auto& file, auto& surface, std::size_t n) {
   list_candidates(file, "/surface", surface);
   const std::size_t m = surface.size(), rows = static_cast<std::size_t>(surface.residual_components()) * m;
   file.dataset("/surface/shape", surface.shape, over_components(surface, {m}, {n}), "kg^-1/2");
   if (surface.direction) file.attribute("/surface/shape", "direction", *surface.direction);
-  file.optional_dataset("/surface/residual_flexibility", surface.residual_flexibility, {rows, rows}, "m/N");
-  if (surface.normal_residual) file.constant("/surface/residual_flexibility", kComponents, kNormal);
+  const std::string flexibility = "/surface/residual_flexibility";
+  if (!surface.compact) {
+    file.optional_dataset(flexibility, surface.residual_flexibility, {rows, rows}, "m/N");
+  } else {
+    file.optional_dataset(flexibility, surface.compact->whole, {rows, rows}, "m/N");
+    if (surface.compact->compressed()) list_compressed(file, *surface.compact, m);
+  }
+  if (surface.normal_residual) file.constant(flexibility, kComponents, kNormal);
   if (!surface.whole) return;
   list_candidates(file, "/surface/whole", *surface.whole);
   file.dataset("/surface/whole/held", surface.whole->held, {m}, "1");

@@ -9,6 +9,7 @@
 #include <set>
 #include <span>
 #include <string_view>
+#include <utility>
 
 #include "base/format.hpp"
 #include "kernels/format.hpp"
@@ -177,6 +178,9 @@ void validate_components(const Surface& surface, const Validator& check) {
                        base::format("has {} components: must be 3 or 1.", surface.components));
   if (surface.direction.has_value() != (surface.components == 1))
     check.fail_dataset("/surface/shape", "must have a direction if and only if it has one component.");
+  if (surface.compact && (surface.components != 3 || surface.normal_residual))
+    check.fail_dataset("/surface/residual_flexibility",
+                       "must have three components if it is in single precision or compressed.");
   if (surface.normal_residual && (surface.components != 3 || surface.residual_flexibility.empty()))
     check.fail_dataset(
         "/surface/residual_flexibility",
@@ -184,17 +188,34 @@ void validate_components(const Surface& surface, const Validator& check) {
   if (surface.direction) check.unit("attribute \"direction\" of \"/surface/shape\"", *surface.direction);
 }
 
-void validate_symmetry(const Surface& surface, const Validator& check) {
-  const std::vector<double>& r = surface.residual_flexibility;
+/// @param r  (rows,rows)
+template <class T>
+void validate_symmetry(const std::vector<T>& r, std::size_t rows, const Validator& check) {
   if (r.empty()) return;
-  const std::size_t rows = surface.residual_components() * surface.size();
-  const auto smaller = [](double a, double b) { return std::abs(a) < std::abs(b); };
+  const auto smaller = [](T a, T b) { return std::abs(a) < std::abs(b); };
   const double largest = std::abs(*std::ranges::max_element(r, smaller));
   for (std::size_t i = 0; i < rows; ++i)
     for (std::size_t j = 0; j < i; ++j)
       if (std::abs(r[i * rows + j] - r[j * rows + i]) > kSymmetryTolerance * largest)
         check.fail_dataset("/surface/residual_flexibility",
                            base::format("is not symmetric at ({}, {}).", i, j));
+}
+
+void validate_compressed(const CompactFlexibility& compact, std::size_t candidates, const Validator& check) {
+  const std::string group = kCompressed, first = group + "/near_first", near = group + "/near_candidate";
+  if (!(std::isfinite(compact.error) && compact.error >= 0))
+    check.fail(base::format("attribute \"error\" of \"{}\"", group), "is negative or not finite.");
+  check.indices(near, compact.near_candidate, candidates);
+  const auto& starts = compact.near_first;
+  if (starts.front() != 0 || starts.back() != std::ssize(compact.near_candidate) ||
+      !std::ranges::is_sorted(starts))
+    check.fail_dataset(first, base::format("does not ascend from 0 to {}.", compact.near_candidate.size()));
+  for (std::size_t i = 0; i < candidates; ++i)
+    for (std::int64_t k = starts[i], before = static_cast<std::int64_t>(i) - 1; k < starts[i + 1]; ++k) {
+      const std::int64_t j = compact.near_candidate[static_cast<std::size_t>(k)];
+      if (j <= std::exchange(before, j))
+        check.fail_dataset(near, base::format("is not ascending from {} on for candidate {}.", i, i));
+    }
 }
 
 void validate_sources(const Kernel& kernel, const Validator& check) {
@@ -238,7 +259,12 @@ void validate(const Kernel& kernel, const std::string& origin) {
   validate_coriolis(kernel.modes, check);
   validate_candidates(kernel.surface, "/surface", check);
   if (kernel.surface.whole) validate_whole(kernel.surface, check);
-  validate_symmetry(kernel.surface, check);
+  const std::size_t rows = kernel.surface.residual_components() * kernel.surface.size();
+  validate_symmetry(kernel.surface.residual_flexibility, rows, check);
+  if (const auto& compact = kernel.surface.compact; compact && compact->compressed())
+    validate_compressed(*compact, kernel.surface.size(), check);
+  else if (compact)
+    validate_symmetry(compact->whole, rows, check);
   validate_sources(kernel, check);
 }
 

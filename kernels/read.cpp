@@ -148,6 +148,8 @@ Kernel read(const std::filesystem::path& path, bool view) {
     kernel.surface.direction.emplace();
   }
   kernel.surface.normal_residual = has_normal_residual(file);
+  if (file.exists(kCompressed) || file.is_single("/surface/residual_flexibility"))
+    kernel.surface.compact.emplace();
   if (file.exists("/surface/whole")) kernel.surface.whole.emplace();
   if (view && file.exists("/view")) kernel.view.emplace();
   KernelReader reader(file);

@@ -57,7 +57,8 @@ void write(const Kernel& kernel, const std::filesystem::path& path) {
   validate(kernel, path.string());
   base::hdf5::Writer file(path);
   file.attribute("/", "format", kFormat);
-  file.attribute("/", "version", kVersion);
+  const auto& compact = kernel.surface.compact;
+  file.attribute("/", "version", compact && compact->compressed() ? kVersion : kVersion - 1);
   KernelWriter writer(file);
   list_kernel(writer, kernel);
   file.commit();

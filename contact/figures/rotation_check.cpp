@@ -61,7 +61,10 @@ Neglected RotationCheck::neglected(const Body& body) const {
 std::map<std::string, Neglected> RotationCheck::neglected() const {
   std::map<std::string, Neglected> out;
   for (std::size_t k = 0; k < bodies_.size() && turns_; ++k)
-    if (!model_.bodies[k].supported) out[model_.bodies[k].name] = neglected(bodies_[k]);
+    if (const Bodies::Block& block = model_.bodies[k]; !block.supported) {
+      Neglected& sizes = out[block.name] = neglected(bodies_[k]);
+      if (const auto& compact = block.kernel->surface.compact) sizes.compression = compact->error;
+    }
   return out;
 }
 

@@ -27,6 +27,7 @@ struct Neglected {
   double frequency_shift = 0;                ///< (Ω/ω)² of the lowest elastic mode, about
   /// Bound 2Ω/(ω_n − ω_m) on the share of amplitude that modes exchange which no Coriolis force couples.
   double mode_mixing = 0;
+  double compression = 0;  ///< kernels::CompactFlexibility::error
 };
 
 struct Summary : ImpactFigures {

@@ -21,7 +21,7 @@ SnapshotRows::SnapshotRows(base::hdf5::Writer& file, const Model& model, bool tu
     file.group(group);
     const Vector gravity = body.rotation.transpose() * model.gravity;
     file.attribute(group, "gravity", span_of(gravity));
-    if (!kernel.surface.residual_flexibility.empty()) {
+    if (kernel.surface.has_flexibility()) {
       const auto components = static_cast<std::size_t>(kernel.surface.residual_components());
       rows.snapshot = &file.rows(group + "/snapshot", {}, "1");
       rows.candidate = &file.rows(group + "/candidate", {}, "1");

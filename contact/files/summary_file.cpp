@@ -70,7 +70,8 @@ Json json_of(const Summary& summary) {
   for (const auto& [name, sizes] : summary.neglected)
     neglected[name] = {{"centrifugal_strain", number(sizes.centrifugal_strain)},
                        {"frequency_shift", sizes.frequency_shift},
-                       {"mode_mixing", sizes.mode_mixing}};
+                       {"mode_mixing", sizes.mode_mixing},
+                       {"flexibility_compression", sizes.compression}};
   for (const auto& [name, sound] : summary.sounds) sounds[name] = json_of(sound);
   Json out{{"contact_start_s", number(summary.contact_start_s)},
            {"contact_end_s", number(summary.contact_end_s)},

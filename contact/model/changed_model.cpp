@@ -149,7 +149,7 @@ ChangedModel change(const Model& earlier, std::span<const int> kept, const Place
   copy_rows(earlier, sources, out, from);
   if (Correspondence of_part; added != nullptr) copy_rows(part, sources, out, of_part);
   for (const Bodies::Block& block : out.bodies)
-    out.has_residual = out.has_residual && !block.kernel->surface.residual_flexibility.empty();
+    out.has_residual = out.has_residual && block.kernel->surface.has_flexibility();
   for (const Model::Forcing& one : earlier.forcing) {
     const int body = now[static_cast<std::size_t>(one.body)];
     if (body < 0) continue;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/format.hpp"
+#include "kernels/flexibility.hpp"
 #include "ricochet/error.hpp"
 
 namespace ricochet::contact {
@@ -195,6 +196,10 @@ void set_points(const Placement& placement, Eigen::Index rows, Rows& out) {
 }
 
 /// x += P_i F of a row i of a selection.
+void add_row(const Selection& P, Eigen::Index i, const kernels::Flexibility& F, double* x) noexcept {
+  for (Selection::InnerIterator entry(P, i); entry; ++entry)
+    F.add_row(static_cast<std::size_t>(entry.col()), entry.value(), x);
+}
 void add_row(const Selection& P, Eigen::Index i, const Eigen::Map<const Matrix>& F, double* x) noexcept {
   for (Selection::InnerIterator entry(P, i); entry; ++entry) {
     const double weight = entry.value();
@@ -213,13 +218,16 @@ double along(const Selection& P, Eigen::Index i, const double* x) noexcept {
 /// R along n between the points of a body with these weights.
 double flexibility_of(const PlacedBody& body, const Pairing::Weights& weights, const Vector3d& n) {
   const kernels::Surface& surface = body.kernel->surface;
-  if (surface.residual_flexibility.empty() || surface.components != 3 || surface.normal_residual) return 0;
-  const auto size = static_cast<Eigen::Index>(3 * surface.size());
-  const Eigen::Map<const Matrix> R(surface.residual_flexibility.data(), size, size);
+  if (!surface.has_flexibility() || surface.components != 3 || surface.normal_residual) return 0;
+  const kernels::Flexibility flexibility(surface);
   const Vector3d own = body.rotation.transpose() * n;
+  Eigen::Matrix<double, 3, 3, Eigen::RowMajor> R;
   double out = 0;
   for (const auto& [i, of_i] : weights)
-    for (const auto& [j, of_j] : weights) out += of_i * of_j * own.dot(R.block<3, 3>(3 * i, 3 * j) * own);
+    for (const auto& [j, of_j] : weights) {
+      flexibility.block(static_cast<std::size_t>(i), static_cast<std::size_t>(j), R.data());
+      out += of_i * of_j * own.dot(R * own);
+    }
   return out;
 }
 
@@ -334,7 +342,7 @@ Rows build_rows(const Placement& placement, const Bodies& bodies) {
     };
     out.selection.push_back(select(surface.components));
     out.static_selection.push_back(surface.normal_residual ? select(1) : out.selection.back());
-    out.has_residual = out.has_residual && !surface.residual_flexibility.empty();
+    out.has_residual = out.has_residual && surface.has_flexibility();
     most = std::max(most, out.selection.back().cols());
   }
   out.yielded.setZero(most);
@@ -361,7 +369,7 @@ void fill(Rows& rows, const Bodies& bodies) noexcept {
     const kernels::Surface& surface = block.kernel->surface;
     const Selection &of_modes = rows.selection[k], &P = rows.static_selection[k];
     const Eigen::Map<const Matrix> shape(surface.shape.data(), of_modes.cols(), block.modes);
-    const auto& flexibility = surface.residual_flexibility;
+    const kernels::Flexibility flexibility(surface);
     const auto& settling = block.kernel->loads.body_force_residual;
     const Vector3d gravity = block.rotation.transpose() * bodies.gravity;
     const auto is_a = [&](Eigen::Index row) {
@@ -380,7 +388,7 @@ void fill(Rows& rows, const Bodies& bodies) noexcept {
       if (flexibility.empty() || P.row(i).nonZeros() == 0) continue;
       // Half of P_i F Pᵀ in the row and in the column: F is symmetric to round-off, R is exactly so.
       rows.yielded.setZero();
-      add_row(P, i, Eigen::Map<const Matrix>(flexibility.data(), P.cols(), P.cols()), rows.yielded.data());
+      add_row(P, i, flexibility, rows.yielded.data());
       for (Eigen::Index j = 0; j < rows.rows(); ++j) {
         const double value = 0.5 * along(P, j, rows.yielded.data());
         rows.R(i, j) += value;

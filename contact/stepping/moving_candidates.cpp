@@ -15,6 +15,7 @@ using Eigen::Vector3d;
 MovingCandidates::MovingCandidates(const Bodies::Block& block, const BodySurface& on, const Model& model,
                                    const StepSystem& system)
     : surface_(&block.kernel->surface),
+      flexibility_(*surface_),
       modes_(block.modes),
       elastic_(block.modes - block.frame_modes()),
       first_elastic_(block.first_mode + block.frame_modes()),
@@ -160,7 +161,7 @@ void MovingCandidates::join(int candidate) noexcept {
   for (Index t = 0; t <= s; ++t) {
     const int other = joined_[static_cast<std::size_t>(t)];
     const Matrix3d of_modes = block(c_, shape(other));
-    Matrix3d yielding = has_residual() ? Matrix3d(flexibility(candidate, other)) : Matrix3d::Zero();
+    Matrix3d yielding = has_residual() ? flexibility(candidate, other) : Matrix3d::Zero();
     if (folds_) yielding += block(folded_, shape(other));
     in_modes_.block(t, s) = of_modes.transpose();
     in_modes_.block(s, t) = of_modes;

@@ -11,6 +11,7 @@
 #include "contact/motion/body_surface.hpp"
 #include "contact/simd/dense.hpp"
 #include "contact/stepping/step_system.hpp"
+#include "kernels/flexibility.hpp"
 
 namespace ricochet::contact {
 
@@ -117,17 +118,19 @@ class MovingCandidates {
   const double* row(int candidate, int axis) const {
     return surface_->shape.data() + (3 * candidate + axis) * modes_ + (modes_ - elastic_);
   }
-  bool has_residual() const { return !surface_->residual_flexibility.empty(); }
-  /// (3,3) R between two candidates
-  auto flexibility(int i, int j) const {
-    const auto M = static_cast<Eigen::Index>(3 * surface_->size());
-    return Eigen::Map<const Matrix>(surface_->residual_flexibility.data(), M, M).block<3, 3>(3 * i, 3 * j);
+  bool has_residual() const { return !flexibility_.empty(); }
+  /// R between two candidates
+  Eigen::Matrix3d flexibility(int i, int j) const noexcept {
+    Eigen::Matrix<double, 3, 3, Eigen::RowMajor> out;
+    flexibility_.block(static_cast<std::size_t>(i), static_cast<std::size_t>(j), out.data());
+    return out;
   }
 
   void make_patches(const BodySurface& shape);
   Eigen::Matrix3d flexibility_of(int candidate) const;
 
   const kernels::Surface* surface_;
+  kernels::Flexibility flexibility_;              ///< R
   Eigen::Index modes_, elastic_, first_elastic_;  ///< the elastic ones come last; the first of them in q
   Vector c_, folded_;                             ///< (elastic) of a step; 1/ω² of folded modes, else 0
   bool folds_ = false;

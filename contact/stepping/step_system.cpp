@@ -59,7 +59,7 @@ bool conserves(const Model& model, const StepOptions& options) {
   if (options.scheme != Scheme::compliant || options.contact_step != ContactStep::conserving) return false;
   if (!model.turns) return !model.R.isZero(0);
   return !model.folded.modes.empty() || std::ranges::any_of(model.bodies, [](const Bodies::Block& body) {
-    return !body.kernel->surface.residual_flexibility.empty();
+    return body.kernel->surface.has_flexibility();
   });
 }
 

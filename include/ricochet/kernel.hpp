@@ -77,6 +77,24 @@ struct WholeSurface {
   bool operator==(const WholeSurface&) const = default;
 };
 
+/// R of a body that turns, in single precision: whole, or, of many candidates, compressed,
+///   R_ij = G_i G_jᵀ + E_ij,   E_ij = 0 unless i and j are near each other.
+/// Both forms are symmetric and positive semidefinite as they stand (kernels/compression.hpp).
+struct CompactFlexibility {
+  std::vector<float> whole;   ///< (3M,3M) R [m/N]; empty if compressed
+  std::int64_t columns = 0;   ///< k
+  std::vector<float> global;  ///< (3M,k) G [m^1/2 N^-1/2]
+  /// (M+1) The blocks E_ij with j ≥ i are those from near_first[i] to near_first[i + 1].
+  std::vector<std::int64_t> near_first;
+  std::vector<std::int64_t> near_candidate;  ///< (P) j, ascending for each i
+  std::vector<float> near_block;             ///< (P,3,3) E_ij [m/N]
+  /// Largest error of a displacement under a unit force at one of some candidates, as a share of the
+  /// displacement of this candidate; 0 if R is whole.
+  double error = 0;
+  bool compressed() const { return whole.empty(); }
+  bool operator==(const CompactFlexibility&) const = default;
+};
+
 /// Candidate contact patches (hats w_i ≥ 0 with Σ w_i = 1, A_i = ∫ w_i ds).
 struct Surface {
   int components = 3;                ///< c
@@ -100,10 +118,12 @@ struct Surface {
   std::vector<double> element_normal;
   std::vector<double> shape;  ///< (M,c,N) φ_i = (1/A_i) ∫ w_i φ ds [kg^-1/2]
   std::vector<double>
-      residual_flexibility;      ///< (rM,rM) R [m/N], index r·i + component; empty if not requested
+      residual_flexibility;  ///< (rM,rM) R [m/N], index r·i + component; empty if not requested, or compact
+  std::optional<CompactFlexibility> compact;  ///< R of a body that turns; r = c = 3
   bool normal_residual = false;  ///< r = 1: R acts along the normal of each candidate alone; otherwise r = c
   std::optional<WholeSurface> whole;  ///< set only if candidates out of reach are missing
   std::size_t size() const { return area.size(); }
+  bool has_flexibility() const { return compact || !residual_flexibility.empty(); }
   const std::vector<double>& places() const { return centroid.empty() ? node : centroid; }  ///< (M,3) x̂_i
   int residual_components() const { return normal_residual ? 1 : components; }              ///< r
   /// Corners of the elements of the whole surface; of the candidates alone, no element may be left.

@@ -16,12 +16,14 @@ namespace {
 
 using kernels::Kernel;
 
-/// (rM,rM); None if the scene excludes it.
+/// (rM,rM), in single precision for a body that turns; None if the scene excludes it, or if it is compressed.
 py::object residual_flexibility(const py::object& self) {
   const Kernel& kernel = self.cast<const Kernel&>();
   const kernels::Surface& surface = kernel.surface;
-  if (surface.residual_flexibility.empty()) return py::none();
   const py::ssize_t rows = length(surface.size()) * surface.residual_components();
+  if (surface.compact && !surface.compact->compressed())
+    return view(surface.compact->whole, {rows, rows}, self);
+  if (surface.residual_flexibility.empty()) return py::none();
   return view(surface.residual_flexibility, {rows, rows}, self);
 }
 

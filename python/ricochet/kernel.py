@@ -126,8 +126,8 @@ class Kernel:
     residual_flexibility: Floats | None = of_core(
         "residual_flexibility",
         "(cM,cM) R, the static flexibility of all that the modes leave out [m/N], index c·i + component; "
-        "(M,M) if it is stored along the normals; "
-        "None where the scene does without",
+        "(M,M) if it is stored along the normals, in single precision for bodies that turn; "
+        "None where the scene does without, or compressed",
     )
 
     @property

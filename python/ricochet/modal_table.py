@@ -141,7 +141,7 @@ def contact_shares(file: File, omega: Floats) -> tuple[Floats, float]:
         shape = file.array("/surface/shape", points, count) * np.sign(normal @ direction)[:, None]
     elastic = omega > 0
     own = np.divide((shape**2).sum(axis=0), omega**2, out=np.zeros(count), where=elastic)
-    rest = 0.0
+    rest, compressed = 0.0, "/surface/compressed_flexibility"
     if file.has("/surface/residual_flexibility"):
         normal_only = file.attribute("/surface/residual_flexibility", "components") is not None
         three = direction is None and not normal_only
@@ -150,6 +150,14 @@ def contact_shares(file: File, omega: Floats) -> tuple[Floats, float]:
             rest = float(np.einsum("ma,mab,mb->", normal, file.diagonal(name, points, 3), normal))
         else:
             rest = float(file.diagonal(name, points, 1).sum())
+    elif file.has(f"{compressed}/global"):
+        pressed = file.array(f"{compressed}/global", 3 * points, None).reshape(points, 3, -1)
+        first = file.array(f"{compressed}/near_first", points + 1)
+        # The first block of a candidate is its own.
+        some = np.flatnonzero(np.diff(first) > 0)
+        blocks = file.array(f"{compressed}/near_block", None, 3, 3)[first[some]]
+        rest = float((np.einsum("mak,ma->mk", pressed, normal) ** 2).sum())
+        rest += float(np.einsum("ma,mab,mb->", normal[some], blocks, normal[some]))
     total = own.sum() + rest
     if not points or total <= 0:
         return np.full(count, np.nan), 0.0

@@ -14,7 +14,7 @@ from ricochet.errors import InputError
 
 
 NEWEST = {
-    "ricochet-kernel": 2,
+    "ricochet-kernel": 3,
     "ricochet-result": 2,
 }  # newest version that is read, of each kind of file; otherwise 1
 

@@ -5,6 +5,7 @@
 
 #include <utility>
 
+#include "kernels/algebra.hpp"
 #include "kernels/band.hpp"
 #include "src/kernel/discretise.hpp"
 #include "src/kernel/imported_modes.hpp"
@@ -156,14 +157,16 @@ kernels::Kernel compute(const scene::KernelRequest& request, const std::filesyst
   if (!kernel.supported && mesh.dim == 3)
     kernel.modes.coriolis = reduction::coriolis(teams, matrices.mass, modes);
   const bool corrected = request.modes.residual_flexibility && patches.geometry.size() > 0;
-  const surface::Correction form = !corrected                ? surface::Correction::none
-                                   : request.normal_residual ? surface::Correction::normal
-                                                             : surface::Correction::all;
+  const surface::Correction form = !corrected                     ? surface::Correction::none
+                                   : request.normal_residual      ? surface::Correction::normal
+                                   : is_compressed(request, made) ? surface::Correction::compressed
+                                                                  : surface::Correction::all;
   surface::trace(teams, mesh, matrices, *made.factor, modes, patches, made.loads, form, request.view, kernel,
-                 made.sources);
+                 made.sources, [&](std::int64_t done, std::int64_t total) { console.advance(done, total); });
   if (request.modes.basis == scene::Basis::modes && request.modes.flexibility_error)
     leave_to_flexibility(request, kernel);
   if (fitted && corrected) move_above_band(*request.modes.up_to, kernel);
+  if (request.turns) kernel = kernels::compacted(std::move(kernel));
   console.end(fmt::format("{} {} kept", kernel.modes.size(), fitted ? "vectors" : "modes"));
   return kernel;
 }

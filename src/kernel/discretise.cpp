@@ -8,6 +8,7 @@
 
 #include "base/memory.hpp"
 #include "contact/api/scene_model.hpp"
+#include "kernels/compression.hpp"
 #include "src/elasticity/assemble.hpp"
 #include "src/elasticity/expected_size.hpp"
 #include "src/elasticity/matrix_file.hpp"
@@ -81,19 +82,23 @@ double flexibility_mib(const scene::KernelRequest& request, const Discretised& m
       reduction::beside({made.pressed, made.sources.receiver.sparseView(),
                          made.matrices.rigid_load.sparseView(), made.sources.load.sparseView()});
   const auto mib_of = [](double numbers) { return sizeof(double) * numbers / base::mib; };
-  const auto loads = static_cast<double>(border.cols()), rows = static_cast<double>(made.matrices.local_rows);
+  const auto loads = static_cast<double>(border.cols()), rows = static_cast<double>(made.matrices.local_rows),
+             shapes = mib_of(rows * static_cast<double>(modes)) / made.teams->count();
+  // With a picture: factors again, and the response of its nodes, as they come, gathered and stored.
+  const auto seen = 3 * static_cast<double>(made.mesh.visualisation.node.size());
+  const double nodes = request.view ? mib_of(seen * loads * 2.5) : 0;
+  if (is_compressed(request, made))
+    return shapes + made.factor->expected_mib() +
+           kernels::compression_bytes(made.patches.geometry.size()) / base::mib + nodes;
   // The matrix itself exists three times while it is stored in the kernel.
-  const double size = mib_of(loads * loads),
-               shapes = mib_of(rows * static_cast<double>(modes)) / made.teams->count();
+  const double size = mib_of(loads * loads);
   // Row, column and value of each entry of K. MUMPS estimates less than it reaches: counted in runs, its
   // front of the border has one and a half copies more.
   const double entries = mib_of(2.0 * static_cast<double>(made.factor->entries().row.size()));
   const double complement =
       entries + 1.5 * size +
       reduction::BorderedStiffness(*made.teams, *made.factor, {}, border).expected_mib();
-  // With a picture: factors again, and the response of its nodes, as they come, gathered and stored.
-  const auto seen = 3 * static_cast<double>(made.mesh.visualisation.node.size());
-  const double picture = request.view ? made.factor->expected_mib() + size + mib_of(seen * loads * 2.5) : 0;
+  const double picture = request.view ? made.factor->expected_mib() + size + nodes : 0;
   return shapes + std::max({complement, 3 * size, picture});
 }
 
@@ -137,6 +142,12 @@ Discretised assembled(const scene::KernelRequest& request, Source& source, int c
 }
 
 }  // namespace
+
+bool is_compressed(const scene::KernelRequest& request, const Discretised& made) {
+  const kernels::Surface& surface = made.patches.geometry;
+  return has_flexibility(request, made) && request.turns && surface.components == 3 &&
+         kernels::is_compressed(surface.size());
+}
 
 Discretised discretise(const scene::KernelRequest& request, OpenedMeshes& meshes, MPI_Comm comm,
                        console::Console& console) {

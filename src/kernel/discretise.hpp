@@ -27,6 +27,9 @@ struct Discretised {
   double resident_mib = 0;           ///< before the factorisation, on the rank with most
 };
 
+/// Whether the residual flexibility of the body is compressed as it is computed.
+bool is_compressed(const scene::KernelRequest& request, const Discretised& made);
+
 /// Assembles the matrices and analyses their factorisation, on as many teams as memory allows: ranks that
 /// each hold the whole body and process their own slices are faster than ranks that share one. If memory is
 /// short, the slices become smaller. A contact-adapted basis needs few factorisations, so all ranks form one

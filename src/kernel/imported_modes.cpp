@@ -253,6 +253,7 @@ kernels::Kernel kernel_on_one_rank(const scene::KernelRequest& request) {
     surface::take_corrections(residual_response(file, body, seen, sources.load), pressed.cols(), sources,
                               kernel);
   }
+  if (request.turns) kernel = kernels::compacted(std::move(kernel));
   if (request.view) add_view(mesh, body, kernel);
   return kernel;
 }

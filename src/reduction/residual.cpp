@@ -23,6 +23,8 @@ constexpr double low = 0.01;
 /// Number of columns that a team solves together: several right-hand-side blocks of MUMPS.
 constexpr Index columns_at_once = 256;
 
+}  // namespace
+
 /// The modes of all teams, by how they are removed from the static response. Each team holds some of them.
 struct Retained {
   MatrixXd trace;             ///< (b, N) Fᵀφ
@@ -33,6 +35,8 @@ struct Retained {
   /// For Ritz vectors, Kφ/λ makes the rest of the load orthogonal to them.
   MatrixXd load;
 };
+
+namespace {
 
 Retained retained(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
                   const ModeSet& modes, const Loads& loads) {
@@ -130,6 +134,64 @@ MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh& mesh,
   }
   if (field != nullptr) respond(teams, factor, on_springs, modes, kept, loads, t, z, *field);
   return response;
+}
+
+struct ResidualColumns::Parts {
+  const parallel::Teams& teams;
+  const mesh::Mesh& mesh;
+  modes::Factorisation& factor;
+  const ModeSet& modes;
+  const Loads& loads;
+  Retained kept;
+  std::vector<std::int64_t> on_springs;
+  MatrixXd t, z;  // T and Z of residual_response
+};
+
+ResidualColumns::ResidualColumns(const parallel::Teams& teams, const mesh::Mesh& mesh,
+                                 const elasticity::Body& body, Factorisation& factor, const ModeSet& modes,
+                                 const Loads& loads)
+    : parts_(
+          new Parts{teams,
+                    mesh,
+                    factor,
+                    modes,
+                    loads,
+                    retained(teams, mesh, body, modes, loads),
+                    determinate_rows(mesh.comm, elasticity::rigid_modes(mesh, body), factor.entries().first),
+                    {},
+                    {}}) {
+  factor.release();
+  factor.factor_on_springs(parts_->on_springs);
+  const MatrixXd& load = parts_->kept.load;
+  MatrixXd solved(load.rows(), load.cols());
+  for (Index from = 0; from < load.cols(); from += columns_at_once) {
+    const Index n = std::min(columns_at_once, load.cols() - from);
+    solved.middleCols(from, n) = modes::shared_solve(teams, factor, load.middleCols(from, n));
+  }
+  parts_->t = inner(mesh.comm, loads, solved);
+  parts_->z = inner(mesh.comm, load, solved);
+}
+
+ResidualColumns::~ResidualColumns() = default;
+
+MatrixXd ResidualColumns::at(std::span<const Index> columns) {
+  const Loads& loads = parts_->loads;
+  const Retained& kept = parts_->kept;
+  MatrixXd pressed(loads.rows(), std::ssize(columns));
+  for (std::size_t c = 0; c < columns.size(); ++c) pressed.col(static_cast<Index>(c)) = loads.col(columns[c]);
+  MatrixXd out = inner(parts_->mesh.comm, loads, modes::shared_solve(parts_->teams, parts_->factor, pressed));
+  const MatrixXd trace = kept.trace(Eigen::all, kept.low), other = kept.trace(Eigen::all, kept.others);
+  const MatrixXd half = parts_->t - 0.5 * trace * parts_->z;
+  const std::vector<Index> rows(columns.begin(), columns.end());
+  out.noalias() -= half * trace(rows, Eigen::all).transpose();
+  out.noalias() -= trace * half(rows, Eigen::all).transpose();
+  out.noalias() -= other * (kept.inverse(kept.others).asDiagonal() * other(rows, Eigen::all).transpose());
+  return out;
+}
+
+void ResidualColumns::respond(Rows& field) {
+  reduction::respond(parts_->teams, parts_->factor, parts_->on_springs, parts_->modes, parts_->kept,
+                     parts_->loads, parts_->t, parts_->z, field);
 }
 
 }  // namespace ricochet::reduction

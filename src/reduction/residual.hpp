@@ -2,6 +2,9 @@
 // Static correction: the quasi-static response of the modes that a mode set does not contain.
 #pragma once
 
+#include <memory>
+#include <span>
+
 #include "src/modes/modes.hpp"
 #include "src/reduction/static_flexibility.hpp"
 
@@ -28,5 +31,26 @@ struct Rows {
 Eigen::MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh& mesh,
                                   const elasticity::Body& body, modes::Factorisation& factor,
                                   const modes::ModeSet& modes, const Loads& loads, Rows* field = nullptr);
+
+/// The same response column by column, for loads whose matrix would be too large: by solves with K on
+/// springs.
+class ResidualColumns {
+ public:
+  /// Factors K. Loads and everything else must outlive it. Collective on all ranks of `teams`.
+  ResidualColumns(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
+                  modes::Factorisation& factor, const modes::ModeSet& modes, const Loads& loads);
+  ~ResidualColumns();
+
+  /// @return (b, number of `columns`) the responses at all loads to those of `columns`, the same on every
+  /// rank. Collective.
+  Eigen::MatrixXd at(std::span<const Eigen::Index> columns);
+
+  /// Sets rows of the responses on the mesh (rows, b). Collective.
+  void respond(Rows& field);
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
 
 }  // namespace ricochet::reduction

@@ -101,7 +101,8 @@ std::optional<kernels::Similarity> similarity(const KernelRequest& had, const Ke
       a.size_factor != b.size_factor || a.refine != b.refine || (!a.refine.empty() && a.scale != b.scale) ||
       a.contact != b.contact || a.support != b.support || a.materials.size() != b.materials.size() ||
       (had.direction && had.direction != wanted.direction) ||
-      (had.normal_residual && wanted.modes.residual_flexibility && !wanted.normal_residual) ||
+      (wanted.modes.residual_flexibility &&
+       ((had.normal_residual && !wanted.normal_residual) || (had.turns && !wanted.turns))) ||
       had.along != wanted.along || !both_or_neither(had.spacing, wanted.spacing))
     return std::nullopt;
   kernels::Similarity by{.scale = b.scale / a.scale};
@@ -148,6 +149,7 @@ kernels::Kernel derived(kernels::Kernel kernel, const KernelRequest& had, const 
                       !turned && !projected);
   if (!wanted.modes.residual_flexibility) {
     kernel.surface.residual_flexibility.clear();
+    kernel.surface.compact.reset();
     kernel.surface.normal_residual = false;
     kernel.loads.body_force_residual.clear();
     for (kernels::Load& load : kernel.applied) load.residual.clear();
@@ -158,6 +160,7 @@ kernels::Kernel derived(kernels::Kernel kernel, const KernelRequest& had, const 
     for (kernels::Receiver& receiver : kernel.receivers) without_residual(receiver);
     if (kernel.view) without_residual(*kernel.view);
   }
+  if (wanted.turns) kernel = kernels::compacted(std::move(kernel));
   if (!wanted.view) kernel.view.reset();
   kernel.body = wanted.body.name;
   kernel.hash = wanted.hash;

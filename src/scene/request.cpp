@@ -153,7 +153,8 @@ const SectionOf<KernelRequest> request_contact_keys{
      {"spacing", &KernelRequest::spacing},
      {"points", Access(&KernelRequest::points).only(has_chosen_points, "a kernel without within_reach")},
      {"within_reach", Access(Type::text, read_reach, reach_of)},
-     {"residual", choice<KernelRequest>(&KernelRequest::normal_residual, {"all", "normal"}).if_changed()}}};
+     {"residual", choice<KernelRequest>(&KernelRequest::normal_residual, {"all", "normal"}).if_changed()},
+     {"turns", Access(&KernelRequest::turns).if_changed()}}};
 const SectionOf<KernelRequest> request_output_keys{
     "[output] of a kernel's scene", "", {{"view", &KernelRequest::view}, {"receiver", Type::tables}}};
 

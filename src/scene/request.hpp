@@ -36,7 +36,7 @@ struct KernelRequest {
   /// is the same kernel as that of a frictionless scene that needs all components.
   bool friction = false;
   /// Whether the body turns by any angle. The kernel then holds all components, because its points meet an
-  /// obstacle in any direction. Not part of the hash, like `friction`.
+  /// obstacle in any direction, and its residual flexibility is compact.
   bool turns = false;
   bool view = false;
   Loads loads;                      ///< of this body; vectors and histories empty, `at` in its frame

@@ -22,6 +22,8 @@ constexpr double slowest = 1, slowest_of_dense = 10, dense = 2500, fastest = 3e4
 /// Poisson's ratio above which linear elements lock. They can hardly deform at constant volume, and peak
 /// forces become at least twice as large.
 constexpr double locking_poisson = 0.45;
+/// Error of a displacement due to compression of the residual flexibility above which a warning is due.
+constexpr double most_compression_error = 0.01;
 
 double wave_speed(const scene::Material& material) { return std::sqrt(material.young / material.density); }
 
@@ -91,8 +93,14 @@ std::string figures_of(const scene::Body& body, const kernels::Kernel& kernel) {
   std::string text =
       fmt::format("mass {:.4g} kg, size {:.4g} x {:.4g} x {:.4g} m", kernel.mass, size[0], size[1], size[2]);
   const auto [low, high] = wave_speeds(body);
-  if (high > low) return text + fmt::format(", wave speed {:.4g} to {:.4g} m/s", low, high);
-  return high > 0 ? text + fmt::format(", wave speed {:.4g} m/s", high) : text;
+  if (high > low)
+    text += fmt::format(", wave speed {:.4g} to {:.4g} m/s", low, high);
+  else if (high > 0)
+    text += fmt::format(", wave speed {:.4g} m/s", high);
+  if (const auto& compact = kernel.surface.compact; compact && compact->compressed())
+    text += fmt::format(", residual flexibility of {} candidates compressed within {:.2g} %",
+                        kernel.surface.size(), 100 * compact->error);
+  return text;
 }
 
 std::vector<std::string> warnings_of(const scene::Body& body, const kernels::Kernel& kernel) {
@@ -117,6 +125,12 @@ std::vector<std::string> warnings_of(const scene::Body& body, const kernels::Ker
         body.name, fmt::join(components, ", ")));
   }
   add_locking(body, kernel, out);
+  if (const auto& compact = kernel.surface.compact; compact && compact->error > most_compression_error)
+    out.push_back(fmt::format(
+        "{}: compressing the residual flexibility of its {} candidates causes an error of {:.2g} % (above "
+        "{:g} "
+        "%) of the displacement under a force. Name fewer surfaces in contact, or use a coarser mesh",
+        body.name, kernel.surface.size(), 100 * compact->error, 100 * most_compression_error));
   return out;
 }
 

@@ -61,7 +61,7 @@ contact::ModelSize size_of(const scene::Scene& scene, const KernelPointers& kern
   contact::ModelSize out{.pairs = 0, .has_residual = true, .turns = scene.motion.is_finite()};
   for (const kernels::Kernel* kernel : kernels) {
     out.modes += static_cast<Eigen::Index>(kernel->modes.size());
-    out.has_residual = out.has_residual && !kernel->surface.residual_flexibility.empty();
+    out.has_residual = out.has_residual && kernel->surface.has_flexibility();
   }
   for (const contact::ContactPair& pair : placement.pairs) {
     const auto& points = pair.pairing.points;
@@ -92,6 +92,9 @@ double bytes_of(const kernels::Kernel& kernel) {
   const kernels::Surface& surface = kernel.surface;
   double out =
       sizeof(double) * static_cast<double>(surface.shape.size() + surface.residual_flexibility.size());
+  if (const auto& compact = surface.compact)
+    out += sizeof(float) *
+           static_cast<double>(compact->whole.size() + compact->global.size() + compact->near_block.size());
   if (kernel.view)
     out += sizeof(float) *
            static_cast<double>(kernel.view->shape.size() + kernel.view->residual_flexibility.size());

@@ -2,7 +2,9 @@
 #include "src/surface/trace.hpp"
 
 #include <algorithm>
+#include <numeric>
 
+#include "kernels/compression.hpp"
 #include "src/elasticity/rigid.hpp"
 #include "src/reduction/residual.hpp"
 
@@ -90,22 +92,30 @@ void gather_view(const parallel::Teams& teams, const mesh::Mesh& mesh, const mod
 
 }  // namespace
 
-void take_corrections(const Eigen::Ref<const Eigen::MatrixXd>& response, Eigen::Index candidates,
-                      const Sources& sources, kernels::Kernel& kernel) {
-  const Eigen::Index seen = response.rows(), loads = sources.load.cols();
-  const auto square = response.topLeftCorner(candidates, candidates);
-  kernel.surface.residual_flexibility = flat((square + square.transpose()) / 2);
-  kernel.loads.body_force_residual = flat(response.block(0, seen, candidates, 3));
+/// Stores the static correction of all that is not a force on a candidate.
+/// @param response  responses at candidates and receivers (rows) to forces at receivers, gravity and loads
+static void take_other_corrections(const Eigen::Ref<const Eigen::MatrixXd>& response, Eigen::Index candidates,
+                                   const Sources& sources, kernels::Kernel& kernel) {
+  const Eigen::Index receivers = response.rows() - candidates, loads = sources.load.cols();
+  kernel.loads.body_force_residual = flat(response.block(0, receivers, candidates, 3));
   for (std::size_t l = 0; l < kernel.applied.size(); ++l)
     kernel.applied[l].residual =
-        flat(response.block(0, seen + 3 + static_cast<Eigen::Index>(3 * l), candidates, 3));
+        flat(response.block(0, receivers + 3 + static_cast<Eigen::Index>(3 * l), candidates, 3));
   for (std::size_t r = 0; r < kernel.receivers.size(); ++r) {
     kernels::Receiver& receiver = kernel.receivers[r];
-    const auto rows = response.middleRows(candidates + static_cast<Eigen::Index>(3 * r), 3);
-    receiver.residual_flexibility = flat(rows.leftCols(candidates));
-    receiver.body_force_residual = flat(rows.middleCols(seen, 3));
+    const auto from = static_cast<Eigen::Index>(3 * r);
+    const auto rows = response.middleRows(candidates + from, 3);
+    receiver.residual_flexibility = flat(response.block(0, from, candidates, 3).transpose());
+    receiver.body_force_residual = flat(rows.middleCols(receivers, 3));
     receiver.load_residual = flat(rows.rightCols(loads));
   }
+}
+
+void take_corrections(const Eigen::Ref<const Eigen::MatrixXd>& response, Eigen::Index candidates,
+                      const Sources& sources, kernels::Kernel& kernel) {
+  const auto square = response.topLeftCorner(candidates, candidates);
+  kernel.surface.residual_flexibility = flat((square + square.transpose()) / 2);
+  take_other_corrections(response.rightCols(response.cols() - candidates), candidates, sources, kernel);
 }
 
 namespace {
@@ -230,7 +240,7 @@ Eigen::MatrixXd gravity_without_fall(const mesh::Mesh& mesh, const elasticity::B
 void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
            modes::Factorisation& factor, const modes::ModeSet& modes, const Patches& patches,
            const reduction::Loads& loads, Correction correction, bool view, kernels::Kernel& kernel,
-           const Sources& sources) {
+           const Sources& sources, const parallel::Progress& advance) {
   const auto seen_by_modes = [&](const auto& load) {
     return modes.gather(teams, modes::inner(mesh.comm, load, modes.shape));
   };
@@ -250,10 +260,24 @@ void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticit
                            gravity_without_fall(mesh, body).sparseView(), sources.load.sparseView()});
     std::optional<VisualisationField> field;
     if (view) field.emplace(mesh);
-    take_corrections(
-        reduction::residual_response(teams, mesh, body, factor, modes, all, field ? &field->rows : nullptr)
-            .topRows(seen),
-        candidates, sources, kernel);
+    if (correction == Correction::compressed) {
+      reduction::ResidualColumns response(teams, mesh, body, factor, modes, all);
+      std::vector<Eigen::Index> others(static_cast<std::size_t>(all.cols() - candidates));
+      std::iota(others.begin(), others.end(), candidates);
+      take_other_corrections(response.at(others).topRows(seen), candidates, sources, kernel);
+      kernel.surface.compact = kernels::compressed(
+          kernel.surface,
+          [&](std::span<const Eigen::Index> columns) -> Eigen::MatrixXd {
+            return response.at(columns).topRows(candidates);
+          },
+          {}, advance);
+      if (field) response.respond(field->rows);
+    } else {
+      take_corrections(
+          reduction::residual_response(teams, mesh, body, factor, modes, all, field ? &field->rows : nullptr)
+              .topRows(seen),
+          candidates, sources, kernel);
+    }
     if (field) take_corrections(*field, candidates, seen, kernel);
   }
 }

@@ -25,16 +25,18 @@ void take_traces(const Patches& patches, const Traces& traces, const Sources& so
 void take_corrections(const Eigen::Ref<const Eigen::MatrixXd>& response, Eigen::Index candidates,
                       const Sources& sources, kernels::Kernel& kernel);
 
-/// The components in which the static correction at the candidates is kept.
-enum class Correction { none, all, normal };
+/// The form in which the static correction at the candidates is kept: not at all, in all components, along
+/// normals, or in all components and compressed as soon as it is computed.
+enum class Correction { none, all, normal, compressed };
 
 /// Fills a kernel with shapes, loads and the data of `sources`. Adds the static correction unless
 /// `correction` is `none`, and the visualisation surface if `view` is set. The visualisation surface is
-/// stored on rank 0 only; everything else is the same on every rank. `loads` are the loads of the patches.
+/// stored on rank 0 only; everything else is the same on every rank. `loads` are the loads of the patches,
+/// `advance` is called with the number of candidates whose correction is compressed, of all.
 /// Collective.
 void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
            modes::Factorisation& factor, const modes::ModeSet& modes, const Patches& patches,
            const reduction::Loads& loads, Correction correction, bool view, kernels::Kernel& kernel,
-           const Sources& sources);
+           const Sources& sources, const parallel::Progress& advance = {});
 
 }  // namespace ricochet::surface

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "contact/motion/body_surface.hpp"
+#include "kernels/compression.hpp"
 #include "tests/contact/rigid_body.hpp"
 
 namespace ricochet::contact::test {
@@ -585,6 +586,55 @@ TEST(Rolling, of_a_soft_ball_rests_on_many_points) {
     ASSERT_LE(stepper->modal()->energy().total(), start + 1e-12 * std::abs(start));
   }
   EXPECT_GE(most, 4);
+}
+
+/// A ball with spin falls and bounces, on R in double precision, in single precision, and compressed. What
+/// differs is the residual displacement, by the stated error.
+TEST(Rolling, on_a_compact_flexibility_is_that_on_the_whole_one) {
+  const double mass = 0.03, radius = 0.01;
+  kernels::Kernel whole = ball(mass, radius, 3e-3);
+  const std::size_t candidates = whole.surface.size();
+  whole.surface.area.assign(candidates,
+                            4 * std::numbers::pi * radius * radius / static_cast<double>(candidates));
+  kernels::Kernel single = whole, compressed = whole;
+  kernels::make_compact(single.surface);
+  kernels::make_compact(compressed.surface, {.most_whole = 0, .radius = 1.5});
+  ASSERT_FALSE(single.surface.compact->compressed());
+  const double stated = compressed.surface.compact->error;
+  EXPECT_GT(stated, 1e-4);
+  EXPECT_LT(stated, 0.05);
+  struct Touch {
+    double peak = 0;
+    Vector3d velocity{0, 0, 0}, spin{0, 0, 0};
+    int most = 0;
+  };
+  const auto bounce = [&](const kernels::Kernel& kernel) {
+    PlacedBody body;
+    body.velocity = {0.3, 0, -0.5};
+    body.angular_velocity = {0, 10, 0};
+    auto stepper = make_stepper(over_floor(kernel, body, {0.5, 0.5, 0}, {0, 0, -g}), stepping(40'000));
+    const double start = stepper->modal()->energy().total();
+    Touch out;
+    while (stepper->time() < 0.06) {
+      EXPECT_EQ(stepper->step(), StepStatus::ok);
+      out.peak = std::max(out.peak, stepper->end_force().head(stepper->points()).sum());
+      out.most = std::max(out.most, stepper->active());
+      EXPECT_LE(stepper->modal()->energy().total(), start + 1e-12 * std::abs(start));
+    }
+    out.velocity = stepper->poses()[0].velocity;
+    out.spin = stepper->poses()[0].spin;
+    return out;
+  };
+  const auto differ = [](const Touch& a, const Touch& b) {
+    return std::max({std::abs(a.peak / b.peak - 1), (a.velocity - b.velocity).norm() / b.velocity.norm(),
+                     (a.spin - b.spin).norm() / b.spin.norm()});
+  };
+  const Touch exact = bounce(whole), in_single = bounce(single), in_parts = bounce(compressed);
+  EXPECT_GE(exact.most, 4);
+  EXPECT_GT(exact.velocity.z(), 0.1);         // it has bounced
+  EXPECT_LT(differ(in_single, exact), 1e-4);  // the diagonal is raised by 1e-5
+  EXPECT_LT(differ(in_parts, exact), stated);
+  EXPECT_GT(differ(in_parts, exact), 0);
 }
 
 }  // namespace rolling_test

@@ -65,6 +65,12 @@ TEST(RotationCheck, states_the_strain_and_the_coupling_that_are_neglected) {
   EXPECT_THAT(warnings(*model, 0), IsEmpty());
   // The lowest two modes are the nearest that are left, 5 % apart.
   EXPECT_NEAR(sizes().mode_mixing, 2 * spin / (0.05 * model->omega(6)), 0.05);
+  EXPECT_EQ(sizes().compression, 0);
+  const std::size_t rows = 3 * cloud.kernel.surface.size();
+  kernels::CompactFlexibility& compact = cloud.kernel.surface.compact.emplace();
+  compact.whole.assign(rows * rows, 0);
+  compact.error = 0.25;
+  EXPECT_EQ(sizes().compression, 0.25);
 }
 
 /// A rigid body bounces: each touch is a sequence of steps with a force, and its impulse is the change of

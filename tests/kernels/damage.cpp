@@ -137,11 +137,11 @@ TEST_F(Damage, of_each_kind_is_refused_in_its_line) {
   };
   const std::vector<std::pair<std::function<void()>, std::vector<std::string>>> refusals = {
       {[&] {
-         const std::int64_t version = 3;
+         const std::int64_t version = 4;
          replace_attribute("/", "version", H5T_NATIVE_INT64, &version);
          EXPECT_EQ(read_hash(path_), "");
        },
-       {"format version 3", "reads versions up to 2", "Use a newer Ricochet"}},
+       {"format version 4", "reads versions up to 3", "Use a newer Ricochet"}},
       {[&] { count("complete", 0); }, {"certificate is not complete"}},
       {[&] { count("count_found", 6); }, {"certificate is for 4 modes", "has 5"}},
       // The sample has five modes, and two were truncated. Without this note, two modes are missing.

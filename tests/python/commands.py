@@ -326,11 +326,18 @@ class ModalTables(ProgramTest):
             [0.0] + [sum((normal[p] @ shape[p, :, n]) ** 2 for p in (0, 1)) / omega[n] ** 2 for n in (1, 2)]
         )
         rest = np.trace(along @ residual @ along.T)
+        most = 0.1 * half[:, :4]
+        blocks = (residual - most @ most.T).reshape(2, 3, 2, 3)
         forms = {
-            "three": (shape, residual, {}, {}),
-            "normal": (shape, along @ residual @ along.T, {}, {"components": np.array([1])}),
+            "compressed": {
+                "compressed_flexibility/global": most,
+                "compressed_flexibility/near_first": np.array([0, 2, 3]),
+                "compressed_flexibility/near_block": blocks[[0, 0, 1], :, [0, 1, 1]],
+            },
+            "three": {"residual_flexibility": residual},
+            "normal": {"residual_flexibility": along @ residual @ along.T},
         }
-        for name, (stored, flexibility, of_shape, of_residual) in forms.items():
+        for name, flexibility in forms.items():
             path = self.folder / f"{name}.kernel.h5"
             with h5py.File(path, "w") as file:
                 file.attrs.update(
@@ -339,9 +346,11 @@ class ModalTables(ProgramTest):
                 file["modes/angular_frequency"], file["modes/decay_rate"] = omega, decay
                 file["modes"].attrs["basis"] = np.bytes_("modes")
                 file["loads/body_force"], file["surface/normal"] = loads, normal
-                file["surface/shape"], file["surface/residual_flexibility"] = stored, flexibility
-                file["surface/shape"].attrs.update(of_shape)
-                file["surface/residual_flexibility"].attrs.update(of_residual)
+                file["surface/shape"] = shape
+                for dataset, values in flexibility.items():
+                    file[f"surface/{dataset}"] = values
+                if name == "normal":
+                    file["surface/residual_flexibility"].attrs["components"] = np.array([1])
             table = ModalTable.read(path)
             np.testing.assert_allclose(table.contact_share[1:], own[1:] / (own.sum() + rest))
             self.assertTrue(np.isnan(table.contact_share[0]))

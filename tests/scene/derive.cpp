@@ -67,11 +67,13 @@ TEST(KernelFiles, state_the_request_that_they_answer) {
         "bodies.ball.geometry={\"number of turns\"=2,size=4e-3}", "modes={count=7}",
         "modes={basis=\"contact\",up_to_hz=3,low_rank=1e-9}", "output.view=true"}) {
     KernelRequest request = request_of_ball({set});
+    request.turns = std::string(set) == "title=any";
     if (std::string(set) == "output.view=true") request.points = {4, 0, 2};
     seal(request);
     const KernelRequest answered = request_of({request.hash, request.toml, request.mesh_sha256}, "FILE");
     EXPECT_EQ(answered.toml, request.toml);
     EXPECT_EQ(answered.points, request.points);
+    EXPECT_EQ(answered.turns, request.turns);
   }
 }
 
@@ -131,6 +133,26 @@ TEST(Similar, bodies_may_not_differ_in_anything_else) {
         "contact.direction=[0,1,0]", "contact.along=[0,1,0]", "contact.spacing=0.02", "bodies.ball.scale=2",
         "bodies.ball.material.area=1"})
     EXPECT_FALSE(similarity_with({set})) << set;
+}
+
+// The flexibility of a body that turns is rounded, and may be compressed.
+TEST(Similar, bodies_may_turn_if_they_did_not_but_not_the_other_way) {
+  KernelRequest still = request_of_ball({}), turning = still;
+  still.direction = turning.direction = {};
+  turning.turns = true;
+  seal(turning);
+  EXPECT_TRUE(similarity(still, turning));
+  EXPECT_FALSE(similarity(turning, still));
+  EXPECT_TRUE(similarity(turning, turning));
+  Kernel kernel = kernels::test::plain_kernel();
+  kernel.modes.certificate.left_out = 0;
+  const Kernel derived_one = derived(kernel, still, turning);
+  ASSERT_TRUE(derived_one.surface.compact);
+  EXPECT_EQ(derived_one.surface.compact->whole.size(), kernel.surface.residual_flexibility.size());
+  EXPECT_EQ(derived_one.hash, turning.hash);
+  still.modes.residual_flexibility = turning.modes.residual_flexibility = false;
+  EXPECT_TRUE(similarity(turning, still));
+  EXPECT_FALSE(derived(derived_one, turning, still).surface.has_flexibility());
 }
 
 // Balls are in metres, so a mesh of another scale has them elsewhere.

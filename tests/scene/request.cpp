@@ -269,6 +269,7 @@ between = ["ball", "floor"])");
 }
 
 // An obstacle meets a body that turns along any of its axes, at any of its candidates.
+// Its flexibility is compact, so its kernel is another one than that of a body that keeps its attitude.
 TEST(KernelRequests, of_bodies_that_turn_hold_all_components_and_candidates) {
   const std::string directed = changed(smallest, "[contact]", "[contact]\ndirection = [0, 0, -1]");
   const KernelRequest turning = request_of(directed, {"motion.rotation=finite"});
@@ -277,7 +278,7 @@ TEST(KernelRequests, of_bodies_that_turn_hold_all_components_and_candidates) {
   EXPECT_FALSE(turning.points);
   EXPECT_FALSE(may_be_normal(turning));
   EXPECT_TRUE(may_be_normal(request_of(smallest)));
-  EXPECT_EQ(turning.hash, request_of(smallest).hash);
+  EXPECT_NE(turning.hash, request_of(smallest).hash);
   EXPECT_EQ(turning.hash, request_of(smallest, {"motion.rotation=finite", "contact.friction=0.3"}).hash);
   EXPECT_EQ(request_of(directed, {"motion.rotation=linear"}).hash, request_of(directed).hash);
   EXPECT_NE(turning.hash, request_of(directed).hash);
