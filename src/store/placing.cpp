@@ -103,6 +103,15 @@ bool KernelFile::holds(const Points& points, bool normals) const {
   return (normals || !normal_residual) && (!held || (points && std::ranges::includes(*held, *points)));
 }
 
+std::vector<scene::KernelRequest> with_substitutes(const scene::KernelRequest& request) {
+  std::vector<scene::KernelRequest> out{request};
+  if (!request.turns) return out;
+  out.push_back(request);
+  out.back().turns = false;
+  scene::seal(out.back());
+  return out;
+}
+
 std::vector<KernelFile> kernel_files(const fs::path& folder, const scene::KernelRequest& whole) {
   std::vector<KernelFile> out;
   std::error_code failure;
@@ -111,14 +120,15 @@ std::vector<KernelFile> kernel_files(const fs::path& folder, const scene::Kernel
     if (!name.starts_with(whole.body.name + "-") || !name.ends_with(".kernel.h5")) continue;
     const auto header = kernels::read_header(entry.path());
     if (!header) continue;
-    scene::KernelRequest request = whole;
-    request.points = header->held;
-    request.within_reach = header->held.has_value();
-    request.normal_residual = header->normal_residual;
-    if (request.normal_residual && !scene::may_be_normal(request)) continue;
-    scene::seal(request);
-    if (request.hash == header->hash && entry.path() == scene::kernel_path(folder, request))
-      out.push_back({entry.path(), header->held, header->normal_residual});
+    if (header->normal_residual && !scene::may_be_normal(whole)) continue;
+    for (scene::KernelRequest request : with_substitutes(whole)) {
+      request.points = header->held;
+      request.within_reach = header->held.has_value();
+      request.normal_residual = header->normal_residual;
+      scene::seal(request);
+      if (request.hash == header->hash && entry.path() == scene::kernel_path(folder, request))
+        out.push_back({entry.path(), header->hash, header->held, header->normal_residual});
+    }
   }
   const auto candidates = [](const KernelFile& file) {
     return file.held ? file.held->size() : std::numeric_limits<std::size_t>::max();

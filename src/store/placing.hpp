@@ -77,14 +77,19 @@ std::vector<Points> points_within_reach(const scene::Scene& scene, const contact
 
 struct KernelFile {
   std::filesystem::path path;
-  Points held;
+  std::string hash;
+  Points held{};
   bool normal_residual = false;
   /// Whether the kernel serves a scene that needs these points, and for which normals suffice or not.
   bool holds(const Points& points, bool normals_suffice) const;
 };
 
+/// A request and, if its body turns, the one of a body that does not, whose kernel serves, too.
+std::vector<scene::KernelRequest> with_substitutes(const scene::KernelRequest& request);
+
 /// Kernel files in `folder` that answer `whole`, a request for all candidates, or the same request limited by
-/// a reach, or with its static correction along the normals alone. The smallest files come first.
+/// a reach, or with its static correction along the normals alone. The smallest files come first. Bodies that
+/// turn are also served by the kernels of those that do not.
 std::vector<KernelFile> kernel_files(const std::filesystem::path& folder, const scene::KernelRequest& whole);
 
 }  // namespace ricochet::store

@@ -28,13 +28,16 @@ std::vector<KernelFile> files_of(const scene::Scene& scene, const scene::Body& b
                                  const scene::KernelRequest& request, const fs::path& folder,
                                  KernelStore& store) {
   if (depends_on_placement(scene, body, request)) return kernel_files(folder, request);
-  const fs::path path = scene::kernel_path(folder, request);
-  if (!fs::exists(path)) return {};
-  if (!store.seen.contains(path)) {
-    if (kernels::read_hash(path) != request.hash) return {};
-    store.seen.insert(path);
+  for (const scene::KernelRequest& one : with_substitutes(request)) {
+    const fs::path path = scene::kernel_path(folder, one);
+    if (!fs::exists(path)) continue;
+    if (!store.seen.contains(path)) {
+      if (kernels::read_hash(path) != one.hash) continue;
+      store.seen.insert(path);
+    }
+    return {{path, one.hash}};
   }
-  return {{path, {}}};
+  return {};
 }
 
 std::shared_ptr<const kernels::Kernel> read(const fs::path& path, KernelStore& store, bool view = false) {
@@ -91,7 +94,8 @@ std::vector<StoredKernel> find_kernels(const scene::Scene& scene, const fs::path
     const fs::path whole = scene::kernel_path(folder, request);
     files.push_back(files_of(scene, body, request, folder, store));
     const bool none = files.back().empty();
-    out.push_back({none ? whole : files.back().front().path, !none, whole, request.hash,
+    out.push_back({none ? whole : files.back().front().path, !none, whole,
+                   none ? request.hash : files.back().front().hash,
                    depends_on_placement(scene, body, request)});
   }
   const auto whole = [](const auto& of_body) {
