@@ -13,7 +13,7 @@ from pathlib import Path
 
 ROOMS = ("simd", "pairing", "bodies", "rows", "model", "complementarity", "law", "motion", "stepping")
 OWN = re.compile(
-    r"(base/(aligned|format|reserved)\.[ch]pp|kernels/(kernel\.cpp|format\.hpp)|include/ricochet/\w+\.hpp|contact/(%s)/\w+\.[ch]pp|player/\w+\.[ch]pp)$"
+    r"(base/(aligned|format|reserved)\.[ch]pp|kernels/(kernel\.cpp|flexibility\.[ch]pp|format\.hpp)|include/ricochet/\w+\.hpp|contact/(%s)/\w+\.[ch]pp|player/\w+\.[ch]pp)$"
     % "|".join(ROOMS)
 )
 STANDARD = "#include <bits/stdc++.h>\n#include <immintrin.h>\n"
@@ -33,7 +33,7 @@ def includes(compiler, folders, source, text=None):
 def main():
     compiler, root, eigen = sys.argv[1:]
     root = Path(root).resolve()
-    sources = [root / "base/format.cpp", root / "kernels/kernel.cpp"]
+    sources = [root / path for path in ("base/format.cpp", "kernels/flexibility.cpp", "kernels/kernel.cpp")]
     for room in ROOMS:
         sources += sorted((root / "contact" / room).glob("*.cpp"))
     sources += sorted((root / "player").glob("*.cpp"))

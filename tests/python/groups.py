@@ -76,6 +76,9 @@ class Journal:
     def add(self, key, line, image=b""):
         self.rows[key] = json.loads(line)
 
+    def refused(self, key):
+        return self.rows.get(key, {"status": 0})["status"] != 0
+
 
 class GroupsTest(unittest.TestCase):
     def setUp(self):
@@ -149,6 +152,12 @@ class GroupsTest(unittest.TestCase):
         self.assertEqual(self.programs.loops, [])
         self.assertEqual(self.programs.impacts, [])
         self.assertEqual({row: self.outcome(row) for row in range(len(settings))}, first)
+
+    def test_refused_rows_are_not_tried_again(self):
+        self.settle(self.grid([1, 2, 3]), least=10)
+        self.settle(self.grid([1, 2, 3]), least=10)
+        self.assertEqual(self.programs.loops, [])
+        self.assertEqual(len(self.groups.refused), 9)
 
     def test_parts_need_settings(self):
         with self.assertRaisesRegex(Exception, "run ricochet sweep --kernels"):

@@ -69,7 +69,7 @@ class Groups:
 
     def settle(self, family: str, rows: Sequence[int]) -> None:
         """Chooses the settings of the rows that share a file of settings, named `family`, if nothing else is
-        said. Afterwards, each row is served, refused or finished."""
+        said. Afterwards, each row is served, refused or finished. The same rows make the same groups."""
         bar = Progress(len(rows))
         for alike in by_text([self.study.settings[row] for row in rows], rows):
             places = places_of([self.study.settings[row] for row in alike])
@@ -121,14 +121,14 @@ class Groups:
     ) -> set[int]:
         """Gives the settings to the rows of a box for which kernels are there, and returns these rows."""
         done = tests.with_kernels(box)
-        fastest = max(spots, key=lambda row: rate_of(tests.answers[row]["chosen"]))
+        fastest = max(spots, key=lambda row: rate_of(tests.chosen(row)))
         for row in done:
             answer = tests.answers.get(row)
             if answer and not self.study.keep:
                 self.journal.add(self.keys[row], json.dumps(answer).encode())
                 self.estimated += 1
             elif answer:  # it runs again, for its records
-                self.served[row] = Served(answer["chosen"], answer["summary"]["error_estimate"])
+                self.served[row] = Served(tests.chosen(row), answer["summary"]["error_estimate"])
                 self.estimated += 1
                 self.kept += 1
             else:
@@ -153,6 +153,8 @@ class Tests:
         """Chooses the settings for a row, unless this was done before. Returns the error if this fails."""
         groups, self.first = self.groups, first
         study, kernels = groups.study, groups.kernels
+        if groups.journal.refused(groups.keys[first]):
+            return groups.journal.rows[groups.keys[first]]
         if not (kernels.folder / self.name).exists():
             if groups.reads:
                 raise InputError(
@@ -201,6 +203,10 @@ class Tests:
         derived = self._ask([self._request(row, kernels=True, derive=self.files) for row in one_of.values()])
         there = {files for files, answer in zip(one_of, derived) if not lacks(answer)}
         return known | {row for row, files in lacking.items() if not files or files in there}
+
+    def chosen(self, row: int) -> list[str]:
+        """The settings of a row, as overrides; their file where its keys exclude them."""
+        return self.answers[row].get("chosen", [f"settings={self.name}"])
 
     def serves(self, row: int) -> bool:
         """Whether the settings meet the accuracy for a row, or come as close to it as for the first one."""
@@ -337,4 +343,4 @@ def between(
     warning = None
     if not nearest["meets"]:
         warning = f"the error is about {total:.2g}, interpolated between impacts that miss the accuracy"
-    return Served(tests.answers[fastest]["chosen"], estimate, warning)
+    return Served(tests.chosen(fastest), estimate, warning)

@@ -51,7 +51,7 @@ class Sweep:
         self.keys = [""] * len(study.settings)
         self.refused: dict[int, Row] = {}  # answers by index of the setting
         self.wanted = {"keep": study.keep} if study.keep else {}  # in requests
-        self.families: dict[str, list[int]] = {}  # by file of settings: unfinished impacts with accuracy
+        self.families: dict[str, list[int]] = {}  # by file of settings: impacts with accuracy
         self.groups = Groups(study, self.kernels, self.journal, self.keys, part is not None)
 
     def prepare(self) -> None:
@@ -87,7 +87,8 @@ class Sweep:
             before = missing
         if not self.collects:
             for family, members in self.families.items():
-                self.groups.settle(family, members)
+                if not all(k in self.refused or self.journal.finished(self.keys[k]) for k in members):
+                    self.groups.settle(family, members)
             self.refused |= self.groups.refused
             if len(self.refused) == len(self.keys):
                 raise failure(self.refused[0]["status"], self.refused[0]["error"])
@@ -115,11 +116,10 @@ class Sweep:
             identity = [version, scene, study.settings[index], files, answer["reads"]]
             text = json.dumps(identity, sort_keys=True, default=str)
             self.keys[index] = hashlib.sha256(text.encode()).hexdigest()[:24]
-            if family and not self.journal.finished(self.keys[index]):
+            if family:  # all rows, so that a sweep that goes on finds the same groups
+                self.families.setdefault(family, []).append(index)
                 if self.journal.refused(self.keys[index]):
                     self.refused[index] = self.journal.rows[self.keys[index]]
-                else:
-                    self.families.setdefault(family, []).append(index)
             lacking = [kernel["file"] for kernel in kernels if not kernel["there"]]
             if lacking and self.journal.refused(self.keys[index]):
                 self.refused[index] = self.journal.rows[self.keys[index]]
