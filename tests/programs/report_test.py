@@ -157,6 +157,8 @@ class ReportTest(ProgramTest):
             for exact, text in places:
                 if key.startswith("exit_velocity."):
                     self.assertEqual(json.loads(exact), summary["exit_velocity"][key.split(".")[1]])
+                elif isinstance(values[key], bool):
+                    self.assertEqual(json.loads(exact), values[key], key)
                 elif isinstance(values[key], (int, float)):
                     self.assertEqual(float(exact), values[key], key)
                     ratio = number(text) / values[key] if values[key] else number(text) + 1
