@@ -47,8 +47,8 @@ std::shared_ptr<const kernels::Kernel> read(const fs::path& path, KernelStore& s
   return kernel;
 }
 
-/// Number of placements kept, enough for a sweep over a few positions.
-constexpr std::size_t most_placements = 4;
+/// Number of placements kept, enough for a sweep whose rows take some positions in turn.
+constexpr std::size_t most_placements = 16;
 
 }  // namespace
 
