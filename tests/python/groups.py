@@ -27,8 +27,8 @@ def error(chosen_at, speed, damping):
 class Programs:
     """Kernels of a study, in a folder: counts what it is asked for."""
 
-    def __init__(self, folder, study, least=0.0):
-        self.folder, self.study, self.least = folder, study, least
+    def __init__(self, folder, study, least=0.0, few=0.0):
+        self.folder, self.study, self.least, self.few = folder, study, least, few
         self.ranks, self.names, self.loops, self.impacts = 1, set(), [], []
 
     def kernel_command(self, scene, words, ranks):
@@ -59,7 +59,11 @@ class Programs:
                 total = error(chosen_at, speed, damping)
                 self.impacts.append((speed, damping))
                 estimate = {"quantity": "impulse", "total": total}
-                summary = {"error_estimate": estimate, "warnings": [], "max_active": 9}
+                summary = {
+                    "error_estimate": estimate,
+                    "warnings": [],
+                    "max_active": 9 if speed > self.few * chosen_at else 3,
+                }
                 answer = {
                     "status": 0,
                     "summary": summary,
@@ -85,10 +89,10 @@ class GroupsTest(unittest.TestCase):
         self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
         self.journal = Journal()
 
-    def settle(self, settings, reads=False, keep=(), least=0.0):
-        study = SimpleNamespace(settings=settings, fixed={}, scene="scene.toml", keep=list(keep))
+    def settle(self, settings, reads=False, least=0.0, few=0.0):
+        study = SimpleNamespace(settings=settings, fixed={}, scene="scene.toml", keep=[])
         self.keys = [f"{k:08x}" for k in range(len(settings))]
-        self.programs = Programs(self.folder, study, least)
+        self.programs = Programs(self.folder, study, least, few)
         self.groups = Groups(study, self.programs, self.journal, self.keys, reads)
         with contextlib.ExitStack() as stack:
             for name in ("kernel_command", "start", "refusal"):
@@ -177,6 +181,14 @@ class GroupsTest(unittest.TestCase):
         self.settle(self.grid([1, 2, 3]), least=10)
         self.assertEqual(len(self.programs.loops), 1)
         self.assertEqual(len(self.groups.refused), 9)
+
+    def test_rows_with_fewer_pressed_points_get_settings_of_their_own(self):
+        settings = self.grid([1 + 0.01 * k for k in range(30)], [0.1])
+        self.settle(settings, few=0.95)
+        for row, setting in enumerate(settings):
+            self.assertGreater(setting["speed"], 0.95 * self.outcome(row)[0])
+        # Chosen in the middle, at 1.14 or 1.15, they serve from 1.09 on; then, at 1.04, from 0.99 on.
+        self.assertEqual(len(self.programs.loops), 2)
 
     def test_texts_are_not_neighbours(self):
         rows = groups.by_text([{"x": 1, "s": "a"}, {"x": 2, "s": "b"}, {"x": 3, "s": "a"}], range(3))
