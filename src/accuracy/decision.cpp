@@ -38,7 +38,7 @@ constexpr double worth_while = 0.25;
 constexpr double blocks_of_vectors = 3;
 
 /// After the pilot, another basis is also needed on the coarser mesh, and modes are certified on both.
-constexpr double cost_of_a_change = 3;
+constexpr double cost_of_a_change = 4;
 
 bool is_open(const scene::Scene& scene) { return scene.modes.open(); }
 
