@@ -77,7 +77,9 @@ Physical Volume("cylinder") = {{1}};
 SCENE = """[bodies.cylinder]
 mesh = "cylinder.geo"
 order = 4
+material = { density = 7800, young = 210e9, poisson = 0.3 }  # each computation sets its own
 [modes]
+count = 10                                                   # the same
 residual_flexibility = false
 """
 
