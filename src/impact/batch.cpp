@@ -134,12 +134,7 @@ class Batch {
               accuracy::settings_path(options_.out, scene, &store_.meshes).filename().string();
         return out;
       }
-      Answer out = impact(scene, records);
-      if (scene.accuracy) {
-        overrides.emplace_back("accuracy=off");
-        add_chosen(scene, overrides, out.json);
-      }
-      return out;
+      return impact(std::move(scene), records, std::move(overrides));
     } catch (const InputError& error) {
       return {{{"status", 2}, {"error", error.what()}}};
     } catch (const Json::exception&) {
@@ -201,16 +196,17 @@ class Batch {
     return out;
   }
 
-  /// Adds the overrides that give a scene the settings chosen for its accuracy, so that other impacts with
-  /// the same ones need no estimate.
-  void add_chosen(const scene::Scene& open, std::vector<std::string> overrides, Json& answer) const {
-    Json chosen{"accuracy=off"};
-    for (const std::string& override : scene::differences(open, chosen_)) {
-      chosen.push_back(override);
-      overrides.push_back(override);
-    }
-    // A key of one pair may exclude what is chosen for the others.
-    if (scene::read(options_.scene, overrides).contact == chosen_.contact) answer["chosen"] = chosen;
+  /// The overrides that give a scene the settings chosen for its accuracy, so that other impacts with the
+  /// same ones need no estimate. No value if it cannot be read with them: a key of one pair may exclude what
+  /// is chosen for the others.
+  /// @param overrides  with which `open` was read
+  std::optional<std::vector<std::string>> overrides_of(const scene::Scene& open, const scene::Scene& chosen,
+                                                       std::vector<std::string> overrides) const {
+    std::vector<std::string> out = scene::differences(open, chosen);
+    out.insert(out.begin(), "accuracy=off");
+    overrides.insert(overrides.end(), out.begin(), out.end());
+    if (scene::read(options_.scene, overrides).contact != chosen.contact) return std::nullopt;
+    return out;
   }
 
   /// Size and time of the last change, which identify a version, of each file that an impact reads besides
@@ -229,28 +225,30 @@ class Batch {
     return out;
   }
 
-  Answer impact(scene::Scene scene, const std::optional<contact::RecordOptions>& kept) {
+  /// @param overrides  with which the scene was read
+  Answer impact(scene::Scene scene, const std::optional<contact::RecordOptions>& kept,
+                std::vector<std::string> overrides) {
     console::Console quiet(true);
     Keeper keeper(kept);
     scene.motion.second_run = false;  // a sweep uses all cores, and its points show how figures scatter
-    const ImpactResult result = run_impact({std::move(scene), options_.out}, store_, quiet, keeper);
-    chosen_ = result.impact->scene;
-    const std::string text =
-        std::visit([](const auto& figures) { return contact::json_text(figures); }, result.summary);
-    Answer out{{{"status", 0}, {"summary", Json::parse(text)}}, keeper.file()};
-    if (chosen_.accuracy)
-      out.json["meets"] = std::visit(
-          [&](const auto& figures) {
-            return !figures.error_estimate || figures.error_estimate->meets(*chosen_.accuracy);
-          },
-          result.summary);
+    const ImpactResult result = run_impact({scene, options_.out}, store_, quiet, keeper);
+    Answer out{{{"status", 0}}, keeper.file()};
+    std::visit(
+        [&](const auto& figures) {
+          out.json["summary"] = Json::parse(contact::json_text(figures));
+          if (scene.accuracy)
+            out.json["meets"] = !figures.error_estimate || figures.error_estimate->meets(*scene.accuracy);
+        },
+        result.summary);
+    if (scene.accuracy)
+      if (const auto chosen = overrides_of(scene, result.impact->scene, std::move(overrides)))
+        out.json["chosen"] = *chosen;
     if (!out.records.empty()) out.json["histories"] = out.records.size();
     return out;
   }
 
   const console::Options& options_;
   store::KernelStore store_;
-  scene::Scene chosen_;  ///< of the last impact
 };
 
 /// The answer as one line. Bytes of a path that are not UTF-8 become U+FFFD.

@@ -32,14 +32,15 @@ std::string settings_of(const std::vector<Override>& overrides, const std::strin
 TEST(Settings, are_shared_by_scenes_with_the_same_bodies_and_accuracy) {
   const std::string path = settings_of(with_accuracy());
   EXPECT_THAT(path, HasSubstr("out/ball-block-"));
-  for (const char* same :
-       {"bodies.ball.velocity=[0,0,-1]", "contact.gap=1e-3", "title=x", "time.rate_hz=1e3"})
+  for (const char* same : {"bodies.ball.velocity=[0,0,-1]", "contact.gap=1e-3", "title=x", "time.rate_hz=1e3",
+                           "bodies.ball.damping.loss_factor=0.01"})
     EXPECT_EQ(settings_of(with_accuracy({same})), path) << same;
   for (const char* other : {"bodies.ball.material.young=2e9", "bodies.block.order=3", "modes.count=10",
                             "accuracy_of=spin", "contact.reach=1e-3", "accuracy=1e-3", "contact.friction=0.1",
                             "motion.rotation=finite", "motion.rotation=linear"})
     EXPECT_NE(settings_of(with_accuracy({other})), path) << other;
   EXPECT_NE(settings_of(with_accuracy(), "another ball"), path);
+  EXPECT_EQ(settings_of(with_accuracy({"settings=own.settings.toml"})), "out/own.settings.toml");
   EXPECT_EQ(settings_of(with_accuracy({"contact.friction=0.1"})),
             settings_of(with_accuracy({"contact.friction={static=0.4,dynamic=0.2,stribeck_velocity=1}"})));
 }
@@ -154,6 +155,15 @@ TEST(Settings, replace_only_what_is_open) {
       with_settings(scene_of(open_scene, {"modes.count=10", "contact.reach=1"}), some_settings().found);
   EXPECT_FALSE(given.modes.up_to);
   EXPECT_FALSE(given.contact.pairs[0].zone);
+}
+
+TEST(Settings, leave_the_visualisation_surface_out_of_kernels_that_nobody_looks_at) {
+  Scene scene = scene_of(open_scene);
+  scene.output.view = true;
+  KernelSettings settings;
+  EXPECT_TRUE(with_settings(scene, settings).output.view);
+  settings.view = false;
+  EXPECT_FALSE(with_settings(scene, settings).output.view);
 }
 
 TEST(Settings, decide_a_rotation_that_is_open) {

@@ -77,6 +77,19 @@ class Accuracy(ProgramTest):
                 self.assertIn(self.resolved["time"]["precision"], ("double", "single"))
                 self.assertNotIn("above accuracy =", self.warned)
 
+    def test_rods_without_receivers_make_as_many_samples_as_contact_needs(self):
+        text = SCENE.format(mesh=ROD, order=3, accuracy="accuracy = 1e-2").replace("rate_hz = 10\n", "")
+        scene, out = scene_of(self.write("rods.toml", text)), self.folder / "out"
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            ricochet.kernels(scene, 1, out)
+            result = ricochet.impact(scene, out)
+        self.assertLess(self.error(result.summary), 1e-2)
+        # The contact of 20 s needs some hundred steps; by default, there are 44 100 samples a second.
+        self.assertEqual(result.scene["time"]["rate_hz"], result.scene["time"]["contact_rate_hz"])
+        self.assertGreater(result.scene["time"]["rate_hz"], 1)
+        self.assertLess(result.scene["time"]["rate_hz"], 100)
+
     def test_rods_of_given_elements_state_what_they_cannot_reach(self):
         """A front excites all modes that 60 elements have, and about half of them are right."""
         summary = self.collide(accuracy=3e-3)

@@ -46,6 +46,14 @@ TEST(Accuracy, chooses_what_is_not_given) {
   }
 }
 
+TEST(Accuracy, chooses_the_samples_only_where_nothing_listens_and_none_are_given) {
+  EXPECT_TRUE(scene_of(smallest, with_accuracy()).time.samples_by_accuracy);
+  EXPECT_FALSE(scene_of(smallest).time.samples_by_accuracy);
+  for (const char* given : {"time.rate_hz=1e3", "time.contact_rate_hz=1e5",
+                            "output.receiver=[{name='mic',body='ball',at=[0,0,0]}]"})
+    EXPECT_FALSE(scene_of(smallest, with_accuracy({given})).time.samples_by_accuracy) << given;
+}
+
 TEST(Accuracy, leaves_what_is_given) {
   const Scene scene = scene_of(smallest, with_accuracy({"time.rate_hz=1e3", "time.contact_rate_hz=2500",
                                                         "time.precision=single", "time.duration=1"}));
