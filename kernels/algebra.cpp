@@ -106,7 +106,7 @@ void contract(std::vector<T>& matrix, std::size_t width, const Factors& by) {
 // here; otherwise this does not compile.
 
 void rescale(Modes& modes, double frequency, const Damping& damping) {
-  auto& [basis, omega, decay, residual, certificate, coriolis] = modes;
+  auto& [basis, omega, decay, residual, mesh_error, certificate, coriolis] = modes;
   multiply(omega, frequency);
   decay = decay_rates(damping, omega);
   auto& [below, upto_hz, by_inertia, shift, modes_below, found, left_out, complete, orthonormality, error] =
@@ -117,7 +117,7 @@ void rescale(Modes& modes, double frequency, const Damping& damping) {
 
 void rescale(Surface& surface, const Growth& by) {
   auto& [components, direction, node, centroid, bulge, group, normal, area, corners, element, element_normal,
-         shape, flexibility, compact, normal_residual, whole] = surface;
+         shape, flexibility, mesh_error, coupling, compact, normal_residual, whole] = surface;
   const auto rescale_geometry = [&](auto& nodes, auto& centroids, auto& bulges, auto& areas) {
     multiply(nodes, by.length);
     multiply(centroids, by.length);
@@ -127,6 +127,7 @@ void rescale(Surface& surface, const Growth& by) {
   rescale_geometry(node, centroid, bulge, area);
   multiply(shape, 1 / std::sqrt(by.mass));
   multiply(flexibility, 1 / by.stiffness);
+  multiply(mesh_error, 1 / by.stiffness);
   if (compact) scale(*compact, 1 / by.stiffness);
   if (whole) {
     auto& [all_node, all_centroid, all_bulge, all_normal, all_area, all_corners, all_element,
@@ -247,6 +248,7 @@ void restrict_candidates(Surface& surface, const std::vector<std::int64_t>& poin
   if (!surface.bulge.empty()) take_rows(surface.bulge, 1, points);
   take_rows(surface.normal, 3, points);
   take_rows(surface.area, 1, points);
+  if (!surface.mesh_error.empty()) take_rows(surface.mesh_error, 1, points);
 }
 
 Kernel restricted_to_points(Kernel kernel, const std::vector<std::int64_t>& points) {

@@ -263,7 +263,7 @@ void truncate(Kernel& kernel, const std::vector<bool>& keep) {
         Eigen::Map<const RowMajor>(kernel.loads.body_force.data(), 3, n)(Eigen::all, leaving).transpose();
   for (std::vector<double>* matrix :
        {&kernel.modes.angular_frequency, &kernel.modes.decay_rate, &kernel.modes.residual,
-        &kernel.surface.shape, &kernel.loads.body_force, &kernel.loads.rotation})
+        &kernel.modes.mesh_error, &kernel.surface.shape, &kernel.loads.body_force, &kernel.loads.rotation})
     keep_columns(*matrix, keep);
   keep_pairs(kernel.modes.coriolis, keep);
   for (Load& load : kernel.applied) keep_columns(load.participation, keep);

@@ -81,6 +81,7 @@ void list_modes(auto& file, auto& modes) {
   file.dataset("/modes/angular_frequency", modes.angular_frequency, {n}, "rad/s");
   file.dataset("/modes/decay_rate", modes.decay_rate, {n}, "1/s");
   file.dataset("/modes/residual", modes.residual, {n}, "1");
+  file.optional_dataset("/modes/mesh_error", modes.mesh_error, {n}, "1");
   file.attribute("/modes", "basis", modes.basis);
   const std::string group = "/modes/certificate";
   auto& certificate = modes.certificate;
@@ -135,6 +136,8 @@ void list_surface(auto& file, auto& surface, std::size_t n) {
   const std::size_t m = surface.size(), rows = static_cast<std::size_t>(surface.residual_components()) * m;
   file.dataset("/surface/shape", surface.shape, over_components(surface, {m}, {n}), "kg^-1/2");
   if (surface.direction) file.attribute("/surface/shape", "direction", *surface.direction);
+  file.optional_dataset("/surface/mesh_error", surface.mesh_error, {m}, "m/N");
+  file.optional_attribute("/surface", "mesh_error_coupling", surface.mesh_error_coupling);
   const std::string flexibility = "/surface/residual_flexibility";
   if (!surface.compact) {
     file.optional_dataset(flexibility, surface.residual_flexibility, {rows, rows}, "m/N");

@@ -72,7 +72,7 @@ class Validator {
   void group(const std::string&) const {}
   void attribute(const std::string&, const char*, const auto&) const {}
   void constant(const std::string&, const char*, const char*) const {}
-  void optional_attribute(const std::string&, const char*, std::int64_t) const {}
+  void optional_attribute(const std::string&, const char*, const auto&) const {}
   std::size_t rows(const std::string&, const auto& values, std::size_t width) const {
     return values.size() / width;
   }
@@ -132,6 +132,7 @@ void validate_modes(const Modes& modes, const Validator& check) {
     check.fail_dataset("/modes/angular_frequency", "is not ascending.");
   check.not_negative("/modes/decay_rate", modes.decay_rate);
   check.not_negative("/modes/residual", modes.residual);
+  check.not_negative("/modes/mesh_error", modes.mesh_error);
   const Certificate& certificate = modes.certificate;
   if (certificate.below < 0 || certificate.count_by_inertia < 0 || certificate.count_found < 0 ||
       certificate.left_out < 0)
@@ -140,6 +141,12 @@ void validate_modes(const Modes& modes, const Validator& check) {
         std::isfinite(certificate.orthonormality) && certificate.orthonormality >= 0 &&
         std::isfinite(certificate.flexibility_error) && certificate.flexibility_error >= 0))
     check.fail("group \"/modes/certificate\"", "contains a number that is negative or not finite.");
+}
+
+void validate_mesh_error(const Surface& surface, const Validator& check) {
+  check.not_negative("/surface/mesh_error", surface.mesh_error);
+  if (!(surface.mesh_error_coupling >= 0 && surface.mesh_error_coupling <= 1))
+    check.fail("attribute \"mesh_error_coupling\" of \"/surface\"", "must be from 0 to 1.");
 }
 
 void validate_coriolis(const Modes& modes, const Validator& check) {
@@ -257,6 +264,7 @@ void validate(const Kernel& kernel, const std::string& origin) {
   list_kernel(check, kernel);
   validate_modes(kernel.modes, check);
   validate_coriolis(kernel.modes, check);
+  validate_mesh_error(kernel.surface, check);
   validate_candidates(kernel.surface, "/surface", check);
   if (kernel.surface.whole) validate_whole(kernel.surface, check);
   const std::size_t rows = kernel.surface.residual_components() * kernel.surface.size();

@@ -61,7 +61,7 @@ class KernelReader {
     value = static_cast<T>(number);
   }
   void constant(const std::string&, const char*, const char*) {}
-  void optional_attribute(const std::string& object, const char* name, std::int64_t& value) {
+  void optional_attribute(const std::string& object, const char* name, auto& value) {
     if (file_.has_attribute(object, name)) attribute(object, name, value);
   }
   std::size_t rows(const std::string& name, const auto&, std::size_t) {
@@ -172,6 +172,7 @@ std::optional<Header> read_header(const std::filesystem::path& path) noexcept {
     if (file.exists("/surface/whole"))
       header.held = file.read<std::int64_t>("/surface/whole/held", {hdf5::any});
     header.normal_residual = has_normal_residual(file);
+    header.mesh_error = file.exists("/modes/mesh_error");
     return header;
   } catch (...) {
     return std::nullopt;

@@ -21,6 +21,7 @@ struct Header {
   std::string hash, scene, mesh_sha256;
   std::optional<std::vector<std::int64_t>> held{};  ///< as in WholeSurface, if the kernel has one
   bool normal_residual = false;                     ///< as in Surface
+  bool mesh_error = false;                          ///< whether errors by the mesh are estimated
 };
 
 /// Reads only the attributes and `held`. Returns no value if `path` is not a kernel file of a known format.

@@ -19,7 +19,7 @@ class KernelWriter {
   void constant(const std::string& object, const char* name, const std::string& value) {
     file_.attribute(object, name, value);
   }
-  void optional_attribute(const std::string& object, const char* name, std::int64_t value) {
+  void optional_attribute(const std::string& object, const char* name, const auto& value) {
     if (value != 0) file_.attribute(object, name, value);
   }
   std::size_t rows(const std::string&, const auto& values, std::size_t width) {

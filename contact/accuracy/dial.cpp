@@ -22,10 +22,11 @@ constexpr double of_step = 0.2, of_spacing = 0.1, of_precision = 0.05;
 /// The search for the step starts with at least `first_steps` steps of the run. Once the longest contact has
 /// `enough_to_see` of them, its duration is known, and the search goes on with `first_of_contact` in it. The
 /// step is halved until its share of the error is small enough, a run takes `most_steps`, or `idle_halvings`
-/// in succession have not reduced the share to `at_least` of its smallest value: where a front meets
-/// truncated modes, short steps resolve their ripple, and the share no longer falls.
-constexpr double first_steps = 100, enough_to_see = 8, first_of_contact = 48, most_steps = 2e6,
-                 at_least = 0.7;
+/// in succession beyond `few_steps` have not reduced the share to `at_least` of its smallest value: where a
+/// front meets truncated modes, short steps resolve their ripple, and the share no longer falls. Runs of few
+/// steps cost nothing, and their share may fall only after several halvings.
+constexpr double first_steps = 100, enough_to_see = 8, first_of_contact = 48, few_steps = 1e4,
+                 most_steps = 2e6, at_least = 0.7;
 constexpr int idle_halvings = 2;
 
 /// Steps of a quarter of the shortest period, at which the impulse schemes are stable.
@@ -70,7 +71,7 @@ Hertz chosen_rate(Estimator& estimator, const DialRequest& request, double durat
       least = share;
       best = options;
       idle = 0;
-    } else if (++idle == idle_halvings && std::isfinite(least)) {
+    } else if (steps > few_steps && ++idle >= idle_halvings && std::isfinite(least)) {
       options = best;
       break;
     }
@@ -139,7 +140,7 @@ Dialled dial(const Subject& subject, Model model, DialRequest request) {
   if (request.choose_precision)
     options.precision = *(out.precision = chosen_precision(*estimator, request, subject.requested));
   out.estimate = estimator->estimate(options);
-  out.mesh_change = estimator->mesh_change();
+  out.mesh_near_contact = estimator->mesh_near_contact();
   out.quantities = estimator->quantities(options);
   refuse_growing_changes(*out.estimate, estimator->growing_change(), request.accuracy);
   return with_model();

@@ -17,12 +17,12 @@ struct DialRequest {
 };
 
 struct Dialled {
-  Model model;                              ///< with coarsened points if that hardly changes results
-  std::optional<Hertz> rate{};              ///< if it was open
-  std::optional<Precision> precision{};     ///< if it was open
-  std::optional<ErrorEstimate> estimate{};  ///< no value if nothing touches
-  std::optional<Errors> mesh_change{};      ///< change from the next coarser mesh; no value if unknown
-  std::optional<Quantities> quantities{};   ///< with the settings; no value if a step fails
+  Model model;                                ///< with coarsened points if that hardly changes results
+  std::optional<Hertz> rate{};                ///< if it was open
+  std::optional<Precision> precision{};       ///< if it was open
+  std::optional<ErrorEstimate> estimate{};    ///< no value if nothing touches
+  std::optional<Errors> mesh_near_contact{};  ///< part of the share of the mesh by elements near contact
+  std::optional<Quantities> quantities{};     ///< with the settings; no value if a step fails
 };
 
 /// Runs the subject several times. @param model  built from the subject's kernels

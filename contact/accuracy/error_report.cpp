@@ -15,7 +15,8 @@ constexpr double tolerable = 3;
 std::string way_to_measure(Cause cause) {
   switch (cause) {
     case Cause::mesh:
-      return " (run ricochet-kernel with this accuracy; mesh files have one order only)";
+      return " (run ricochet-kernel with this accuracy; elements of order 1 and imported matrices have no "
+             "estimate)";
     case Cause::modes:
       return " (results change more with each wider band, or it has too few modes: raise modes.up_to_hz)";
     case Cause::spacing:

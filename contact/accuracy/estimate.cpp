@@ -13,6 +13,7 @@
 #include "contact/stepping/run_steps.hpp"
 #include "kernels/algebra.hpp"
 #include "kernels/band.hpp"
+#include "kernels/mesh_error.hpp"
 #include "ricochet/error.hpp"
 
 namespace ricochet::contact {
@@ -46,9 +47,8 @@ struct Assumed {
   double floor;  ///< 2^−q: d counts at least as this part of d'
 };
 
-/// Of modes, of points on edges and faces, and of elements of rods; of points on smooth surfaces, 2^(−3/2);
-/// of other elements.
-constexpr Assumed of_series{0.5, 0.5}, of_smooth_points{0.354, 0.354}, of_mesh{0.5, 0.25};
+/// Of modes, and of points on edges and faces; of points on smooth surfaces, 2^(−3/2).
+constexpr Assumed of_series{0.5, 0.5}, of_smooth_points{0.354, 0.354};
 
 /// Largest ρ of e_q.
 constexpr double slowest = 0.6;
@@ -411,23 +411,18 @@ std::optional<Errors> Estimator::spacing(StepOptions options) {
 }
 
 std::optional<Errors> Estimator::mesh(const StepOptions& options, const Quantities& base) {
-  if (!subject_.coarser_mesh) return std::nullopt;
-  std::optional<Errors> between;  // the changes by the modes that the coarser mesh lacks
-  try {
-    // Its candidates are farther apart already, so they are not coarsened like those of the subject.
-    const auto coarse = run(subject_.coarser_mesh(), options);
-    double share = 0;  // of the band, so that both meshes have the same
-    for (const kernels::Kernel& kernel : subject_.kernels)
-      share = std::max(share, RadPerSecond(subject_.coarser_band).value / end_of(kernel, 1).value);
-    mesh_change_ = share < 1 ? change(up_to(share, options), coarse) : change(base, coarse);
-    if (share < 1) between = change(base, up_to(share, options));
-  } catch (const InputError&) {  // the candidates of that mesh may not face each other
-  }
-  if (!mesh_change_) return std::nullopt;
-  // The ends of rods meet with a front, which excites modes that elements resolve with the first order only.
-  Errors out = remaining(*mesh_change_, subject_.coarser_change, are_rods(model_) ? of_series : of_mesh);
-  for (const auto& [quantity, error] : subject_.change_of_rest) out[quantity] += error;
-  for (const auto& [quantity, error] : between.value_or(Errors{})) out[quantity] += error;
+  if (!std::ranges::all_of(subject_.kernels, kernels::has_mesh_error)) return std::nullopt;
+  const auto changed = [&](const auto& changed_kernel) {
+    std::vector<kernels::Kernel> others;
+    for (const kernels::Kernel& kernel : subject_.kernels) others.push_back(changed_kernel(kernel));
+    return change(base, run(others, options));
+  };
+  mesh_near_contact_ = changed(kernels::without_flexibility_error);
+  const auto frequencies = changed(kernels::without_frequency_error),
+             traces = changed(kernels::with_trace_error);
+  if (!mesh_near_contact_ || !frequencies || !traces) return std::nullopt;
+  Errors out = *mesh_near_contact_;
+  for (auto& [quantity, error] : out) error += frequencies->at(quantity) + traces->at(quantity);
   return out;
 }
 

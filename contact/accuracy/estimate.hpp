@@ -22,9 +22,9 @@
 //                coarsened, or if the coarser points do not hold the bodies as before: not one point of two
 //                on an edge. d₄ is unknown if only the wider ones do not. Coarsened points have the share of
 //                the points before, and the change from them
-//   mesh         e₂(d₁, d₂) with the next coarser mesh, and the one before it. If both have the same elements
-//                near contact, or elsewhere, e₂(d) of these besides. If the coarser one has a narrower band,
-//                the whole change by the modes between the two besides
+//   mesh         |r − r with ω less its error| + |r − r with R less its error| + |r − r with traces off by
+//                theirs|, with the errors that a kernel estimates on its own mesh (kernels/mesh_error.hpp);
+//                unknown if one has no estimates
 //   eigensolver  |r − r with frequencies changed by A times their errors| / A,  A · largest error = 1e-3
 //   precision    |r − r in single precision|; in double precision 2⁻²⁹ of it, the ratio of the round-offs
 //   zone         1 if a point whose initial gap is near the reach was pressed, as points beyond may touch too
@@ -36,10 +36,8 @@
 //                the value used if d' is unknown), and d counts at least as d'/4, the ratio of second order
 //   e_q(d, d')   of an order that nothing proves: ρ is at least ½, or 2^−q if q < 2, and at most 0.6; d
 //                counts at least as d'/2^q. The series of modes and of points converge with the first order
-//                where a front meets them, and so do the elements of rods; their changes fluctuate (q = 1).
-//                Patches on smooth surfaces follow the square root with which pressure falls to 0 (q = 3/2).
-//                Elements of other bodies converge at least with the second order, but a higher order of
-//                elements does not always help more (q = 2)
+//                where a front meets them; their changes fluctuate (q = 1). Patches on smooth surfaces follow
+//                the square root with which pressure falls to 0 (q = 3/2)
 #pragma once
 
 #include <functional>
@@ -65,12 +63,6 @@ struct Subject {
   /// refer to the given kernels.
   std::function<Model(const std::vector<kernels::Kernel>&)> rebuild;
   std::vector<kernels::Kernel> kernels;
-  /// Returns the model on the next coarser mesh; may be null. Its band may be narrower.
-  std::function<Model()> coarser_mesh{};
-  Hertz coarser_band{std::numeric_limits<double>::infinity()};  ///< band of coarser_mesh
-  std::optional<Errors> coarser_change{};  ///< change from coarser_mesh to an even coarser one
-  /// The last change by a refinement of the elements that coarser_mesh shares.
-  Errors change_of_rest{};
   double low_rank = 0;  ///< threshold of the low-rank factors with which a contact-adapted basis was solved
   bool at_rest = false;
   double duration = 0;  ///< [s]; unused at rest
@@ -99,8 +91,9 @@ class Estimator {
   std::optional<Errors> step(const StepOptions& options);
   std::optional<Errors> precision(const StepOptions& options);
   std::optional<Errors> spacing(StepOptions options);
-  /// Change from the next coarser mesh to that of the subject; no value if unknown.
-  const std::optional<Errors>& mesh_change() const { return mesh_change_; }
+  /// The part of the share of the mesh that elements near contact have; no value if unknown. Set by
+  /// estimate().
+  const std::optional<Errors>& mesh_near_contact() const { return mesh_near_contact_; }
   /// The largest change of a requested quantity by the upper half of the band, of those that exceed twice the
   /// changes by the bands below; 0 if there is none. Set by estimate().
   double growing_change() const { return growing_change_; }
@@ -131,7 +124,7 @@ class Estimator {
   std::optional<std::unique_ptr<Estimator>> coarser_;  ///< no value before coarser() is called
   std::map<std::pair<double, Precision>, std::optional<Quantities>> quantities_;  ///< by step and precision
   std::map<std::pair<double, double>, std::optional<Quantities>> up_to_;  ///< by share of the band and step
-  std::optional<Errors> mesh_change_;
+  std::optional<Errors> mesh_near_contact_;
   double growing_change_ = 0;
 };
 

@@ -53,6 +53,9 @@ struct Modes {
   std::vector<double> angular_frequency;  ///< (N) ω_n [rad/s], ascending; rigid modes first, exactly 0
   std::vector<double> decay_rate;         ///< (N) δ_n = ζ_n ω_n [1/s]
   std::vector<double> residual;  ///< (N) ‖Kφ − ω²Mφ‖₂ / ‖Kφ‖₂ (rigid: over ‖diag K‖∞ ‖φ‖₂)
+  /// (N) estimated error of ω² by the mesh, relative to it [1]; rigid modes 0. Empty if not estimated, and in
+  /// files of earlier versions.
+  std::vector<double> mesh_error;
   Certificate certificate;
   Coriolis coriolis;
   std::size_t size() const { return angular_frequency.size(); }
@@ -119,6 +122,12 @@ struct Surface {
   std::vector<double> shape;  ///< (M,c,N) φ_i = (1/A_i) ∫ w_i φ ds [kg^-1/2]
   std::vector<double>
       residual_flexibility;  ///< (rM,rM) R [m/N], index r·i + component; empty if not requested, or compact
+  /// (M) estimated error d_i of the static flexibility of a candidate along its normal, by R and by the
+  /// modes: on an infinitely fine mesh it is larger by this [m/N]. Empty if not estimated.
+  std::vector<double> mesh_error;
+  /// Share κ of neighbours in it: the flexibility between two candidates of one element is smaller by
+  /// κ √(d_i d_j), because the error of a force falls as it spreads over more of them.
+  double mesh_error_coupling = 0;
   std::optional<CompactFlexibility> compact;  ///< R of a body that turns; r = c = 3
   bool normal_residual = false;  ///< r = 1: R acts along the normal of each candidate alone; otherwise r = c
   std::optional<WholeSurface> whole;  ///< set only if candidates out of reach are missing

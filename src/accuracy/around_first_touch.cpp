@@ -57,13 +57,6 @@ store::Kernels paired_alone(const store::Kernels& kernels, const contact::Placem
 
 }  // namespace
 
-std::vector<std::shared_ptr<const kernels::Kernel>> AroundFirstTouch::of(
-    const std::vector<std::shared_ptr<const kernels::Kernel>>& whole) const {
-  std::vector<std::shared_ptr<const kernels::Kernel>> out;
-  for (const std::size_t k : bodies) out.push_back(whole[k]);
-  return out;
-}
-
 AroundFirstTouch around_first_touch(const contact::FirstTouch& touch, const scene::Scene& whole,
                                     const store::Kernels& kernels, const contact::Model& model) {
   AroundFirstTouch out;
@@ -84,7 +77,7 @@ AroundFirstTouch around_first_touch(const contact::FirstTouch& touch, const scen
       return std::cmp_equal(model.pairs[p].a, k) || std::cmp_equal(model.pairs[p].b, k);
     };
     if (std::ranges::none_of(touch.pairs, takes_part)) continue;
-    out.bodies.push_back(k);
+    out.all.kernel.push_back(kernels.kernel[k]);
     place(scene.bodies.emplace_back(whole.bodies[k]), block, pose);
   }
   for (const std::size_t p : touch.pairs) {
@@ -96,7 +89,7 @@ AroundFirstTouch around_first_touch(const contact::FirstTouch& touch, const scen
     if (block.b >= 0) *pair.zone += farthest[static_cast<std::size_t>(block.b)];
     *pair.zone *= after_impact;
   }
-  out.all.kernel = out.kernels.kernel = out.of(kernels.kernel);
+  out.kernels.kernel = out.all.kernel;
   out.model = model_around(scene, out.kernels, out.prepared);
   if (needs_receivers(scene)) return out;
   out.kernels = paired_alone(out.all, out.prepared.placement);

@@ -16,17 +16,12 @@
 namespace ricochet::accuracy {
 
 struct AroundFirstTouch {
-  scene::Scene scene;               ///< with linear rotations
-  std::vector<std::size_t> bodies;  ///< their numbers in the whole scene, ascending
-  double turned = 0;                ///< angle by which a body turns until the touch ends [rad]
-  store::Kernels all;               ///< kernels of the bodies
-  store::Kernels kernels;           ///< with the candidates that may touch
+  scene::Scene scene;      ///< with linear rotations
+  double turned = 0;       ///< angle by which a body turns until the touch ends [rad]
+  store::Kernels all;      ///< kernels of the bodies
+  store::Kernels kernels;  ///< with the candidates that may touch
   store::Prepared prepared;
   contact::Model model;
-
-  /// The kernels of these bodies, out of those of the whole scene.
-  std::vector<std::shared_ptr<const kernels::Kernel>> of(
-      const std::vector<std::shared_ptr<const kernels::Kernel>>& whole) const;
 };
 
 /// @param model  of the whole scene, with finite rotations

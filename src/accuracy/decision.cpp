@@ -31,14 +31,16 @@ constexpr double expected = 1.0 / 3;
 /// problem with two to three times as many unknowns; the others add vectors on the same mesh.
 constexpr double cost_of_mesh = 3, cost_of_vectors = 1.3;
 
+/// Factor by which the next order is expected to reduce the share of the mesh. From order 2 to 3, errors of
+/// frequencies fell to between a seventh and a seventeenth on three bodies, those of flexibilities to between
+/// an eighth and two thirds.
+constexpr double expected_of_level = 4;
+
 /// A cause is also refined if its share exceeds this part of the accuracy while kernels are computed anyway.
 constexpr double worth_while = 0.25;
 
 /// Ritz vectors that a contact-adapted basis holds for each candidate.
 constexpr double blocks_of_vectors = 3;
-
-/// After the pilot, another basis is also needed on the coarser mesh, and modes are certified on both.
-constexpr double cost_of_a_change = 4;
 
 bool is_open(const scene::Scene& scene) { return scene.modes.open(); }
 
@@ -46,16 +48,14 @@ bool is_open(const scene::Scene& scene) { return scene.modes.open(); }
 /// mode in it. With few modes and many candidates, as in flat contact, modes are therefore cheaper.
 /// The ends of rods meet with a shock, whose resonances only modes have. A body that turns has its whole
 /// surface as candidates.
-/// @param is_known  whether kernels of a coarser mesh have the basis of the settings
 scene::Basis cheaper_basis(const scene::Scene& scene, const KernelSettings& settings,
-                           const contact::Model& model, const std::vector<BodySize>& sizes, bool is_known) {
+                           const contact::Model& model, const std::vector<BodySize>& sizes) {
   if (scene.motion.is_finite()) return scene::Basis::modes;
   double modes = 0;
   for (const BodySize& size : sizes) modes += size.modes;
   const double candidates = settings.zone ? expected_candidates(model, settings, *settings.zone)
                                           : static_cast<double>(model.gap.size());
-  const bool changes = is_known && settings.basis == scene::Basis::contact;
-  const bool few = (changes ? cost_of_a_change : 1) * modes < blocks_of_vectors * candidates;
+  const bool few = modes < blocks_of_vectors * candidates;
   const bool rods = std::ranges::all_of(sizes, [](const BodySize& size) { return size.dimension == 1; });
   return few || rods ? scene::Basis::modes : scene::Basis::contact;
 }
@@ -151,50 +151,16 @@ std::string excess(const std::vector<BodySize>& sizes, double candidates) {
       largest.unknowns, largest.body);
 }
 
-/// The settings with which those of the next round are compared to estimate the error of its mesh. A body
-/// whose order rises gets the smaller elements near contact at its former order too, because without them
-/// most of the change would be their effect. A body without finer elements keeps its coarser ones, or its
-/// share would be lost.
-KernelSettings coarser_than(const Settings& last, const KernelSettings& next) {
-  KernelSettings out = last.found;
-  for (auto& [body, mesh] : out.mesh) {
-    const MeshSettings& finer = next.mesh.at(body);
-    if (mesh.order < finer.order && mesh.refine != finer.refine) {
-      mesh.refine = finer.refine;
-      out.zone = next.zone;
-    } else if (mesh == finer && last.coarser && last.coarser->mesh.contains(body)) {
-      mesh = last.coarser->mesh.at(body);
-    }
-  }
-  return out;
-}
-
-/// Settings of the next round, with those of the last ones that the estimate of its mesh needs. Two levels of
-/// the mesh have the same band and basis, so that they differ only in the mesh. Changes that follow each
-/// other show a pace only if they are of the same elements.
-Settings following(const Settings& last, Settings next, const contact::Dialled& round) {
+/// Settings of the next round, and what it must know of this one.
+Settings following(const Settings& last, Settings next, const std::vector<BodySize>& sizes) {
+  next.pilot = false;
   next.found.view = true;
-  if (change_between(last.found, next.found) != MeshChange{}) {
-    KernelSettings coarser = coarser_than(last, next.found);
-    const MeshChange now = change_between(coarser, next.found);
-    const contact::Errors change = round.mesh_change.value_or(contact::Errors{});
-    if (now.near_contact && now.elsewhere)
-      next.change_of_rest.clear();
-    else if (now != last_change(last))
-      next.change_of_rest = change;
-    next.coarser_change = now == last_change(last) ? change : contact::Errors{};
-    next.coarser = std::move(coarser);
-  }
-  if (next.coarser) {
-    // A few candidates suffice for Ritz vectors on the coarser mesh, as they do for those of the round.
-    if (next.coarser->basis != next.found.basis && next.found.basis == scene::Basis::contact &&
-        round.quantities && !round.quantities->pressed.empty())
-      if (const auto zone = zone_of(round.model, *round.quantities))
-        next.coarser->zone = std::min(*zone, next.coarser->zone.value_or(*zone));
-    next.coarser->basis = next.found.basis;
-    next.coarser->up_to = next.found.up_to;
-    next.coarser->flexibility_error = next.found.flexibility_error;
-  }
+  next.unknowns_before.clear();
+  for (const BodySize& size : sizes)
+    if (last.found.mesh.contains(size.body)) {
+      const MeshSettings &was = last.found.mesh.at(size.body), &is = next.found.mesh.at(size.body);
+      if (was != is && was.order == is.order) next.unknowns_before[size.body] = size.unknowns;
+    }
   return next;
 }
 
@@ -240,13 +206,10 @@ std::optional<FinerNearContact> finer_near_contact(const scene::Scene& scene, co
 /// Bodies whose geometry fixes the number of elements, since smaller ones were asked for but not made.
 std::set<std::string> with_fixed_elements(const Settings& settings, const std::vector<BodySize>& sizes) {
   std::set<std::string> out;
-  if (!settings.coarser) return out;
-  for (const BodySize& size : sizes) {
-    const auto was = settings.coarser->mesh.find(size.body), is = settings.found.mesh.find(size.body);
-    if (was != settings.coarser->mesh.end() && is != settings.found.mesh.end() && was->second != is->second &&
-        was->second.order == is->second.order && size.unknowns == size.coarser_unknowns)
+  for (const BodySize& size : sizes)
+    if (const auto before = settings.unknowns_before.find(size.body);
+        before != settings.unknowns_before.end() && before->second == size.unknowns)
       out.insert(size.body);
-  }
   return out;
 }
 
@@ -274,14 +237,13 @@ class Table {
     if (!round.quantities) return;
     // The zone of the pilot contains all that might touch, not only what did.
     const bool concentrated =
-        (settings.coarser && settings.found.zone) ||
+        (!settings.pilot && settings.found.zone) ||
         (!round.quantities->pressed.empty() && zone_of(round.model, *round.quantities).has_value());
     if (concentrated) local_ = finer_near_contact(scene, settings, round, sizes, fixed_);
   }
 
   bool has_finer() const { return finer_; }
   bool has_local() const { return local_.has_value(); }
-  bool has_coarser() const { return settings_.coarser.has_value(); }
 
   Settings with_finer_mesh(Settings settings) const {
     settings.found.mesh = finer_meshes(scene_, std::move(settings.found.mesh), fixed_);
@@ -292,8 +254,7 @@ class Table {
     settings.found = with_balls(std::move(settings.found), local_->balls);
     if (settings.found.zone && round_.quantities->nearer > 0)
       settings.found.zone = zone_with_finer_elements(round_.model, *round_.quantities);
-    if (is_open(scene_))
-      settings.found.basis = cheaper_basis(scene_, settings.found, round_.model, sizes_, has_coarser());
+    if (is_open(scene_)) settings.found.basis = cheaper_basis(scene_, settings.found, round_.model, sizes_);
     return settings;
   }
 
@@ -311,6 +272,17 @@ class Table {
   }
 
  private:
+  /// Elements everywhere that bring the share of the mesh to half of the accuracy, if they are affordable.
+  Settings with_mesh_for(double share, Settings settings) const {
+    settings = with_finer_mesh(std::move(settings));
+    if (share <= *scene_.accuracy / round_.estimate->scatter() / 2 * expected_of_level) return settings;
+    Settings finest = with_finer_mesh(settings);
+    const bool affordable =
+        excess(predicted(sizes_, settings_.found, finest.found), candidates_of(round_.model, finest.found))
+            .empty();
+    return affordable ? finest : settings;
+  }
+
   double share(Cause cause) const { return round_.estimate->share(cause).value_or(0); }
 
   Row row_of(Cause cause) const {
@@ -319,7 +291,10 @@ class Table {
     switch (cause) {
       case Cause::mesh:
         row.cost = cost_of_mesh;
-        if (finer_) row.refined = [this](Settings next) { return with_finer_mesh(std::move(next)); };
+        if (finer_)
+          row.refined = [this, share = row.share](Settings next) {
+            return with_mesh_for(share, std::move(next));
+          };
         break;
       case Cause::spacing:
       case Cause::rotation:  // of linear rotations with coarse patches, above all
@@ -357,7 +332,7 @@ class Table {
     return row;
   }
 
-  /// The first smaller elements near contact reduce the share of the spacing and most of that of the mesh.
+  /// Smaller elements near contact reduce the share of the spacing and the part of the mesh's that they have.
   /// Where they cannot be refined alone, finer elements everywhere also have more candidates, unless the
   /// scene gives their spacing; the share of rotation follows these.
   void share_elements(std::vector<Row>& rows) const {
@@ -370,10 +345,13 @@ class Table {
       to.unknown |= from.unknown;
       from.refined = nullptr;
     };
-    const bool first = std::ranges::all_of(settings_.found.mesh,
-                                           [](const auto& of_body) { return of_body.second.refine.empty(); });
-    if (local_ && first && !mesh->unknown) {
-      give(*mesh, *spacing);
+    if (local_ && round_.mesh_near_contact) {
+      double near = 0;
+      for (const Quantity quantity : round_.estimate->requested)
+        near = std::max(near, round_.mesh_near_contact->at(quantity));
+      near = std::min(near, mesh->share);
+      mesh->share -= near;
+      spacing->share = round_.estimate->combined({spacing->share, near});
     } else if (!local_ && finer_ && !gives_spacing(scene_)) {
       give(*spacing, *mesh);
       if (rotation != rows.end()) give(*rotation, *mesh);
@@ -424,6 +402,34 @@ class Table {
   std::optional<FinerNearContact> local_;  ///< elements near contact, which also have more candidates
 };
 
+/// The rows that gain most for their cost, as many as bring the error to what is wanted, without those that
+/// the others make unnecessary; and those whose share must be measured.
+/// @param done  whether a row is not to be chosen again, @param left  shares
+/// @param above_wanted  what shares are together above what is wanted
+template <class AboveWanted>
+std::vector<std::size_t> worth_refining(const std::vector<Row>& rows, const std::vector<bool>& done,
+                                        std::vector<double> left, const AboveWanted& above_wanted) {
+  std::vector<std::size_t> out;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (!rows[k].refined || done[k]) continue;
+    const double above = above_wanted(left);
+    if (!rows[k].unknown && !(above > 0 && rows[k].share > worth_while * above)) continue;
+    out.push_back(k);
+    left[k] *= expected;
+  }
+  std::vector<std::size_t> smallest_first = out;
+  std::ranges::sort(smallest_first, {}, [&](std::size_t k) { return rows[k].share; });
+  for (const std::size_t k : smallest_first) {
+    if (rows[k].unknown) continue;
+    left[k] /= expected;
+    if (above_wanted(left) > 0)
+      left[k] *= expected;
+    else
+      std::erase(out, k);
+  }
+  return out;
+}
+
 /// The largest share of the rows, or an unknown one, with what prevents its refinement.
 std::string hindrance(const std::vector<Row>& rows, double accuracy) {
   const auto largest = std::ranges::max_element(rows, {}, &Row::share);
@@ -447,7 +453,8 @@ namespace {
 /// this share of it is also left between the surfaces.
 constexpr double still_there = 0.75;
 
-Decision after_no_touch(const Table& table, const Settings& settings, const contact::Dialled& round) {
+Decision after_no_touch(const Table& table, const Settings& settings, const contact::Dialled& round,
+                        const std::vector<BodySize>& sizes) {
   if (!round.quantities || !(round.quantities->missed_by < round.quantities->spacing_there))
     return {{}, "nothing touches, so the settings are those of the start"};
   // On coarse elements, rounded surfaces and edges lie farther apart than in the drawing.
@@ -456,9 +463,10 @@ Decision after_no_touch(const Table& table, const Settings& settings, const cont
   if (!table.has_finer()) return {{}, missed + ", and their elements are the finest that accuracy chooses"};
   if (settings.missed_by > 0 && round.quantities->missed_by > still_there * settings.missed_by)
     return {{}, missed + ", and finer elements bring them no nearer"};
-  Settings next = table.with_finer_mesh(settings);
+  Settings next = following(settings, table.with_finer_mesh(settings), sizes);
+  next.pilot = settings.pilot;  // nothing has been chosen
   next.missed_by = round.quantities->missed_by;
-  return {following(settings, std::move(next), round), "mesh (" + missed + ")"};
+  return {std::move(next), "mesh (" + missed + ")"};
 }
 
 /// With few candidates, the share of their spacing is uncertain. Corners and edges may be touched by few,
@@ -471,23 +479,15 @@ bool refines_for_few(const Table& table, const Settings& settings, const contact
          few_pressed(round.model, *round.quantities);
 }
 
-Decision after_pilot(const scene::Scene& scene, const Table& table, const Settings& settings,
-                     const contact::Dialled& round, const std::vector<BodySize>& sizes) {
-  const double accuracy = *scene.accuracy / round.estimate->scatter();
-  Settings next = settings;
-  if (has_zone(scene)) next.found.zone = zone_of(round.model, *round.quantities);
-  if (is_open(scene)) {
-    next.found.basis = cheaper_basis(scene, next.found, round.model, sizes, false);
-    next.found.up_to = band_after_pilot(settings, round, accuracy);
-  }
-  const auto spacing = round.estimate->by_cause.find(Cause::spacing);
-  const bool unknown = spacing != round.estimate->by_cause.end() && !spacing->second;
-  const bool local =
-      table.has_local() && (unknown || refines_for_few(table, settings, round) ||
-                            round.estimate->share(Cause::spacing).value_or(0) > worth_while * accuracy);
-  if (local) next = table.with_finer_elements_near_contact(std::move(next));
-  return {following(settings, table.with_finer_mesh(std::move(next)), round),
-          local ? "mesh, spacing" : "mesh"};
+/// Zone, basis and band by the impact of the pilot.
+Settings tuned_by_pilot(const scene::Scene& scene, Settings settings, const contact::Dialled& round,
+                        const std::vector<BodySize>& sizes) {
+  const Hertz band = band_after_pilot(settings, round, *scene.accuracy / round.estimate->scatter());
+  if (has_zone(scene)) settings.found.zone = zone_of(round.model, *round.quantities);
+  if (!is_open(scene)) return settings;
+  settings.found.basis = cheaper_basis(scene, settings.found, round.model, sizes);
+  settings.found.up_to = band;
+  return settings;
 }
 
 }  // namespace
@@ -495,12 +495,12 @@ Decision after_pilot(const scene::Scene& scene, const Table& table, const Settin
 Decision decide(const scene::Scene& scene, const Settings& settings, const contact::Dialled& round,
                 const std::vector<BodySize>& sizes) {
   const Table table(scene, settings, round, sizes);
-  if (!round.estimate) return after_no_touch(table, settings, round);
-  if (!settings.coarser && table.has_finer()) return after_pilot(scene, table, settings, round, sizes);
+  if (!round.estimate) return after_no_touch(table, settings, round, sizes);
 
   const double accuracy = *scene.accuracy / round.estimate->scatter();
   std::vector<Row> rows = table.rows();
-  Settings next = settings;
+  const bool pilot = settings.pilot && round.quantities;
+  Settings next = pilot ? tuned_by_pilot(scene, settings, round, sizes) : settings;
   if (round.quantities && refines_for_few(table, settings, round))
     if (const auto spacing = std::ranges::find(rows, Cause::spacing, &Row::cause); spacing != rows.end()) {
       spacing->unknown = true;
@@ -515,8 +515,8 @@ Decision decide(const scene::Scene& scene, const Settings& settings, const conta
     left.push_back(row.share);
     fixed.push_back(row.refined ? 0 : row.share);
   }
-  const auto above_wanted = [&] {
-    return round.estimate->combined(left) - std::max(accuracy, 2 * round.estimate->combined(fixed));
+  const auto above_wanted = [&](const std::vector<double>& shares) {
+    return round.estimate->combined(shares) - std::max(accuracy, 2 * round.estimate->combined(fixed));
   };
   std::set<Cause> chosen;
   const auto choose = [&](Row& row) {
@@ -532,27 +532,44 @@ Decision decide(const scene::Scene& scene, const Settings& settings, const conta
     row.obstacle =
         excess(predicted(sizes, settings.found, refined.found), candidates_of(round.model, refined.found));
     if (!row.obstacle.empty()) return false;
-    if (change_between(next.found, refined.found).elsewhere) chosen.insert(Cause::mesh);
+    if (differs_elsewhere(next.found, refined.found)) chosen.insert(Cause::mesh);
     next = std::move(refined);
     chosen.insert(row.cause);
     return true;
   };
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    Row& row = rows[k];
-    if (!row.refined) continue;
-    const bool matters = above_wanted() > 0 && row.share > worth_while * above_wanted();
-    if (!row.unknown && !matters) continue;
-    if (choose(row))
-      left[k] *= expected;
-    else
-      fixed[k] = row.share;
+  std::vector<bool> done(rows.size(), false);
+  for (std::size_t k = 0; pilot && k < rows.size(); ++k) {
+    if (rows[k].cause != Cause::modes) continue;
+    const double doublings = std::log2(next.found.up_to.value / settings.found.up_to.value);
+    if (doublings > 0) chosen.insert(Cause::modes);
+    left[k] *= std::pow(expected, doublings);
+    done[k] = true;
   }
-  if (chosen.contains(Cause::mesh) || chosen.contains(Cause::spacing))  // new kernels anyway
+  for (bool again = true; std::exchange(again, false);)
+    for (const std::size_t k : worth_refining(rows, done, left, above_wanted)) {
+      done[k] = true;
+      if (choose(rows[k])) {
+        left[k] *= expected;
+      } else {
+        fixed[k] = rows[k].share;
+        again = true;
+      }
+    }
+  // New kernels anyway; but twice the band has eight times the modes of a solid.
+  if (chosen.contains(Cause::mesh) || chosen.contains(Cause::spacing))
     for (Row& row : rows)
-      if (row.refined && !chosen.contains(row.cause) && row.share > worth_while * accuracy) choose(row);
+      if (row.refined && row.cause != Cause::modes && !chosen.contains(row.cause) &&
+          row.share > worth_while * accuracy)
+        choose(row);
+  // The band of the pilot may have been doubled.
+  if (pilot && !chosen.empty() && table.has_finer() &&
+      !is_resolved(predicted(sizes, settings.found, next.found))) {
+    next = table.with_finer_mesh(std::move(next));
+    chosen.insert(Cause::mesh);
+  }
   std::string refined;
   for (const Cause cause : chosen) refined += (refined.empty() ? "" : ", ") + std::string(name_of(cause));
-  if (!refined.empty()) return {following(settings, std::move(next), round), refined};
+  if (!refined.empty()) return {following(settings, std::move(next), sizes), refined};
   // Without the rows that were left because others matter more.
   std::erase_if(rows, [](const Row& row) { return row.obstacle.empty(); });
   return {{}, hindrance(rows, accuracy)};

@@ -90,20 +90,18 @@ RoundImpact impact_of(const scene::Scene& scene, const Settings& settings, const
   prepared.placement = store.placements.place(closed, kernels.pointers());
   store::check_impact(closed, kernels.pointers(), prepared.placement);
   contact::Model model = store::in_file(closed.file, [&] { return store::model_of(closed, prepared); });
-  const auto coarser = read_coarser(scene, settings, folder);
   std::vector<BodySize> sizes;
   for (std::size_t k = 0; k < closed.bodies.size(); ++k)
     sizes.push_back({.body = closed.bodies[k].name,
                      .modes = modes_in_band(closed, k, *kernels.kernel[k], settings.found.up_to),
                      .vectors = static_cast<double>(kernels.kernel[k]->modes.size()),
                      .unknowns = static_cast<double>(kernels.kernel[k]->dofs),
-                     .coarser_unknowns = coarser ? static_cast<double>(coarser->kernels[k]->dofs) : 0,
                      .dimension = kernels.kernel[k]->surface.corners() == 1 ? 1 : 3,
                      .width = width_of(*kernels.kernel[k]),
                      .candidates = closed.motion.is_finite()
                                        ? static_cast<double>(kernels.kernel[k]->surface.size())
                                        : 0});
-  Dialled dialled = dial_of(closed, kernels, prepared, std::move(model), coarser, settings.rate, {});
+  Dialled dialled = dial_of(closed, kernels, prepared, std::move(model), settings.rate, {});
   return {std::move(kernels), std::move(dialled), std::move(sizes)};
 }
 
@@ -184,13 +182,6 @@ class Search {
       const Clock::time_point start = Clock::now();
       std::optional<Outcome> outcome;
       try {
-        if (settings.coarser) try {
-            compute(with_settings(scene, *settings.coarser), round);
-          } catch (const InputError&) {  // the same on every rank
-            // The coarser mesh has no modes in the band of the round.
-            if (!last) throw;
-            settings.coarser = last->found;
-          }
         compute(with_settings(scene, settings.found), round);
         console_.begin(fmt::format("round {}", round));
         outcome = outcome_of_round(scene, settings, folder_, comm_);
@@ -283,12 +274,9 @@ scene::Scene close_by_accuracy(const scene::Scene& scene, const fs::path& folder
     // Kernels of earlier rounds would only take space.
     std::set<fs::path> needed;
     store::KernelStore store;
-    const Settings& last = found.settings;
-    for (const auto* one : {&last.found, last.coarser ? &*last.coarser : nullptr})
-      if (one != nullptr)
-        for (const store::StoredKernel& kernel :
-             store::find_kernels(with_settings(found.scene, *one), folder, store))
-          needed.insert(kernel.path);
+    for (const store::StoredKernel& kernel :
+         store::find_kernels(with_settings(found.scene, found.settings.found), folder, store))
+      needed.insert(kernel.path);
     for (const fs::path& file : search.written())
       if (!needed.contains(file)) fs::remove(file);
   });

@@ -77,20 +77,8 @@ scene::Scene with_own_sizes(scene::Scene scene) {
   return scene;
 }
 
-MeshChange change_between(const KernelSettings& coarser, const KernelSettings& finer) {
-  MeshChange out{.near_contact = false,
-                 .elsewhere = without_balls(coarser.mesh) != without_balls(finer.mesh)};
-  for (const auto& [body, mesh] : finer.mesh) {
-    const auto was = coarser.mesh.find(body);
-    if (was == coarser.mesh.end() || was->second.refine != mesh.refine ||
-        (was->second.order != mesh.order && !mesh.refine.empty()))
-      out.near_contact = true;
-  }
-  return out;
-}
-
-MeshChange last_change(const Settings& settings) {
-  return settings.coarser ? change_between(*settings.coarser, settings.found) : MeshChange{};
+bool differs_elsewhere(const KernelSettings& one, const KernelSettings& other) {
+  return without_balls(one.mesh) != without_balls(other.mesh);
 }
 
 }  // namespace ricochet::accuracy

@@ -31,15 +31,7 @@ Meshes meshes_at(const scene::Scene& scene, int level);
 /// The scene with the sizes of its geometries, which remain as they are.
 scene::Scene with_own_sizes(scene::Scene scene);
 
-/// Which elements differ between two settings. Another order also changes the elements in balls.
-struct MeshChange {
-  bool near_contact = false, elsewhere = false;
-  bool operator==(const MeshChange&) const = default;
-};
-
-MeshChange change_between(const KernelSettings& coarser, const KernelSettings& finer);
-
-/// The last change of the elements.
-MeshChange last_change(const Settings& settings);
+/// Whether other elements than those in balls differ.
+bool differs_elsewhere(const KernelSettings& one, const KernelSettings& other);
 
 }  // namespace ricochet::accuracy

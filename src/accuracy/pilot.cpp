@@ -71,6 +71,7 @@ Hertz coarse_band(const scene::Scene& scene, MPI_Comm comm) {
 
 Settings pilot_settings(const scene::Scene& scene, MPI_Comm comm) {
   Settings out;
+  out.pilot = true;
   out.found.mesh = meshes_at(scene, 0);
   out.found.flexibility_error = coarse_flexibility_error;
   out.found.zone = within_flight(scene);

@@ -81,25 +81,12 @@ std::optional<std::filesystem::path> missing_settings(const scene::Scene& scene,
   return path;
 }
 
-std::optional<CoarserMesh> read_coarser(const scene::Scene& scene, const Settings& settings,
-                                        const std::filesystem::path& folder) {
-  if (!settings.coarser) return std::nullopt;
-  CoarserMesh out{.scene = with_settings(scene, *settings.coarser), .kernels = {}, .settings = settings};
-  store::KernelStore store;
-  for (const store::StoredKernel& stored : store::find_kernels(out.scene, folder, store)) {
-    if (!stored.enough) return std::nullopt;
-    out.kernels.push_back(std::make_shared<const kernels::Kernel>(kernels::read(stored.path, false)));
-  }
-  return out;
-}
-
 namespace {
 
 /// Of a scene with linear rotations. @param choose_points  whether to run it with fewer points
 contact::Dialled dial_linear(const scene::Scene& scene, const store::Kernels& kernels,
-                             const store::Prepared& prepared, contact::Model model,
-                             const std::optional<CoarserMesh>& coarser, Hertz rate, bool choose_points,
-                             std::function<void()> poll) {
+                             const store::Prepared& prepared, contact::Model model, Hertz rate,
+                             bool choose_points, std::function<void()> poll) {
   contact::Subject subject{
       .rebuild =
           [&](const std::vector<kernels::Kernel>& others) {
@@ -112,34 +99,6 @@ contact::Dialled dial_linear(const scene::Scene& scene, const store::Kernels& ke
       .duration = scene.time.duration,
       .poll = std::move(poll)};
   subject.requested = subject.at_rest ? std::vector{Quantity::force, Quantity::approach} : scene.accuracy_of;
-  std::vector<kernels::Kernel> coarse;
-  if (coarser) {
-    for (const auto& kernel : coarser->kernels) {
-      coarse.push_back(*kernel);
-      if (scene.modes.up_to && kernel->modes.contact_adapted())
-        coarse.back() = kernels::truncated_above(std::move(coarse.back()), RadPerSecond(*scene.modes.up_to));
-    }
-    // A geometry may fix the number of its elements, whatever their size: then this mesh is no coarser one.
-    const auto made = [&](std::size_t k) {
-      const auto& body = scene.bodies[k].name;
-      const auto was = coarser->settings.coarser->mesh.find(body),
-                 is = coarser->settings.found.mesh.find(body);
-      const bool asked = was != coarser->settings.coarser->mesh.end() &&
-                         is != coarser->settings.found.mesh.end() && was->second != is->second;
-      return !asked || kernels.kernel[k]->dofs != coarse[k].dofs;
-    };
-    bool all_made = true;
-    for (std::size_t k = 0; k < coarse.size(); ++k) all_made = all_made && made(k);
-    if (all_made)
-      subject.coarser_mesh = [&] {
-        const store::KernelPointers others = pointers(coarse);
-        return store::model_of(scene, {prepared.scene, store::place(coarser->scene, others)});
-      };
-    const Settings& settings = coarser->settings;
-    if (scene.modes.up_to) subject.coarser_band = settings.coarser->up_to;
-    if (!settings.coarser_change.empty()) subject.coarser_change = settings.coarser_change;
-    subject.change_of_rest = settings.change_of_rest;
-  }
   return store::in_file(scene.file, [&] {
     return contact::dial(subject, std::move(model),
                          {.accuracy = *scene.accuracy,
@@ -155,10 +114,9 @@ contact::Dialled dial_linear(const scene::Scene& scene, const store::Kernels& ke
 }  // namespace
 
 Dialled dial_of(const scene::Scene& scene, const store::Kernels& kernels, const store::Prepared& prepared,
-                contact::Model model, const std::optional<CoarserMesh>& coarser, Hertz rate,
-                std::function<void()> poll) {
+                contact::Model model, Hertz rate, std::function<void()> poll) {
   if (!scene.motion.is_finite())
-    return {dial_linear(scene, kernels, prepared, std::move(model), coarser, rate, leaves_points_open(scene),
+    return {dial_linear(scene, kernels, prepared, std::move(model), rate, leaves_points_open(scene),
                         std::move(poll))};
   const auto touch = store::in_file(scene.file, [&] {
     return contact::find_first_touch(model, store::step_options(scene), scene.time.duration, poll);
@@ -166,10 +124,7 @@ Dialled dial_of(const scene::Scene& scene, const store::Kernels& kernels, const 
   if (!touch) return {{.model = std::move(model)}};
   AroundFirstTouch part =
       store::in_file(scene.file, [&] { return around_first_touch(*touch, scene, kernels, model); });
-  std::optional<CoarserMesh> coarser_part;
-  if (coarser) coarser_part = {part.scene, part.of(coarser->kernels), coarser->settings};
-  Dialled out{dial_linear(part.scene, part.kernels, part.prepared, std::move(part.model), coarser_part, rate,
-                          false, poll),
+  Dialled out{dial_linear(part.scene, part.kernels, part.prepared, std::move(part.model), rate, false, poll),
               part.kernels.kernel};
   if (!out.estimate) return out;
   out.estimate->until_s = touch->end;

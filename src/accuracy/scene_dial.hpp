@@ -39,18 +39,6 @@ std::optional<std::filesystem::path> missing_settings(const scene::Scene& scene,
                                                       const std::filesystem::path& folder,
                                                       store::KernelStore& store);
 
-/// Kernels of the next coarser mesh.
-struct CoarserMesh {
-  scene::Scene scene;                                           ///< with its settings
-  std::vector<std::shared_ptr<const kernels::Kernel>> kernels;  ///< of the scene's bodies, in their order
-  Settings settings;                                            ///< of the scene; `coarser` has a value
-};
-
-/// @param scene  as read, before it was closed
-/// @return no value if a kernel is missing
-std::optional<CoarserMesh> read_coarser(const scene::Scene& scene, const Settings& settings,
-                                        const std::filesystem::path& folder);
-
 struct Dialled : contact::Dialled {
   /// To which the model refers, besides those that it was chosen for.
   std::vector<std::shared_ptr<const kernels::Kernel>> kernels{};
@@ -64,8 +52,7 @@ struct Dialled : contact::Dialled {
 /// @param poll  called after each step; may throw to end the run
 /// Throws InputError in the same cases as building the model and running it.
 Dialled dial_of(const scene::Scene& scene, const store::Kernels& kernels, const store::Prepared& prepared,
-                contact::Model model, const std::optional<CoarserMesh>& coarser, Hertz rate,
-                std::function<void()> poll);
+                contact::Model model, Hertz rate, std::function<void()> poll);
 
 /// Returns the scene with the settings of steps that were chosen, as results store it.
 scene::Scene resolved(scene::Scene scene, const contact::Dialled& dialled);

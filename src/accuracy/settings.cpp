@@ -99,11 +99,10 @@ const SectionOf<Settings> settings_keys{"the settings",
                                         "",
                                         {{"rate_hz", &Settings::rate},
                                          {"for_few_candidates", &Settings::for_few_candidates},
+                                         {"pilot", scene::Access(&Settings::pilot).if_changed()},
                                          {"missed_by", scene::Access(&Settings::missed_by).if_changed()},
                                          {"found", Type::table},
-                                         {"coarser", Type::table},
-                                         {"coarser_change", Type::table},
-                                         {"change_of_rest", Type::table}}};
+                                         {"unknowns_before", Type::table}}};
 
 std::string toml_of(const KernelSettings& settings, const std::string& table) {
   std::string text = fmt::format("\n[{}]\n{}", table, kernel_keys.write(settings));
@@ -127,37 +126,11 @@ std::optional<KernelSettings> kernel_settings_of(const scene::Table& root, const
 
 std::string to_toml(const Settings& settings) {
   std::string text = settings_keys.write(settings) + toml_of(settings.found, "found");
-  if (settings.coarser)
-    text += "\n# The next coarser mesh, from which the error of the mesh is estimated." +
-            toml_of(*settings.coarser, "coarser");
-  const auto add_changes = [&](const char* title, const std::map<Quantity, double>& changes) {
-    if (!changes.empty()) text += title;
-    for (const auto& [quantity, change] : changes)
-      text += fmt::format("{} = {}\n", name_of(quantity), scene::toml_number(change));
-  };
-  add_changes("\n# Relative change from there to an even coarser mesh.\n[coarser_change]\n",
-              settings.coarser_change);
-  add_changes("\n# Last relative change from the elements that both meshes share.\n[change_of_rest]\n",
-              settings.change_of_rest);
+  if (!settings.unknowns_before.empty()) text += "\n[unknowns_before]\n";
+  for (const auto& [body, unknowns] : settings.unknowns_before)
+    text += fmt::format("{} = {}\n", body, scene::toml_number(unknowns));
   return text;
 }
-
-namespace {
-
-/// Changes may be infinite. Returns no value if an entry has another name or type.
-std::optional<std::map<Quantity, double>> changes_of(const toml::table& root, const char* name) {
-  std::map<Quantity, double> out;
-  if (const toml::table* const changes = root[name].as_table())
-    for (auto&& [quantity, node] : *changes) {
-      const auto known = std::ranges::find(quantity_names, quantity.str());
-      const auto change = node.value<double>();
-      if (known == quantity_names.end() || !change) return std::nullopt;
-      out[static_cast<Quantity>(known - quantity_names.begin())] = *change;
-    }
-  return out;
-}
-
-}  // namespace
 
 std::optional<Settings> parse_settings(const std::string& text) try {
   const toml::table parsed = toml::parse(text);
@@ -165,13 +138,14 @@ std::optional<Settings> parse_settings(const std::string& text) try {
   Settings settings;
   settings_keys.read(root, settings);
   auto found = kernel_settings_of(root, "found");
-  auto coarser_change = changes_of(parsed, "coarser_change"),
-       change_of_rest = changes_of(parsed, "change_of_rest");
-  if (!found || !coarser_change || !change_of_rest) return std::nullopt;
+  if (!found) return std::nullopt;
   settings.found = std::move(*found);
-  settings.coarser_change = std::move(*coarser_change);
-  settings.change_of_rest = std::move(*change_of_rest);
-  settings.coarser = kernel_settings_of(root, "coarser");
+  if (const toml::table* const before = parsed["unknowns_before"].as_table())
+    for (auto&& [body, node] : *before) {
+      const auto unknowns = node.value<double>();
+      if (!unknowns) return std::nullopt;
+      settings.unknowns_before[std::string(body.str())] = *unknowns;
+    }
   return settings;
 } catch (const toml::parse_error&) {
   return std::nullopt;

@@ -8,7 +8,6 @@
 #include <optional>
 #include <string>
 
-#include "ricochet/quantity.hpp"
 #include "src/scene/data/modes.hpp"
 #include "src/scene/request.hpp"
 
@@ -40,13 +39,11 @@ struct KernelSettings {
 
 struct Settings {
   KernelSettings found;
-  /// The next coarser mesh, from which the error of the mesh is estimated, and the relative change of each
-  /// quantity from there to an even coarser one. No value if the mesh cannot be coarser.
-  std::optional<KernelSettings> coarser;
-  std::map<Quantity, double> coarser_change;  ///< empty if unknown
-  /// If the coarser mesh has the same elements near contact, or the same ones elsewhere: the last relative
-  /// change from these; otherwise empty.
-  std::map<Quantity, double> change_of_rest{};
+  /// Whether they are those of the start, whose zone, basis and band no impact has chosen.
+  bool pilot = false;
+  /// Of bodies whose elements alone became smaller, the unknowns that they had before. As many unknowns as
+  /// then mean that the geometry fixes the number of elements.
+  std::map<std::string, double> unknowns_before{};
   Hertz rate{0};  ///< rate of contact steps; 0 at rest
   /// How often elements near contact became smaller only because few candidates were pressed.
   int for_few_candidates = 0;

@@ -95,7 +95,9 @@ void Console::draw(bool last) {
 }
 
 void Console::say(const std::string& line) {
-  if (!quiet_) fmt::print("{}\n", line);
+  if (quiet_) return;
+  fmt::print("{}\n", line);
+  std::fflush(stdout);  // a log shows each line when it is said
 }
 
 void Console::warn(const std::string& line) {

@@ -6,140 +6,44 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/elasticity/element.hpp"
 #include "src/elasticity/pattern.hpp"
 
 namespace ricochet::elasticity {
 
 namespace {
 
-using mesh::Basis;
 using mesh::Block;
 using mesh::Mesh;
 
-/// Quadrature degree. Straight simplices have constant Jacobians, so that degree 2p integrates the mass
-/// exactly. In other elements the Jacobian raises the degree; 2p + 2 keeps the patch test exact up to order 4
-/// (cofactors have degree 2(p − 1), gradients p − 1).
-int degree_of(const mesh::ReferenceElement& element, bool affine) {
-  const bool simplex = element.family == mesh::Family::tetrahedron || element.family == mesh::Family::line;
-  return 2 * element.order + (simplex && affine ? 0 : 2);
-}
-
-struct Material {
-  double density, lambda, mu;  ///< rods: ρA, EA, 0
-};
-
-Material material_of(const scene::Material& m, int dim) {
-  if (dim == 1) return {m.density * m.area, m.young * m.area, 0};
-  return {m.density, m.young * m.poisson / ((1 + m.poisson) * (1 - 2 * m.poisson)),
-          m.young / (2 * (1 + m.poisson))};
-}
-
-/// Computes the element matrices of one block. Shape functions are tabulated once.
+/// Computes the element matrices of one block.
 class Element {
  public:
+  /// Degree 2p integrates the mass of straight elements exactly.
   Element(const Mesh& mesh, const Block& block)
-      : mesh_(mesh), n_(block.nodes_per_element), reference_(mesh::reference_element(block.gmsh_type)) {
-    const auto rule = mesh::quadrature_of(reference_.family, degree_of(reference_, all_affine(block)));
-    basis_ = mesh::basis_at(reference_, rule.local);
-    weight_ = rule.weight;
-    const int q = basis_.points, c = mesh.components();
-    gradient_.resize(static_cast<Eigen::Index>(c) * n_, q);
-    shape_ = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
-        basis_.value.data(), q, n_);
-    position_.resize(n_, 3);
-    measure_.resize(q);
-    K.resize(c * n_, c * n_);
-    M.resize(n_, n_);
-  }
+      : points_(mesh, block, 2 * mesh::reference_element(block.gmsh_type).order),
+        components_(mesh.components()) {}
 
   /// Fills K (cn, cn) and the scalar mass M (n, n); returns false if the Jacobian is not positive everywhere.
   bool compute(const std::int64_t* nodes, const Material& material) {
-    for (int a = 0; a < n_; ++a)
-      for (int k = 0; k < 3; ++k)
-        position_(a, k) = mesh_.position[3 * static_cast<std::size_t>(nodes[a]) + k];
-    const int points = basis_.points;
-    for (int q = 0; q < points; ++q) {
-      const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>> local(
-          basis_.gradient.data() + static_cast<std::ptrdiff_t>(q) * n_ * 3, n_, 3);
-      if (mesh_.dim == 1) {
-        double slope = 0;
-        for (int k = 0; k < 3; ++k) slope += local.col(0).dot(position_.col(k)) * mesh_.axis[k];
-        // A line may point in either direction along the rod, so the slope may be negative.
-        measure_(q) = std::abs(slope) * weight_[q];
-        if (!(measure_(q) > 0)) return false;
-        gradient_.col(q) = local.col(0) / slope;
-        continue;
-      }
-      const Eigen::Matrix3d jacobian = local.transpose() * position_;  // (∂x_k/∂ξ_d) at (d,k)
-      const double determinant = jacobian.determinant();
-      measure_(q) = determinant * weight_[q];
-      if (!(determinant > 0)) return false;
-      const Eigen::Matrix3d inverse = jacobian.inverse();
-      for (int a = 0; a < n_; ++a) gradient_.block<3, 1>(3 * a, q) = inverse * local.row(a).transpose();
-    }
-    M.noalias() = material.density * (shape_.transpose() * measure_.asDiagonal() * shape_);
-    scaled_.noalias() = gradient_ * measure_.asDiagonal();
-    product_.noalias() = scaled_ * gradient_.transpose();  // ∫ ∂_i N_a ∂_j N_b at (ca + i, cb + j)
-    if (mesh_.dim == 1) {
-      K = material.lambda * product_;
-      return true;
-    }
-    // K_ab = λ ∇N_a ∇N_bᵀ + μ ∇N_b ∇N_aᵀ + μ (∇N_a·∇N_b) I
-    for (int a = 0; a < n_; ++a)
-      for (int b = 0; b < n_; ++b) {
-        const Eigen::Matrix3d h = product_.block<3, 3>(3 * a, 3 * b);
-        Eigen::Matrix3d k = material.lambda * h + material.mu * h.transpose();
-        k.diagonal().array() += material.mu * h.trace();
-        K.block<3, 3>(3 * a, 3 * b) = k;
-      }
+    if (!points_.move_to(nodes)) return false;
+    M.noalias() = material.density * (shape().transpose() * measure().asDiagonal() * shape());
+    points_.gradients(points_.shapes(), gradient_);
+    scaled_.noalias() = gradient_ * measure().asDiagonal();
+    K.noalias() = scaled_ * gradient_.transpose();
+    to_stiffness(material, components_, K);
     return true;
   }
 
   ElementMatrix K, M;
-  const Eigen::VectorXd& measure() const { return measure_; }
-  const Eigen::MatrixXd& shape() const { return shape_; }
-  const Eigen::Matrix<double, Eigen::Dynamic, 3>& position() const { return position_; }
+  const Eigen::VectorXd& measure() const { return points_.measure(); }
+  const Eigen::MatrixXd& shape() const { return points_.shapes().value; }
+  const Eigen::Matrix<double, Eigen::Dynamic, 3>& position() const { return points_.position(); }
 
  private:
-  /// Whether every element of the block is an affine image of the reference element, so that its corners
-  /// determine its nodes.
-  bool all_affine(const Block& block) const {
-    if (reference_.order == 1) return true;
-    for (std::size_t e = 0; e < block.size(); ++e) {
-      const std::int64_t* nodes = &block.node[e * static_cast<std::size_t>(n_)];
-      const auto at = [&](int a, int k) {
-        return mesh_.position[3 * static_cast<std::size_t>(nodes[a]) + k];
-      };
-      double size = 0, off = 0;
-      for (int k = 0; k < 3; ++k) {
-        size = std::max(size, std::abs(at(1, k) - at(0, k)));
-        for (int a = reference_.corners; a < n_; ++a) {
-          double x = at(0, k);
-          for (int d = 0; d < reference_.dim; ++d) {
-            const double xi = reference_.node[static_cast<std::size_t>(a) * reference_.dim + d];
-            // Reference coordinates are in [−1, 1] for lines and in [0, 1] for tetrahedra. Other families
-            // never use the affine rule.
-            x += (reference_.dim == 1 ? (xi + 1) / 2 : xi) *
-                 (at(std::min(d + 1, reference_.corners - 1), k) - at(0, k));
-          }
-          off = std::max(off, std::abs(at(a, k) - x));
-        }
-      }
-      if (off > 1e-10 * size) return false;
-    }
-    return true;
-  }
-
-  const Mesh& mesh_;
-  int n_;
-  mesh::ReferenceElement reference_;
-  Basis basis_;
-  std::vector<double> weight_;
-  Eigen::MatrixXd shape_;           // (q, n)
-  ElementMatrix gradient_;          // (cn, q)
-  ElementMatrix scaled_, product_;  // (cn, q), (cn, cn)
-  Eigen::VectorXd measure_;         // (q) weight × Jacobian
-  Eigen::Matrix<double, Eigen::Dynamic, 3> position_;
+  ElementPoints points_;
+  int components_;
+  ElementMatrix gradient_, scaled_;  // (cn, q)
 };
 
 /// Counts the entries of each row exactly, from the elements.

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "src/mesh/mesh.hpp"
+#include "src/elasticity/element.hpp"
 
 namespace ricochet::elasticity {
 
@@ -18,8 +18,6 @@ struct Imposed {
   Eigen::MatrixXd inertia;   ///< (local rows, 3S) M_fs E [kg]; fixed rows 0
   Eigen::MatrixXd momentum;  ///< (3,3S) e_iᵀ M E over fixed rows, the same on every rank [kg]
 };
-
-using ElementMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Accumulates the contributions of the elements of one rank.
 class Imposing {

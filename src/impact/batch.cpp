@@ -151,10 +151,7 @@ class Batch {
   /// Writes the missing kernels of the scene that can be derived from `file`.
   void derive(const scene::Scene& scene, const fs::path& file) {
     if (accuracy::missing_settings(scene, options_.out, store_)) return;
-    const auto [closed, settings] = accuracy::closed(scene, options_.out, store_);
-    derive_kernels(closed, file);
-    if (settings && settings->coarser)
-      derive_kernels(accuracy::with_settings(scene, *settings->coarser), file);
+    derive_kernels(accuracy::closed(scene, options_.out, store_).scene, file);
   }
 
   void derive_kernels(const scene::Scene& scene, const fs::path& file) {
@@ -183,16 +180,12 @@ class Batch {
       out.push_back({{"file", settings->filename().string()}, {"there", false}});
       return out;
     }
-    const auto [closed, settings] = accuracy::closed(scene, options_.out, store_);
-    const auto add = [&](const scene::Scene& needs) {
-      for (const store::StoredKernel& kernel : store::find_kernels(needs, options_.out, store_)) {
-        const fs::path& path = kernel.enough ? kernel.path : kernel.whole;
-        if (!kernel.enough && kernels::has_newer_format(path)) kernels::read(path);  // throws
-        out.push_back({{"file", path.filename().string()}, {"there", kernel.enough}});
-      }
-    };
-    add(closed);
-    if (settings && settings->coarser) add(accuracy::with_settings(scene, *settings->coarser));
+    const scene::Scene closed = accuracy::closed(scene, options_.out, store_).scene;
+    for (const store::StoredKernel& kernel : store::find_kernels(closed, options_.out, store_)) {
+      const fs::path& path = kernel.enough ? kernel.path : kernel.whole;
+      if (!kernel.enough && kernels::has_newer_format(path)) kernels::read(path);  // throws
+      out.push_back({{"file", path.filename().string()}, {"there", kernel.enough}});
+    }
     return out;
   }
 

@@ -119,10 +119,8 @@ struct ErrorReport {
 };
 
 /// Chooses the settings of steps that a scene with an accuracy leaves open.
-/// @param open  the scene as read
 /// @param settings  chosen by ricochet-kernel; no value if unknown
-ErrorReport choose(Impact& impact, Paired& paired, const scene::Scene& open,
-                   const std::optional<accuracy::Settings>& settings, const std::filesystem::path& folder,
+ErrorReport choose(Impact& impact, Paired& paired, const std::optional<accuracy::Settings>& settings,
                    console::Console& console) {
   ErrorReport out{{}, {}, impact.kernels.warnings};
   if (!impact.scene.accuracy) return out;
@@ -131,11 +129,10 @@ ErrorReport choose(Impact& impact, Paired& paired, const scene::Scene& open,
   const auto poll = [&] {
     if ((++steps & 63) == 0) console.advance(steps);
   };
-  const auto coarser = settings ? accuracy::read_coarser(open, *settings, folder) : std::nullopt;
   // The model that comes back has fewer points, or serves the first touch of bodies that turn alone.
   const bool turns = impact.scene.motion.is_finite();
   accuracy::Dialled dialled = accuracy::dial_of(impact.scene, impact.kernels, paired.prepared,
-                                                turns ? paired.model : std::move(paired.model), coarser,
+                                                turns ? paired.model : std::move(paired.model),
                                                 settings ? settings->rate : Hertz{0}, poll);
   if (!turns) paired.model = std::move(dialled.model);
   impact.scene = accuracy::resolved(std::move(impact.scene), dialled);
@@ -239,7 +236,7 @@ ImpactResult run_once(const ImpactRequest& request, const std::string& obstacle,
   Paired paired;
   if (impact.scene.contact.table.empty()) paired = pair(impact, request, store, console);
   observer.prepared(impact);
-  const ErrorReport report = choose(impact, paired, request.scene, closed.settings, request.folder, console);
+  const ErrorReport report = choose(impact, paired, closed.settings, console);
   if (open) open->observe(report.turn);
   impact.options = store::step_options(impact.scene);
   if (impact.scene.contact.table.empty())

@@ -15,6 +15,7 @@
 #include "src/modes/validate.hpp"
 #include "src/reduction/contact_basis.hpp"
 #include "src/reduction/coriolis.hpp"
+#include "src/surface/mesh_error.hpp"
 #include "src/surface/trace.hpp"
 
 namespace ricochet::kernel {
@@ -163,6 +164,12 @@ kernels::Kernel compute(const scene::KernelRequest& request, const std::filesyst
                                                                   : surface::Correction::all;
   surface::trace(teams, mesh, matrices, *made.factor, modes, patches, made.loads, form, request.view, kernel,
                  made.sources, [&](std::int64_t done, std::int64_t total) { console.advance(done, total); });
+  if (request.mesh_error) {
+    console.begin(body.name + ": error by the mesh");
+    surface::estimate_mesh_error(
+        teams, mesh, body.materials, matrices, *made.factor, modes, patches, made.loads, kernel,
+        [&](std::int64_t done, std::int64_t total) { console.advance(done, total); });
+  }
   if (request.modes.basis == scene::Basis::modes && request.modes.flexibility_error)
     leave_to_flexibility(request, kernel);
   if (fitted && corrected) move_above_band(*request.modes.up_to, kernel);

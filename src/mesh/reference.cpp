@@ -98,6 +98,13 @@ ReferenceElement reference_element(int gmsh_type) {
   return element;
 }
 
+std::vector<double> local_nodes(const ReferenceElement& element) {
+  std::vector<double> local(3 * static_cast<std::size_t>(element.nodes), 0.0);
+  for (int n = 0; n < element.nodes; ++n)
+    for (int d = 0; d < element.dim; ++d) local[3 * n + d] = element.node[n * element.dim + d];
+  return local;
+}
+
 std::vector<std::vector<int>> outward_faces(Family family) {
   switch (family) {
     case Family::tetrahedron:
@@ -181,10 +188,8 @@ Basis functions_of(const ReferenceElement& element, const std::vector<double>& l
 /// Returns the shape functions at the nodes of the element: the identity, except for round-off in gmsh, which
 /// reaches 4e-12 for hexahedra of order 4.
 RowMajor at_own_nodes(const ReferenceElement& element) {
-  std::vector<double> local(3 * static_cast<std::size_t>(element.nodes), 0.0);
-  for (int n = 0; n < element.nodes; ++n)
-    for (int d = 0; d < element.dim; ++d) local[3 * n + d] = element.node[n * element.dim + d];
-  return Eigen::Map<const RowMajor>(functions_of(element, local).value.data(), element.nodes, element.nodes);
+  return Eigen::Map<const RowMajor>(functions_of(element, local_nodes(element)).value.data(), element.nodes,
+                                    element.nodes);
 }
 
 /// Returns Gauss points and weights on [0, 1], exact to `degree`, computed by Newton's method on the Legendre

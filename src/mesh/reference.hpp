@@ -28,6 +28,9 @@ int type_of(Family family, int order);
 /// for other families.
 std::vector<std::vector<int>> outward_faces(Family family);
 
+/// Local coordinates of the nodes of an element, three for each. (nodes,3)
+std::vector<double> local_nodes(const ReferenceElement& element);
+
 /// Shape functions at given points.
 struct Basis {
   int points = 0, nodes = 0;

@@ -170,7 +170,8 @@ kernels::Kernel derived(kernels::Kernel kernel, const KernelRequest& had, const 
 
 std::optional<kernels::Kernel> derive_from(const std::filesystem::path& file, const KernelRequest& wanted) {
   const auto header = kernels::read_header(file);
-  if (!header || header->mesh_sha256 != wanted.mesh_sha256) return std::nullopt;
+  if (!header || header->mesh_sha256 != wanted.mesh_sha256 || (wanted.mesh_error && !header->mesh_error))
+    return std::nullopt;
   try {
     const KernelRequest had = request_of(*header, file.string());
     if (similarity(had, wanted)) return derived(kernels::read(file), had, wanted);

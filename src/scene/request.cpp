@@ -233,6 +233,8 @@ KernelRequest kernel_request(const Scene& scene, const Body& body, MeshHashes* k
     if (known != nullptr) known->emplace(body.mesh, request.mesh_sha256);
   }
   take_sources(scene, body, request);
+  constexpr int lowest_with_estimate = 2;
+  request.mesh_error = scene.accuracy && !body.imported() && body.order >= lowest_with_estimate;
   seal(request);
   return request;
 }

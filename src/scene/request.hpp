@@ -39,6 +39,8 @@ struct KernelRequest {
   /// obstacle in any direction, and its residual flexibility is compact.
   bool turns = false;
   bool view = false;
+  /// Whether the kernel estimates its errors by the mesh. Not part of the hash: it is the same kernel.
+  bool mesh_error = false;
   Loads loads;                      ///< of this body; vectors and histories empty, `at` in its frame
   std::vector<Receiver> receivers;  ///< of this body; `at` in its frame
   std::string mesh_sha256;

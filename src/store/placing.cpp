@@ -121,6 +121,7 @@ std::vector<KernelFile> kernel_files(const fs::path& folder, const scene::Kernel
     const auto header = kernels::read_header(entry.path());
     if (!header) continue;
     if (header->normal_residual && !scene::may_be_normal(whole)) continue;
+    if (whole.mesh_error && !header->mesh_error) continue;
     for (scene::KernelRequest request : with_substitutes(whole)) {
       request.points = header->held;
       request.within_reach = header->held.has_value();

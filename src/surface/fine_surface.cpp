@@ -25,14 +25,6 @@ std::array<double, 4> hats(int corners, double u, double v) {
   return {(1 - u) * (1 - v) / 4, (1 + u) * (1 - v) / 4, (1 + u) * (1 + v) / 4, (1 - u) * (1 + v) / 4};
 }
 
-/// Local coordinates of the nodes of a facet, three for each.
-std::vector<double> local_nodes(const mesh::ReferenceElement& reference) {
-  std::vector<double> local;
-  for (std::size_t a = 0; a < static_cast<std::size_t>(reference.nodes); ++a)
-    local.insert(local.end(), {reference.node[2 * a], reference.node[2 * a + 1], 0});
-  return local;
-}
-
 /// ∂x/∂u × ∂x/∂v of an element. @param gradient  (nodes,3)
 template <class Position>
 Vector3d surface_vector(int nodes, const double* gradient, const Position& position) {
@@ -47,6 +39,7 @@ Vector3d surface_vector(int nodes, const double* gradient, const Position& posit
 
 /// Hats and shape functions at the quadrature points of one cell.
 struct CellValues {
+  std::vector<double> local;  ///< (q,3)
   std::vector<std::array<double, 4>> hat;
   mesh::Basis basis;
 };
@@ -56,26 +49,32 @@ struct CellValues {
 struct FacetRule {
   mesh::ReferenceElement reference;
   mesh::Lattice lattice = mesh::lattice_of(reference);
-  // The integrand is hat × shape function × surface measure, of degree 1 + p + 2(p − 1).
-  mesh::Quadrature rule = mesh::quadrature_of(reference.family, 3 * reference.order + 1);
+  mesh::Quadrature rule;
   std::vector<CellValues> cells{};
+  /// Of a quadrature point of a cell.
+  double weight(std::size_t q) const {
+    return rule.weight[q] / (static_cast<double>(reference.order) * reference.order);
+  }
 };
 
-FacetRule facet_rule(int gmsh_type) {
-  FacetRule facets{mesh::reference_element(gmsh_type)};
+/// @param raise  q: the integrand is hat × function of order p + q × surface measure, of degree
+/// 1 + p + q + 2(p − 1)
+FacetRule facet_rule(int gmsh_type, int raise = 0) {
+  const auto element = mesh::reference_element(gmsh_type);
+  FacetRule facets{.reference = element,
+                   .rule = mesh::quadrature_of(element.family, 3 * element.order + 1 + raise)};
   const auto& [reference, lattice, rule, cells] = facets;
   for (const auto& cell : lattice.cells) {
     CellValues values;
-    std::vector<double> local;
     for (std::size_t q = 0; q < rule.size(); ++q) {
       values.hat.push_back(hats(lattice.corners, rule.local[3 * q], rule.local[3 * q + 1]));
       std::array<double, 2> at{};
       for (int k = 0; k < lattice.corners; ++k)
         for (int d = 0; d < 2; ++d)
           at[d] += values.hat.back()[k] * reference.node[2 * static_cast<std::size_t>(cell[k]) + d];
-      local.insert(local.end(), {at[0], at[1], 0});
+      values.local.insert(values.local.end(), {at[0], at[1], 0});
     }
-    values.basis = mesh::basis_at(reference, local);
+    values.basis = mesh::basis_at(reference, values.local);
     facets.cells.push_back(std::move(values));
   }
   return facets;
@@ -89,13 +88,12 @@ void add_integrals(const FacetRule& facets, const Block& block, std::size_t e, s
   const auto& [reference, lattice, rule, cells] = facets;
   const int n = reference.nodes;
   const std::int64_t* nodes = &block.node[e * static_cast<std::size_t>(n)];
-  const double share = 1.0 / (static_cast<double>(reference.order) * reference.order);
   for (std::size_t t = 0; t < cells.size(); ++t)
     for (std::size_t q = 0; q < rule.size(); ++q) {
       const std::size_t row = q * static_cast<std::size_t>(n);
       const double* shape = &cells[t].basis.value[row];
       const Vector3d normal =
-          surface_vector(n, &cells[t].basis.gradient[row * 3], position) * rule.weight[q] * share;
+          surface_vector(n, &cells[t].basis.gradient[row * 3], position) * facets.weight(q);
       const double measure = normal.norm();
       Vector3d x = Vector3d::Zero();
       for (int a = 0; a < n; ++a) x += shape[a] * position(a);
@@ -117,7 +115,7 @@ void add_integrals(const FacetRule& facets, const Block& block, std::size_t e, s
 void add_facets(const Block& block, FineSurface& fine) {
   const FacetRule facets = facet_rule(block.gmsh_type);
   const int n = facets.reference.nodes;
-  const mesh::Basis at_nodes = mesh::basis_at(facets.reference, local_nodes(facets.reference));
+  const mesh::Basis at_nodes = mesh::basis_at(facets.reference, mesh::local_nodes(facets.reference));
   const std::vector<int> triangles = facets.lattice.triangles();
   for (std::size_t e = 0; e < block.size(); ++e) {
     const std::int64_t* nodes = &block.node[e * static_cast<std::size_t>(n)];
@@ -305,6 +303,56 @@ std::optional<SurfacePoint> CurvedFacets::along(const Vector3d& x, const Vector3
 Vector3d CurvedFacets::on_line(const FineSurface::Line& line, double t) const {
   const Vector2d local = (1 - t) * local_of(line.from_part) + t * local_of(line.to_part);
   return at(fine_.facet[fine_.part[line.from_part].facet], local).x;
+}
+
+elasticity::PatchLoad raised_load(const FacetMesh& facets, const std::map<std::int64_t, double>& share,
+                                  double area, const Vector3& force) {
+  elasticity::PatchLoad out{.force = force, .facet = {}, .share = {}};
+  constexpr int highest = 2;
+  for (const Block& block : facets.blocks) {
+    const FacetRule rule = facet_rule(block.gmsh_type, highest);
+    const mesh::ReferenceElement& reference = rule.reference;
+    const auto n = static_cast<std::size_t>(reference.nodes);
+    std::vector<std::size_t> pressed;
+    for (std::size_t e = 0; e < block.size(); ++e)
+      if (std::any_of(&block.node[e * n], &block.node[e * n] + n,
+                      [&](std::int64_t vertex) { return share.contains(vertex); }))
+        pressed.push_back(e);
+    std::vector<std::int64_t> corner(static_cast<std::size_t>(reference.corners));
+    for (int raise = 1; raise <= highest && !pressed.empty(); ++raise) {
+      const auto high = mesh::reference_element(mesh::type_of(reference.family, reference.order + raise));
+      const mesh::NodeKeys keys(high);
+      std::vector<mesh::Basis> basis;
+      for (const CellValues& cell : rule.cells) basis.push_back(mesh::basis_at(high, cell.local));
+      for (const std::size_t e : pressed) {
+        const std::int64_t* nodes = &block.node[e * n];
+        const auto position = [&](int a) -> Vector3d {
+          return Eigen::Map<const Vector3d>(&facets.position[3 * static_cast<std::size_t>(nodes[a])]);
+        };
+        std::vector<double> sums(static_cast<std::size_t>(high.nodes), 0.0);
+        for (std::size_t t = 0; t < rule.cells.size(); ++t)
+          for (std::size_t q = 0; q < rule.rule.size(); ++q) {
+            double w = 0;
+            for (int k = 0; k < rule.lattice.corners; ++k)
+              if (const auto own = share.find(nodes[rule.lattice.cells[t][static_cast<std::size_t>(k)]]);
+                  own != share.end())
+                w += own->second * rule.cells[t].hat[q][static_cast<std::size_t>(k)];
+            w *= surface_vector(reference.nodes, &rule.cells[t].basis.gradient[q * n * 3], position).norm() *
+                 rule.weight(q) / area;
+            for (std::size_t a = 0; a < sums.size(); ++a) sums[a] += w * basis[t].value[q * sums.size() + a];
+          }
+        for (std::size_t k = 0; k < corner.size(); ++k)
+          corner[k] = facets.node[static_cast<std::size_t>(nodes[k])];
+        for (std::size_t a = 0; a < sums.size(); ++a)
+          out.share[static_cast<std::size_t>(raise - 1)][keys.of(static_cast<int>(a), corner.data())] +=
+              sums[a];
+        if (raise > 1) continue;
+        out.facet.push_back(corner);
+        std::ranges::sort(out.facet.back());
+      }
+    }
+  }
+  return out;
 }
 
 }  // namespace ricochet::surface

@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "src/elasticity/local_problem.hpp"
 #include "src/mesh/mesh.hpp"
 
 namespace ricochet::surface {
@@ -63,6 +64,12 @@ struct FineSurface {
   /// crease.
   bool on_line(std::int64_t vertex) const;
 };
+
+/// A force that is spread over a surface like (Σ share_v w_v)/A with the hats w_v, as functions of higher
+/// orders see it. Needs a GmshSession.
+/// @param share  by vertex, as in FineSurface, @param area  A [m²], @param force  [N]
+elasticity::PatchLoad raised_load(const mesh::FacetMesh& facets, const std::map<std::int64_t, double>& share,
+                                  double area, const Vector3& force);
 
 /// Needs a GmshSession.
 FineSurface fine_surface(const mesh::FacetMesh& facets);

@@ -477,6 +477,7 @@ Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& gro
       patches.weights.push_back(
           {mesh.contact.node[static_cast<std::size_t>(node)], static_cast<int>(k), w / surface.area[k]});
   }
+  patches.share = std::move(shares);
   quotient(fine, merge, surface);
   surface.components = options.direction ? 1 : 3;
   surface.direction = options.direction;
@@ -508,6 +509,9 @@ void restrict_to(Patches& patches, const std::vector<std::int64_t>& points) {
   for (const std::int64_t i : points)
     for (std::size_t d = 0; d < 3; ++d) arm.push_back(patches.arm[3 * static_cast<std::size_t>(i) + d]);
   patches.arm = std::move(arm);
+  std::vector<std::map<std::int64_t, double>> share;
+  for (const std::int64_t i : points) share.push_back(std::move(patches.share[static_cast<std::size_t>(i)]));
+  patches.share = std::move(share);
   kernels::restrict_candidates(patches.geometry, points);
   whole.held = points;
   patches.geometry.whole = std::move(whole);

@@ -2,6 +2,8 @@
 // Candidate contact patches on the surface of a body.
 #pragma once
 
+#include <map>
+
 #include "ricochet/kernel.hpp"
 #include "src/reduction/static_flexibility.hpp"
 #include "src/surface/spread.hpp"
@@ -12,6 +14,8 @@ namespace ricochet::surface {
 struct Patches {
   kernels::Surface geometry;  ///< all except shape and residual flexibility
   std::vector<Weight> weights;
+  /// (M) of each hat of the subdivided surface, by vertex: index into the nodes of mesh::Mesh::contact
+  std::vector<std::map<std::int64_t, double>> share;
   std::vector<double> arm;  ///< (M,3) from the mean (1/A_i) ∫ w_i x ds of each patch to its centroid x̂_i [m]
 };
 

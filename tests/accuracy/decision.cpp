@@ -29,15 +29,13 @@ scene::Scene open_scene() {
   return scene;
 }
 
-/// Settings of the second round: the mesh of level 1 and, beneath it, that of level 0.
+/// Settings of the second round.
 accuracy::Settings second_round(const scene::Scene& scene) {
   accuracy::Settings settings;
   settings.found.mesh = accuracy::meshes_at(scene, 1);
   settings.found.up_to = Hertz{1e4};
   settings.found.flexibility_error = 0.1;
   settings.rate = Hertz{1e6};
-  settings.coarser = settings.found;
-  settings.coarser->mesh = accuracy::meshes_at(scene, 0);
   return settings;
 }
 
@@ -50,15 +48,11 @@ contact::Dialled round_with(const std::map<Cause, double>& shares) {
   return round;
 }
 
-std::vector<BodySize> body_of(double modes, double unknowns, double coarser_unknowns) {
-  return {{.body = "part",
-           .modes = modes,
-           .vectors = modes,
-           .unknowns = unknowns,
-           .coarser_unknowns = coarser_unknowns}};
+std::vector<BodySize> body_of(double modes, double unknowns) {
+  return {{.body = "part", .modes = modes, .vectors = modes, .unknowns = unknowns}};
 }
 
-const std::vector<BodySize> small = body_of(100, 1e4, 5e3);
+const std::vector<BodySize> small = body_of(100, 1e4);
 
 TEST(Decision, ends_if_the_accuracy_is_met) {
   const scene::Scene scene = open_scene();
@@ -77,12 +71,26 @@ TEST(Decision, refines_the_cause_with_the_largest_share) {
   EXPECT_EQ(band.reason, "modes");
   EXPECT_EQ(band.next->found.up_to.value, 2e4);
   EXPECT_EQ(band.next->found.mesh, settings.found.mesh);
-  const Decision mesh =
-      decide(scene, settings, round_with({{Cause::mesh, 0.1}, {Cause::modes, 1e-3}}), small);
-  ASSERT_TRUE(mesh.next);
-  EXPECT_EQ(mesh.reason, "mesh");
-  EXPECT_EQ(mesh.next->found.mesh, accuracy::meshes_at(scene, 2));
-  EXPECT_EQ(mesh.next->coarser, settings.found);
+  // An order is expected to leave a quarter of the share: one brings 0.015 to half of 0.01, and not 0.1.
+  for (const auto& [share, level] : {std::pair(0.015, 2), std::pair(0.1, 3)}) {
+    const Decision mesh =
+        decide(scene, settings, round_with({{Cause::mesh, share}, {Cause::modes, 1e-3}}), small);
+    ASSERT_TRUE(mesh.next);
+    EXPECT_EQ(mesh.reason, "mesh");
+    EXPECT_EQ(mesh.next->found.mesh, accuracy::meshes_at(scene, level));
+  }
+}
+
+// A pilot whose share of the mesh is small keeps its elements, however coarse they are.
+TEST(Decision, ends_with_the_pilot_if_it_meets_the_accuracy) {
+  const scene::Scene scene = open_scene();
+  accuracy::Settings settings = second_round(scene);
+  settings.found.mesh = accuracy::meshes_at(scene, 0);
+  settings.pilot = true;
+  const Decision met =
+      decide(scene, settings, round_with({{Cause::mesh, 4e-3}, {Cause::modes, 5e-3}}), small);
+  EXPECT_FALSE(met.next);
+  EXPECT_EQ(met.reason, "");
 }
 
 TEST(Decision, keeps_a_given_band_and_says_that_it_prevents_the_accuracy) {
@@ -116,7 +124,7 @@ TEST(Decision, starts_no_round_that_is_too_much_work) {
   const auto modes_of = [&](double modes) {
     accuracy::Settings settings = second_round(scene);
     settings.found.basis = scene::Basis::modes;
-    return decide(scene, settings, round, body_of(modes, 48000, 1e4));
+    return decide(scene, settings, round, body_of(modes, 48000));
   };
   EXPECT_TRUE(modes_of(300).next);
   const Decision found = modes_of(320);
@@ -132,8 +140,8 @@ TEST(Decision, counts_the_vectors_of_new_candidates_as_work) {
   accuracy::Settings settings = second_round(scene);
   settings.found.basis = scene::Basis::contact;
   const auto round = round_with({{Cause::mesh, 0.1}});
-  EXPECT_TRUE(decide(scene, settings, round, body_of(650, 4e4, 2e4)).next);
-  EXPECT_FALSE(decide(scene, settings, round, body_of(750, 4e4, 2e4)).next);
+  EXPECT_TRUE(decide(scene, settings, round, body_of(650, 4e4)).next);
+  EXPECT_FALSE(decide(scene, settings, round, body_of(750, 4e4)).next);
 }
 
 // 8 · 500 modes are more than half of 3000 unknowns, and 8 · 180 are not.
@@ -142,11 +150,11 @@ TEST(Decision, refines_the_mesh_with_a_band_that_its_elements_do_not_have) {
   accuracy::Settings settings = second_round(scene);
   settings.found.basis = scene::Basis::modes;
   const auto round = round_with({{Cause::mesh, 1e-4}, {Cause::modes, 0.1}});
-  const Decision found = decide(scene, settings, round, body_of(500, 3000, 1500));
+  const Decision found = decide(scene, settings, round, body_of(500, 3000));
   ASSERT_TRUE(found.next);
   EXPECT_EQ(found.reason, "mesh, modes");
   EXPECT_EQ(found.next->found.mesh, accuracy::meshes_at(scene, 2));
-  EXPECT_EQ(decide(scene, settings, round, body_of(180, 3000, 1500)).reason, "modes");
+  EXPECT_EQ(decide(scene, settings, round, body_of(180, 3000)).reason, "modes");
 }
 
 TEST(Meshes, of_open_sizes_shrink_after_order_4_and_those_of_own_sizes_end_with_order_5) {
@@ -172,18 +180,18 @@ TEST(Decision, raises_the_order_where_smaller_elements_were_not_made) {
   scene::Scene scene = open_scene();
   accuracy::Settings settings = second_round(scene);
   settings.found.mesh = accuracy::meshes_at(scene, 3);
-  settings.coarser->mesh = accuracy::meshes_at(scene, 2);
+  settings.unknowns_before["part"] = 5e3;
   auto round = round_with({{Cause::modes, 1e-4}});
   round.estimate->by_cause[Cause::mesh] = std::nullopt;  // nothing has been compared
-  const Decision made = decide(scene, settings, round_with({{Cause::mesh, 0.1}}), body_of(100, 1e4, 5e3));
+  const Decision made = decide(scene, settings, round_with({{Cause::mesh, 0.1}}), body_of(100, 1e4));
   ASSERT_TRUE(made.next);
   EXPECT_EQ(made.next->found.mesh.at("part").order, 4);
-  const Decision fixed = decide(scene, settings, round, body_of(100, 1e4, 1e4));
+  settings.unknowns_before["part"] = 1e4;
+  const Decision fixed = decide(scene, settings, round, body_of(100, 1e4));
   ASSERT_TRUE(fixed.next);
   EXPECT_EQ(fixed.reason, "mesh");
   EXPECT_EQ(fixed.next->found.mesh.at("part").order, 5);
   EXPECT_EQ(fixed.next->found.mesh.at("part").size_factor, settings.found.mesh.at("part").size_factor);
-  EXPECT_EQ(fixed.next->coarser->mesh, settings.found.mesh);
 }
 
 TEST(Decision, claims_nothing_while_a_share_is_unknown) {
@@ -192,7 +200,6 @@ TEST(Decision, claims_nothing_while_a_share_is_unknown) {
   scene.bodies[0].order_open = scene.bodies[0].size_open = false;
   accuracy::Settings settings = second_round(scene);
   settings.found.mesh.clear();
-  settings.coarser.reset();
   auto round = round_with({{Cause::modes, 1e-4}});
   round.estimate->by_cause[Cause::mesh] = std::nullopt;
   const Decision found = decide(scene, settings, round, small);
@@ -200,27 +207,16 @@ TEST(Decision, claims_nothing_while_a_share_is_unknown) {
   EXPECT_EQ(found.reason, "the share of the mesh is unknown: the mesh is read as it is");
 }
 
-// Where the band doubles on the same mesh, the coarser one gets it too, so that they differ in nothing else.
-TEST(Decision, compares_meshes_in_the_same_band_and_basis) {
-  const scene::Scene scene = open_scene();
-  const accuracy::Settings settings = second_round(scene);
-  const Decision band =
-      decide(scene, settings, round_with({{Cause::mesh, 1e-3}, {Cause::modes, 0.1}}), small);
-  ASSERT_TRUE(band.next);
-  EXPECT_EQ(band.next->coarser->up_to, band.next->found.up_to);
-  EXPECT_EQ(band.next->coarser->mesh, settings.coarser->mesh);
-}
-
 // 69 candidates need 207 Ritz vectors: fewer than 1348 modes, however few vectors the round had. 150 modes
 // are cheaper.
 TEST(Decision, compares_ritz_vectors_of_the_next_round_with_the_modes_of_its_band) {
   const scene::Scene scene = open_scene();
   accuracy::Settings settings = second_round(scene);
-  settings.coarser.reset();
+  settings.pilot = true;
   contact::Dialled round = round_with({{Cause::mesh, 0.1}});
   round.quantities.emplace();
   round.model.gap.setZero(69);
-  std::vector<BodySize> sizes = body_of(1348, 1e4, 0);
+  std::vector<BodySize> sizes = body_of(1348, 1e4);
   sizes[0].vectors = 24;
   const auto basis = [&] { return decide(scene, settings, round, sizes).next.value().found.basis; };
   EXPECT_EQ(basis(), scene::Basis::contact);
@@ -260,7 +256,7 @@ Decision after_pilot_of_turning(double candidates, bool turns = true) {
   scene::Scene scene = open_scene();
   if (turns) scene.motion.rotation = Rotation::finite;
   accuracy::Settings settings = second_round(scene);
-  settings.coarser.reset();
+  settings.pilot = true;
   contact::Dialled round = round_with({{Cause::mesh, 0.1}});
   round.quantities.emplace();
   round.quantities->nearer = 1e-5;
@@ -277,7 +273,7 @@ Decision after_pilot_of_turning(double candidates, bool turns = true) {
   body.translation.setZero();
   round.model.point_a = round.model.point_b = contact::Matrix::Zero(40, 3);
   round.model.pairs.push_back({.first_point = 0, .points = 40, .a = 0, .b = -1, .reach = {}});
-  std::vector<BodySize> sizes = body_of(1000, 1e4, 0);
+  std::vector<BodySize> sizes = body_of(1000, 1e4);
   sizes[0].candidates = candidates;
   return decide(scene, settings, round, sizes);
 }

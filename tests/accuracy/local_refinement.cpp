@@ -46,6 +46,7 @@ accuracy::Settings first_round(const scene::Scene& scene) {
   settings.found.up_to = Hertz{1e4};
   settings.found.flexibility_error = 0.1;
   settings.rate = Hertz{1e6};
+  settings.pilot = true;
   return settings;
 }
 
@@ -165,19 +166,14 @@ TEST(Unknowns, of_elements_that_grow_around_balls_are_those_of_gmsh) {
 
 TEST(Decision, makes_elements_smaller_where_a_small_part_is_pressed) {
   const scene::Scene scene = scene_of_two();
-  const Decision local =
-      decide(scene, first_round(scene), round_of(4, {{Cause::modes, 1e-4}, {Cause::spacing, 0.1}}), small);
+  const std::map<Cause, double> shares{{Cause::mesh, 1e-4}, {Cause::modes, 1e-4}, {Cause::spacing, 0.1}};
+  const Decision local = decide(scene, first_round(scene), round_of(4, shares), small);
   ASSERT_TRUE(local.next);
-  EXPECT_EQ(local.reason, "mesh, spacing");
+  EXPECT_EQ(local.reason, "spacing");
   EXPECT_EQ(local.next->found.mesh.at("upper").refine.size(), 4U);
-  EXPECT_EQ(local.next->found.mesh.at("upper").order, accuracy::meshes_at(scene, 1).at("upper").order);
+  EXPECT_EQ(local.next->found.mesh.at("upper").order, accuracy::meshes_at(scene, 0).at("upper").order);
   EXPECT_DOUBLE_EQ(local.next->found.zone.value_or(0), 2e-5);  // twice as far as the bodies came nearer
-  // Otherwise most of the change from the pilot would be that of the elements near contact.
-  accuracy::KernelSettings coarser = local.next->found;
-  for (auto& [body, mesh] : coarser.mesh) --mesh.order;
-  EXPECT_EQ(local.next->coarser, coarser);
-  const Decision flat =
-      decide(scene, first_round(scene), round_of(40, {{Cause::modes, 1e-4}, {Cause::spacing, 0.1}}), small);
+  const Decision flat = decide(scene, first_round(scene), round_of(40, shares), small);
   ASSERT_TRUE(flat.next);
   EXPECT_EQ(flat.reason, "mesh");
   EXPECT_TRUE(flat.next->found.mesh.at("upper").refine.empty());
@@ -186,69 +182,30 @@ TEST(Decision, makes_elements_smaller_where_a_small_part_is_pressed) {
 /// Settings of a round whose elements near contact were the last to become smaller.
 accuracy::Settings after_local(const scene::Scene& scene, int level = 1) {
   accuracy::Settings settings = first_round(scene);
+  settings.pilot = false;
   settings.found.zone = 2e-5;
   settings.found.mesh = accuracy::meshes_at(scene, level);
-  settings.coarser = settings.found;
   for (auto& [body, mesh] : settings.found.mesh) mesh.refine = {{.at = {}, .radius = 1e-2, .size = 5e-3}};
   return settings;
 }
 
-// Before there are smaller elements near contact, most of the share of the mesh is theirs.
-TEST(Decision, refines_near_contact_before_it_refines_everywhere_again) {
+// The share of the mesh is that of elements near contact if the flexibility there has most of it.
+TEST(Decision, refines_the_elements_to_which_the_share_of_the_mesh_is_due) {
   const scene::Scene scene = scene_of_two();
-  const std::map<Cause, double> shares{{Cause::mesh, 0.1}, {Cause::spacing, 1e-3}};
-  const accuracy::Settings local = after_local(scene);
-  const Decision everywhere = decide(scene, local, round_of(4, shares), small);
+  const accuracy::Settings settings = after_local(scene);
+  contact::Dialled round = round_of(4, {{Cause::mesh, 0.1}, {Cause::spacing, 1e-3}});
+  round.mesh_near_contact = contact::Errors{{Quantity::impulse, 1e-3}};
+  const Decision everywhere = decide(scene, settings, round, small);
   ASSERT_TRUE(everywhere.next);
   EXPECT_EQ(everywhere.reason, "mesh");
-  EXPECT_EQ(everywhere.next->found.mesh.at("upper").order, accuracy::meshes_at(scene, 2).at("upper").order);
-  EXPECT_EQ(everywhere.next->found.mesh.at("upper").refine, local.found.mesh.at("upper").refine);
-  accuracy::Settings global = first_round(scene);
-  global.found.mesh = accuracy::meshes_at(scene, 1);
-  global.coarser = first_round(scene).found;
-  const Decision near = decide(scene, global, round_of(4, shares), small);
+  EXPECT_GT(everywhere.next->found.mesh.at("upper").order, settings.found.mesh.at("upper").order);
+  EXPECT_EQ(everywhere.next->found.mesh.at("upper").refine, settings.found.mesh.at("upper").refine);
+  round.mesh_near_contact = contact::Errors{{Quantity::impulse, 0.099}};
+  const Decision near = decide(scene, settings, round, small);
   ASSERT_TRUE(near.next);
   EXPECT_EQ(near.reason, "spacing");
-  EXPECT_EQ(near.next->found.mesh.at("upper").order, global.found.mesh.at("upper").order);
-  EXPECT_EQ(near.next->coarser, global.found);
-}
-
-// From level 2 on, elements shrink everywhere but in balls. This change tells nothing about those near
-// contact, nor theirs about the others, so the last change of the others is kept.
-TEST(Decision, keeps_the_last_change_of_elements_that_remain_as_they_are) {
-  const scene::Scene scene = scene_of_two();
-  auto round = round_of(4, {{Cause::mesh, 0.1}, {Cause::spacing, 1e-3}});
-  round.mesh_change = contact::Errors{{Quantity::impulse, 0.03}};
-  const Decision everywhere = decide(scene, after_local(scene, 2), round, small);
-  ASSERT_EQ(everywhere.reason, "mesh");
-  EXPECT_EQ(everywhere.next->change_of_rest, *round.mesh_change);
-  EXPECT_TRUE(everywhere.next->coarser_change.empty());
-  round.mesh_change = contact::Errors{{Quantity::impulse, 0.01}};
-  round.estimate->by_cause = {{Cause::mesh, contact::Errors{{Quantity::impulse, 1e-4}}},
-                              {Cause::spacing, contact::Errors{{Quantity::impulse, 0.1}}}};
-  const Decision near = decide(scene, *everywhere.next, round, small);
-  ASSERT_EQ(near.reason, "spacing");
-  EXPECT_EQ(near.next->change_of_rest, *round.mesh_change);
-  EXPECT_TRUE(near.next->coarser_change.empty());
-  // Two refinements of the same elements show a pace.
-  accuracy::Settings local = *near.next;
-  for (auto& [body, mesh] : local.found.mesh) mesh.refine.pop_back();
-  const Decision again = decide(scene, local, round, small);
-  ASSERT_EQ(again.reason, "spacing");
-  EXPECT_EQ(again.next->coarser_change, *round.mesh_change);
-  EXPECT_EQ(again.next->change_of_rest, near.next->change_of_rest);
-}
-
-// Another order changes the elements in balls too, and then the change near contact is measured again.
-TEST(Decision, drops_the_change_of_the_rest_when_the_order_rises) {
-  const scene::Scene scene = scene_of_two();
-  auto round = round_of(4, {{Cause::mesh, 0.1}, {Cause::spacing, 1e-3}});
-  accuracy::Settings settings = after_local(scene);
-  settings.change_of_rest = {{Quantity::impulse, 0.117}};
-  const Decision raised = decide(scene, settings, round, small);
-  ASSERT_EQ(raised.reason, "mesh");
-  EXPECT_EQ(raised.next->found.mesh.at("upper").order, 4);
-  EXPECT_TRUE(raised.next->change_of_rest.empty());
+  EXPECT_EQ(near.next->found.mesh.at("upper").order, settings.found.mesh.at("upper").order);
+  EXPECT_NE(near.next->found.mesh.at("upper").refine, settings.found.mesh.at("upper").refine);
 }
 
 // Four candidates and more resolve a contact; fewer do not, whatever their share says. At a corner, there are
@@ -257,14 +214,16 @@ TEST(Decision, makes_elements_smaller_until_four_candidates_touch_but_not_for_ev
   const scene::Scene scene = scene_of_two();
   const auto round = round_of(1, {{Cause::mesh, 1e-4}, {Cause::spacing, 1e-4}});
   accuracy::Settings settings = after_local(scene);
+  std::vector<BodySize> sizes = small;
   int rounds = 0;
   for (;; ++rounds) {
-    const Decision found = decide(scene, settings, round, small);
+    const Decision found = decide(scene, settings, round, sizes);
     if (!found.next) break;
     EXPECT_EQ(found.reason, "spacing");
     settings = *found.next;
     for (auto& [body, mesh] : settings.found.mesh)
       mesh.refine[0].size *= 3;  // so that other ones are asked for
+    for (BodySize& size : sizes) size.unknowns *= 1.1;
     ASSERT_LT(rounds, 9);
   }
   EXPECT_EQ(rounds, 3);

@@ -51,14 +51,7 @@ Settings some_settings() {
                              .up_to = Hertz{3e3},
                              .flexibility_error = 0.1,
                              .zone = 1e-3};
-  KernelSettings coarser = found;
-  coarser.mesh["block"] = {3, 2};
-  coarser.zone.reset();
-  return {.found = found,
-          .coarser = coarser,
-          .coarser_change = {{Quantity::impulse, 1e-3}, {Quantity::peak_force, 0.1}},
-          .change_of_rest = {{Quantity::rebound, 2e-3}},
-          .rate = Hertz{1e5}};
+  return {.found = found, .pilot = true, .unknowns_before = {{"block", 5e3}}, .rate = Hertz{1e5}};
 }
 
 TEST(Settings, are_read_as_written) {
@@ -106,18 +99,12 @@ TEST(Settings, survive_text_with_every_member_whatever_its_value) {
       for (scene::FineBall& ball : refine) draw_ball(ball);
     }
   };
-  const auto draw_changes = [&](std::map<Quantity, double>& changes) {
-    for (std::size_t k = 0; k < quantity_names.size(); ++k)
-      if (flip())
-        changes[static_cast<Quantity>(k)] = k == 0 ? std::numeric_limits<double>::infinity() : draw();
-  };
   for (int k = 0; k < 200; ++k) {
     Settings settings;
-    auto& [found, coarser, coarser_change, change_of_rest, rate, for_few_candidates, missed_by] = settings;
+    auto& [found, pilot, unknowns_before, rate, for_few_candidates, missed_by] = settings;
     draw_kernels(found);
-    if (flip()) draw_kernels(coarser.emplace());
-    draw_changes(coarser_change);
-    draw_changes(change_of_rest);
+    pilot = flip();
+    if (flip()) unknowns_before["a-b_1"] = draw();
     rate = Hertz{draw()};
     for_few_candidates = static_cast<int>(random() % 5);
     if (flip()) missed_by = draw();

@@ -325,59 +325,40 @@ TEST(PrecisionShare, of_double_is_that_of_single_in_their_round_offs) {
               1e-6 * std::ldexp(1, -29));  // relative, as each is obtained from the other
 }
 
-// The frequencies of too coarse meshes are too high by some per cent, and more so for higher modes. Each
-// coarser mesh here has four times the error of the next finer one, as elements of order 1 do: the last
-// change is three times the error, and the one before twelve times. For rods, the second order of the changes
-// is not taken on trust, so the share is half of the change before.
-TEST(MeshShare, is_the_change_that_further_refinement_would_still_make) {
+// Rods whose kernels state the errors of their frequencies, and rods without these errors.
+TEST(MeshShare, is_the_distance_from_the_impact_without_the_errors_that_kernels_state) {
   const auto detuned = [](double error) {
     std::vector<Kernel> out = rods(16);
-    for (Kernel& kernel : out)
-      for (std::size_t n = 0; n < 16; ++n)
-        kernel.modes.angular_frequency[n] *= 1 + error * static_cast<double>(n * n);
+    for (Kernel& kernel : out) {
+      kernel.order = 2;
+      kernel.modes.mesh_error.assign(16, 0.0);
+      for (std::size_t n = 1; n < 16; ++n) {
+        const double square = 1 + error * static_cast<double>(n * n);  // of ω², over the exact one
+        kernel.modes.angular_frequency[n] *= std::sqrt(square);
+        kernel.modes.mesh_error[n] = 1 - 1 / square;
+      }
+    }
     return out;
   };
-  const std::vector<Kernel> finest = rods(16), fine = detuned(1e-6), coarse = detuned(4e-6),
-                            coarsest = detuned(16e-6);
-  Subject with{.rebuild = collision, .kernels = fine, .duration = duration};
-  with.coarser_mesh = [&] { return collision(coarse); };
+  const std::vector<Kernel> exact = rods(16), coarse = detuned(1e-5);
+  const Subject with{.rebuild = collision, .kernels = coarse, .duration = duration};
   // Backward Euler damps the waves of the truncated shock, which are not smooth in the frequencies.
   const StepOptions options{.contact_step = ContactStep::backward_euler, .step = 0.01};
   const auto run = [&](const std::vector<Kernel>& kernels) {
     return *impact_quantities(collision(kernels), options, 3000);
   };
-  const double error = distances(run(finest), run(fine)).at(Quantity::impulse);
-  const auto share = [&] {
-    return Estimated(with).estimator.estimate(options).by_cause.at(Cause::mesh)->at(Quantity::impulse);
-  };
-  EXPECT_NEAR(share() / error, 3, 1);  // without another level, the ratio counts as 1/2
-  with.coarser_change = distances(run(coarse), run(coarsest));
-  EXPECT_NEAR(share() / error, 6, 2);
-  // A last change that is small by chance counts as half of the one before.
-  with.coarser_change = {{Quantity::impulse, 40 * error}};
-  EXPECT_NEAR(share() / error, 20, 1e-9);
-  // Changes that hardly fall leave more than the last one: 0.6/(1 − 0.6) of it.
-  with.coarser_change = {{Quantity::impulse, error}};
-  EXPECT_NEAR(share() / error, 4.5, 1.5);
-  // Elements near contact that are the same on both meshes have an error of their own.
-  const double elsewhere = share();
-  with.change_of_rest = {{Quantity::impulse, 0.02}};
-  EXPECT_NEAR(share() - elsewhere, 0.02, 1e-12);
+  const double error = distances(run(exact), run(coarse)).at(Quantity::impulse);
+  Estimated estimated(with);
+  const double share = estimated.estimator.estimate(options).by_cause.at(Cause::mesh)->at(Quantity::impulse);
+  EXPECT_GT(error, 1e-5);
+  EXPECT_GT(share, 0.99 * error);
+  EXPECT_LT(share, 5 * error);  // with that of the traces, 1.5 times the error of ω²
+  EXPECT_LT(estimated.estimator.mesh_near_contact()->at(Quantity::impulse), 1e-12);
 }
 
-// Where the coarser mesh has a narrower band, the modes between the two have been on one mesh only.
-TEST(MeshShare, includes_the_modes_that_the_coarser_mesh_lacks) {
-  const std::vector<Kernel> narrow = rods(9);
-  Subject with = subject(17);
-  with.coarser_mesh = [&] { return collision(narrow); };
-  with.coarser_band = ricochet::to_hertz(RadPerSecond{narrow[0].modes.angular_frequency.back() * 1.001});
-  const StepOptions options{.step = 0.01};
-  const auto run = [&](int modes) { return *impact_quantities(collision(rods(modes)), options, 3000); };
-  const double
-      between = distances(run(17), run(9)).at(Quantity::impulse),
-      share = Estimated(with).estimator.estimate(options).by_cause.at(Cause::mesh)->at(Quantity::impulse);
-  EXPECT_GT(between, 1e-4);
-  EXPECT_NEAR(share, between, 1e-9);  // the elements themselves have no error
+TEST(MeshShare, is_unknown_of_kernels_without_estimates) {
+  const auto estimate = Estimated(subject(16)).estimator.estimate({.step = 0.02});
+  EXPECT_FALSE(estimate.by_cause.at(Cause::mesh));
 }
 
 /// A block that falls flat on a floor, with a rigid mode and elastic modes that deform its face. A wider

@@ -306,7 +306,7 @@ TEST_F(Damage, data_kept_in_another_file_is_refused) {
 
 // Units are informative, and only those of loads are read.
 TEST_F(Damage, whatever_stands_in_the_place_of_an_object_is_refused_in_one_line) {
-  ricochet::test::for_each_hostile_change(path_, {"unit", "parts", "held_on_lines"},
+  ricochet::test::for_each_hostile_change(path_, {"unit", "parts", "held_on_lines", "mesh_error_coupling"},
                                           [&](const std::string& what) {
                                             SCOPED_TRACE(what);
                                             expect_refused({});

@@ -214,9 +214,9 @@ TEST(KernelFile, every_dataset_of_numbers_has_a_unit_and_no_object_a_time) {
   int seen = 0;
   H5Ovisit(file, H5_INDEX_NAME, H5_ITER_NATIVE, check_object, &seen);
   H5Fclose(file);
-  // The datasets of docs/formats/kernel.md without names: 27, plus 4 for each load,
+  // The datasets of docs/formats/kernel.md without names: 31, plus 4 for each load,
   // 3 for a motion and 6 for each receiver.
-  EXPECT_EQ(seen, 29 + 2 * 4 + 3 + 2 * 6);
+  EXPECT_EQ(seen, 31 + 2 * 4 + 3 + 2 * 6);
 }
 
 TEST(KernelFile, another_program_finds_the_shape_as_points_by_components_by_modes) {

@@ -61,6 +61,7 @@ inline Kernel sample_kernel(int components, std::size_t n = 5, std::size_t m = 4
     modes.angular_frequency.push_back(i == 0 ? 0.0 : 100.0 * std::sqrt(double(i)));
     modes.decay_rate.push_back(0.01 * double(i));
     modes.residual.push_back(1e-310 * double(i + 1));  // subnormal: survives only an exact copy
+    modes.mesh_error.push_back(1e-3 * double(i * i));
   }
   modes.certificate = {.below = 1,
                        .upto_hz = 1500.5,
@@ -84,7 +85,9 @@ inline Kernel sample_kernel(int components, std::size_t n = 5, std::size_t m = 4
     surface.group.push_back(i % 2 == 0 ? "rim" : "upper face");
     surface.normal.insert(surface.normal.end(), {std::cos(double(i)), -0.0, std::sin(double(i))});
     surface.area.push_back(1e-4 * double(i + 1));
+    surface.mesh_error.push_back(1e-11 * double(i + 1));
   }
+  surface.mesh_error_coupling = 0.125;
   surface.element_corners = 2;
   for (std::size_t i = 0; i + 1 < m; ++i) {
     surface.element.push_back(static_cast<std::int64_t>(i));

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/elasticity/element.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ricochet::elasticity {
+
+namespace {
+
+using mesh::Block;
+using mesh::Mesh;
+using mesh::ReferenceElement;
+
+/// Whether every element of a block is an affine image of the reference element, so that its corners
+/// determine its nodes.
+bool all_affine(const Mesh& mesh, const Block& block, const ReferenceElement& reference) {
+  if (reference.order == 1) return true;
+  const auto n = static_cast<std::size_t>(block.nodes_per_element);
+  for (std::size_t e = 0; e < block.size(); ++e) {
+    const std::int64_t* nodes = &block.node[e * n];
+    const auto at = [&](int a, int k) { return mesh.position[3 * static_cast<std::size_t>(nodes[a]) + k]; };
+    double size = 0, off = 0;
+    for (int k = 0; k < 3; ++k) {
+      size = std::max(size, std::abs(at(1, k) - at(0, k)));
+      for (int a = reference.corners; a < block.nodes_per_element; ++a) {
+        double x = at(0, k);
+        for (int d = 0; d < reference.dim; ++d) {
+          const double xi = reference.node[static_cast<std::size_t>(a) * reference.dim + d];
+          // Reference coordinates are in [−1, 1] for lines and in [0, 1] for tetrahedra. Other families never
+          // use the affine rule.
+          x += (reference.dim == 1 ? (xi + 1) / 2 : xi) *
+               (at(std::min(d + 1, reference.corners - 1), k) - at(0, k));
+        }
+        off = std::max(off, std::abs(at(a, k) - x));
+      }
+    }
+    if (off > 1e-10 * size) return false;
+  }
+  return true;
+}
+
+/// Straight simplices have constant Jacobians.
+bool has_constant_jacobians(const Mesh& mesh, const Block& block, const ReferenceElement& reference) {
+  const bool simplex =
+      reference.family == mesh::Family::tetrahedron || reference.family == mesh::Family::line;
+  return simplex && all_affine(mesh, block, reference);
+}
+
+}  // namespace
+
+Material material_of(const scene::Material& m, int dim) {
+  if (dim == 1) return {m.density * m.area, m.young * m.area, 0};
+  return {m.density, m.young * m.poisson / ((1 + m.poisson) * (1 - 2 * m.poisson)),
+          m.young / (2 * (1 + m.poisson))};
+}
+
+Functions functions_of(const mesh::Basis& basis) {
+  return {Eigen::Map<const ElementMatrix>(basis.value.data(), basis.points, basis.nodes), basis.gradient};
+}
+
+ElementPoints::ElementPoints(const Mesh& mesh, const Block& block, int degree)
+    : mesh_(mesh), n_(block.nodes_per_element), reference_(mesh::reference_element(block.gmsh_type)) {
+  rule_ = mesh::quadrature_of(reference_.family,
+                              degree + (has_constant_jacobians(mesh, block, reference_) ? 0 : 2));
+  shapes_ = functions_of(mesh::basis_at(reference_, rule_.local));
+  measure_.resize(std::ssize(rule_.weight));
+  inverse_.assign(rule_.weight.size(), Eigen::Matrix3d::Zero());
+  position_.resize(n_, 3);
+}
+
+bool ElementPoints::move_to(const std::int64_t* nodes) {
+  for (int a = 0; a < n_; ++a)
+    for (int k = 0; k < 3; ++k) position_(a, k) = mesh_.position[3 * static_cast<std::size_t>(nodes[a]) + k];
+  for (std::size_t q = 0; q < inverse_.size(); ++q) {
+    const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>> local(
+        &shapes_.gradient[q * static_cast<std::size_t>(n_) * 3], n_, 3);
+    const double weight = rule_.weight[q];
+    if (mesh_.dim == 1) {
+      double slope = 0;
+      for (int k = 0; k < 3; ++k) slope += local.col(0).dot(position_.col(k)) * mesh_.axis[k];
+      // A line may point in either direction along the rod, so the slope may be negative.
+      measure_[static_cast<Eigen::Index>(q)] = std::abs(slope) * weight;
+      if (!(std::abs(slope) * weight > 0)) return false;
+      inverse_[q](0, 0) = 1 / slope;
+      continue;
+    }
+    const Eigen::Matrix3d jacobian = local.transpose() * position_;  // (∂x_k/∂ξ_d) at (d,k)
+    const double determinant = jacobian.determinant();
+    measure_[static_cast<Eigen::Index>(q)] = determinant * weight;
+    if (!(determinant > 0)) return false;
+    inverse_[q] = jacobian.inverse();
+  }
+  return true;
+}
+
+void ElementPoints::gradients(const Functions& functions, ElementMatrix& out) const {
+  const Eigen::Index n = functions.size(), c = mesh_.components();
+  out.resize(c * n, std::ssize(inverse_));
+  for (std::size_t q = 0; q < inverse_.size(); ++q) {
+    const auto column = static_cast<Eigen::Index>(q);
+    const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>> local(
+        &functions.gradient[q * static_cast<std::size_t>(n) * 3], n, 3);
+    if (c == 1)
+      out.col(column) = local.col(0) * inverse_[q](0, 0);
+    else
+      for (Eigen::Index a = 0; a < n; ++a)
+        out.block<3, 1>(3 * a, column) = inverse_[q] * local.row(a).transpose();
+  }
+}
+
+void to_stiffness(const Material& material, int components, ElementMatrix& product) {
+  if (components == 1) {
+    product *= material.lambda;
+    return;
+  }
+  for (Eigen::Index a = 0; a < product.rows(); a += 3)
+    for (Eigen::Index b = 0; b < product.cols(); b += 3) {
+      const Eigen::Matrix3d h = product.block<3, 3>(a, b);
+      Eigen::Matrix3d k = material.lambda * h + material.mu * h.transpose();
+      k.diagonal().array() += material.mu * h.trace();
+      product.block<3, 3>(a, b) = k;
+    }
+}
+
+}  // namespace ricochet::elasticity

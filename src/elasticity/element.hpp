@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Internal to src/elasticity: integrals over one element.
+#pragma once
+
+#include <Eigen/Dense>
+#include <cstdint>
+#include <vector>
+
+#include "src/mesh/mesh.hpp"
+#include "src/mesh/reference.hpp"
+
+namespace ricochet::elasticity {
+
+using ElementMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+struct Material {
+  double density, lambda, mu;  ///< rods: ρA, EA, 0
+};
+
+Material material_of(const scene::Material& material, int dim);
+
+/// Functions on an element, by their values and gradients at the quadrature points.
+struct Functions {
+  Eigen::MatrixXd value;           ///< (q, n)
+  std::vector<double> gradient{};  ///< (q, n, 3) in local coordinates
+  Eigen::Index size() const { return value.cols(); }
+};
+
+Functions functions_of(const mesh::Basis& basis);
+
+/// Quadrature points of the elements of one block, and their Jacobians in one element after another.
+class ElementPoints {
+ public:
+  /// @param block  of the mesh, which must outlive this
+  /// @param degree  of the polynomials that the rule integrates in elements with constant Jacobians; others
+  /// get two more, which keeps the patch test exact up to order 4 (cofactors have degree 2(p − 1), gradients
+  /// p − 1)
+  ElementPoints(const mesh::Mesh& mesh, const mesh::Block& block, int degree);
+
+  const mesh::ReferenceElement& reference() const { return reference_; }
+  const std::vector<double>& local() const { return rule_.local; }  ///< (q,3)
+  /// The shape functions of the elements.
+  const Functions& shapes() const { return shapes_; }
+
+  /// Goes to an element. @param nodes  local numbers in the mesh
+  /// @return false if the Jacobian is not positive everywhere
+  bool move_to(const std::int64_t* nodes);
+
+  const Eigen::VectorXd& measure() const { return measure_; }  ///< (q) weight × Jacobian
+  const Eigen::Matrix<double, Eigen::Dynamic, 3>& position() const { return position_; }  ///< (n,3) of nodes
+
+  /// Gradients of functions in space: (c n, q); along the axis of rods, c = 1.
+  void gradients(const Functions& functions, ElementMatrix& out) const;
+
+ private:
+  const mesh::Mesh& mesh_;
+  int n_;
+  mesh::ReferenceElement reference_;
+  mesh::Quadrature rule_;
+  Functions shapes_;
+  Eigen::VectorXd measure_;
+  std::vector<Eigen::Matrix3d> inverse_;  ///< (q) of the Jacobian; rods: 1/slope in the first entry
+  Eigen::Matrix<double, Eigen::Dynamic, 3> position_;
+};
+
+/// K_ab = ∫ λ ∇v_a ∇u_bᵀ + μ ∇u_b ∇v_aᵀ + μ (∇v_a·∇u_b) I from ∫ ∂_i v_a ∂_j u_b at (ca + i, cb + j).
+/// @param product  replaced by K. It has one row for each component of each function v.
+void to_stiffness(const Material& material, int components, ElementMatrix& product);
+
+}  // namespace ricochet::elasticity
