@@ -172,7 +172,7 @@ bool StruckBody::step() noexcept {
     for (Eigen::Index i = slot * points_; i < slot * points_ + count_[slot]; ++i)
       law_.free(i) = dot(&B_(i, 0), next.data(), n);
   law_.start.head(rows_) = u_.head(rows_);
-  const contact::StepTrial trial = law_.solve({.M = M_, .R = R_, .S = S_, .S_mean = S_mean_}, mean_, nullptr);
+  const contact::StepTrial trial = law_.solve({.R = R_, .S = S_, .S_mean = S_mean_}, mean_, nullptr);
   const auto force = law_.force().head(rows_);
 
   force_ = force.sum();

@@ -94,6 +94,7 @@ ContactLaw::ContactLaw(const Model& model, const StepOptions& options)
   if (!friction_.empty())
     for (ContactSolver* solver : {&euler_, &mean_})
       *solver = ContactSolver(static_cast<int>(capacity), options_of(options), true, !springs_.empty());
+  if (moves_) problem_.S = ReservedMatrix(capacity);
   const std::size_t pairs = model.pairs.size();
   if (pairs < 2) return;
   std::vector<Islands::Sides> sides;
@@ -102,8 +103,7 @@ ContactLaw::ContactLaw(const Model& model, const StepOptions& options)
   trials_.resize(model.bodies.size());
   next_.resize(pairs);
   credit_.resize(pairs);
-  for (ReservedMatrix* x : {&problem_.M, &problem_.R, &problem_.S, &problem_.S_mean})
-    *x = ReservedMatrix(capacity);
+  for (ReservedMatrix* x : {&problem_.R, &problem_.S, &problem_.S_mean}) *x = ReservedMatrix(capacity);
 }
 
 void ContactLaw::hold(std::span<const int> rows) noexcept {
@@ -123,21 +123,30 @@ void ContactLaw::change_matrices() noexcept {
   mean_.change_matrix();
 }
 
+/// M = (S_mean − R)/a. Steps of backward Euler do not use M p.
+void ContactLaw::know_products(const StepMatrices& matrices, const MeanForce& before) noexcept {
+  if (std::exchange(knows_products_, true)) return;
+  const auto k = static_cast<std::size_t>(std::ssize(rows_));
+  const auto products = [&](const Symmetric& matrix, Vector& of_now, Vector& of_before) {
+    of_now.head(std::ssize(rows_)).setZero();
+    of_before.head(std::ssize(rows_)).setZero();
+    if (matrix.size() == 0) return;
+    simd::ColumnSum now(k, of_now.data()), then(k, of_before.data());
+    for (std::size_t j = 0; j < k; ++j) {
+      const double* const column = matrix.col(static_cast<Index>(j)).data();
+      if (const double force = before.end()(rows_[j]); force != 0) now.subtract(column, -force);
+      if (const double force = before.before()(rows_[j]); force != 0) then.subtract(column, -force);
+    }
+  };
+  products(matrices.R, now_.R, before_.R);
+  if (!before.is_conserving()) return;
+  products(matrices.S_mean, now_.M, before_.M);
+  for (Products* x : {&now_, &before_})
+    x->M.head(std::ssize(rows_)) = (x->M - x->R).head(std::ssize(rows_)) / conserving_mean.end;
+}
+
 StepTrial ContactLaw::solve(const StepMatrices& matrices, const MeanForce& before, Slip* slip) noexcept {
-  const Index k = std::ssize(rows_);
-  if (!knows_products_) {
-    const auto product = [&](const Symmetric& matrix, const Vector& forces, Vector& out) {
-      out.head(k).setZero();
-      if (matrix.size() == 0) return;
-      simd::ColumnSum sum(static_cast<std::size_t>(k), out.data());
-      for (Index j = 0; j < k; ++j)
-        if (const double force = forces(rows_[j]); force != 0) sum.subtract(matrix.col(j).data(), -force);
-    };
-    product(matrices.R, before.end(), now_.R);
-    product(matrices.M, before.end(), now_.M);
-    product(matrices.M, before.before(), before_.M);
-  }
-  knows_products_ = true;
+  know_products(matrices, before);
   if (slip != nullptr) slip->begin_trial();
   islands_.separate();
   for (std::optional<StepTrial>& trial : trials_) trial.reset();
@@ -180,10 +189,17 @@ bool ContactLaw::merge_at_closed_points(const StepMatrices& matrices, const Mean
   for (Index i = 0; i < k; ++i) {
     if (!is_between(i)) continue;
     const int pair = before.pair_of_row()[rows_[i]];
-    after_.R(i) = matrices.R.size() > 0 ? matrices.R.row(i).head(k).dot(end_.head(k)) : 0;
-    after_.M(i) = matrices.M.row(i).head(k).dot(end_.head(k));
-    yielded_(i) = after_.R(i);
-    u_(i) = free(i) - matrices.M.row(i).head(k).dot(force_.head(k)) - after_.R(i);
+    const auto product = [&](const Symmetric& matrix, const Vector& x) {
+      return matrix.size() > 0 ? matrix.col(i).head(k).dot(x.head(k)) : 0;
+    };
+    const bool conserving = before.is_conserving();
+    const auto in_modes = [&](const Vector& x) {
+      const double both = product(conserving ? matrices.S_mean : matrices.S, x) - product(matrices.R, x);
+      return conserving ? both / conserving_mean.end : both;
+    };
+    after_.R(i) = yielded_(i) = product(matrices.R, end_);
+    after_.M(i) = in_modes(end_);
+    u_(i) = free(i) - in_modes(force_) - after_.R(i);
     if (u_(i) <= gap_(rows_[i])) continue;
     if (islands_.joins(pair)) continue;  // another point has just closed
     trials_[islands_.of_a(pair)].reset();
@@ -225,7 +241,10 @@ StepTrial ContactLaw::solve_island(int island, const StepMatrices& matrices, con
     p.last = p.held;
     p.has_matrices = false;
   }
-  if (!all && !p.has_matrices) gather(matrices, before.is_conserving());
+  if (!p.has_matrices) {
+    p.S.begin(0);
+    if (!all) gather(matrices);
+  }
   p.has_matrices = true;
   gather(before, slip);
 
@@ -240,8 +259,7 @@ StepTrial ContactLaw::solve_island(int island, const StepMatrices& matrices, con
     reserve += pair.reserve;
   }
   const StepMatrices part =
-      all ? matrices
-          : StepMatrices{.M = p.M.view(), .R = p.R.view(), .S = p.S.view(), .S_mean = p.S_mean.view()};
+      all ? matrices : StepMatrices{.R = p.R.view(), .S = p.S.view(), .S_mean = p.S_mean.view()};
   const auto left = [&](const StepTrial& trial) { return bank + trial.removed - trial.heat; };
   const bool mean = before.is_conserving() && !shock;
   MeanForce::Pair next{.weights = mean ? conserving_mean : backward_euler, .restarts = shock};
@@ -288,13 +306,16 @@ void ContactLaw::store_forces() noexcept {
 }
 
 /// Gathers the matrices of an island.
-void ContactLaw::gather(const StepMatrices& matrices, bool conserving) noexcept {
+void ContactLaw::gather(const StepMatrices& matrices) noexcept {
   Island& p = problem_;
   const Index n = std::ssize(p.held);
-  p.M.begin(n) = matrices.M(p.held, p.held);
-  p.S.begin(n) = matrices.S(p.held, p.held);
-  if (matrices.R.size() > 0) p.R.begin(n) = matrices.R(p.held, p.held);
-  if (conserving) p.S_mean.begin(n) = matrices.S_mean(p.held, p.held);
+  const auto take = [&](const Symmetric& from, ReservedMatrix& to) {
+    auto out = to.begin(from.size() > 0 ? n : 0);
+    if (from.size() > 0) out = from(p.held, p.held);
+  };
+  take(matrices.R, p.R);
+  take(matrices.S, p.S);
+  take(matrices.S_mean, p.S_mean);
 }
 
 /// Gathers displacements, forces and contacts of an island.
@@ -391,12 +412,23 @@ void ContactLaw::account(const FrictionSolver* friction, Slip* slip, StepTrial& 
   }
 }
 
+/// S of the island. If it is not given, it is S_mean/a − (1/a − 1) R.
+Symmetric ContactLaw::whole(const StepMatrices& matrices) noexcept {
+  if (matrices.S.size() > 0) return matrices.S;
+  const ReservedMatrix& known = problem_.S;
+  if (known.view().size() > 0) return known.view();
+  auto S = problem_.S.begin(problem_.size);
+  S = matrices.S_mean / conserving_mean.end;
+  if (matrices.R.size() > 0) S -= (1 / conserving_mean.end - 1) * matrices.R;
+  return S;
+}
+
 /// Solves an island with a mean.
 StepTrial ContactLaw::attempt(const StepMatrices& matrices, const MeanWeights& weights, Slip* slip) noexcept {
   Island& p = problem_;
   const Index n = p.size;
   const bool euler = weights == backward_euler;
-  const Symmetric& S = euler ? matrices.S : matrices.S_mean;
+  const Symmetric S = euler ? whole(matrices) : matrices.S_mean;
   StepTrial out;
   const FrictionSolver* friction = nullptr;
   bool has_product = false;

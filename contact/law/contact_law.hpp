@@ -29,10 +29,10 @@ namespace ricochet::contact {
 
 /// Flexibilities of k held rows over a step: the leading (k,k) of each matrix.
 struct StepMatrices {
-  Symmetric M;       ///< of the modes
   Symmetric R;       ///< residual; empty: 0
-  Symmetric S;       ///< M + R
+  Symmetric S;       ///< M + R; empty: it is computed from the others when a step needs it
   Symmetric S_mean;  ///< a M + R; unused unless steps are conserving
+  static Symmetric none() { return Eigen::Map<const Eigen::MatrixXd>(nullptr, 0, 0); }
 };
 
 /// A step of an island, or of all, that is solved but not accepted yet.
@@ -78,6 +78,10 @@ class ContactLaw {
   /// û and u before the step [m]; the caller sets them before `solve`
   Vector free, start;
 
+  /// Computes R p and M p of the forces so far, unless they are known.
+  void know_products(const StepMatrices& matrices, const MeanForce& before) noexcept;
+  const Vector& rest() const { return now_.R; }  ///< R p by these forces [m]
+
   /// Solves the step. @param before  the forces so far  @param slip  null if no point has friction
   StepTrial solve(const StepMatrices& matrices, const MeanForce& before, Slip* slip) noexcept;
   /// Completes the step that was solved last. @param end  (n) p⁺, in rows of the model
@@ -103,7 +107,7 @@ class ContactLaw {
     std::vector<int> pair, law;
     std::vector<PatchSpring> springs;
     std::vector<FrictionContact> contacts;
-    ReservedMatrix M, R, S, S_mean;  ///< of an island that does not hold all rows
+    ReservedMatrix R, S, S_mean;  ///< of an island that does not hold all rows; S also if it is computed
   };
 
   ContactLaw(Eigen::Index rows, Eigen::Index capacity, const SolveOptions& solver, bool springs);
@@ -112,8 +116,9 @@ class ContactLaw {
   void store_forces() noexcept;
   StepTrial solve_island(int island, const StepMatrices& matrices, const MeanForce& before,
                          Slip* slip) noexcept;
-  void gather(const StepMatrices& matrices, bool conserving) noexcept;
+  void gather(const StepMatrices& matrices) noexcept;
   void gather(const MeanForce& before, const Slip* slip) noexcept;
+  Symmetric whole(const StepMatrices& matrices) noexcept;
   bool begin_with(const MeanWeights& weights) noexcept;
   void account(const FrictionSolver* friction, Slip* slip, StepTrial& out) noexcept;
   StepTrial attempt(const StepMatrices& matrices, const MeanWeights& weights, Slip* slip) noexcept;

@@ -21,17 +21,18 @@ constexpr double parallel = 0.02;
 
 /// The element whose chords are nearest to x. Eigen::BVMinimize would allocate.
 struct NearestElement {
+  void look_at(int element) noexcept {
+    const auto& corner = surface.element[static_cast<std::size_t>(element)].corner;
+    const auto node = [&](std::size_t j) { return surface.node[static_cast<std::size_t>(corner[j])]; };
+    const double square = square_distance(x, {node(0), node(1), node(2)});
+    if (square >= least) return;
+    least = square;
+    nearest = element;
+  }
   void search(int index) noexcept {
     const int *volume = nullptr, *volumes = nullptr, *object = nullptr, *objects = nullptr;
     tree.getChildren(index, volume, volumes, object, objects);
-    for (; object != objects; ++object) {
-      const auto& corner = surface.element[static_cast<std::size_t>(*object)].corner;
-      const auto node = [&](std::size_t j) { return surface.node[static_cast<std::size_t>(corner[j])]; };
-      const double square = square_distance(x, {node(0), node(1), node(2)});
-      if (square >= least) continue;
-      least = square;
-      nearest = *object;
-    }
+    for (; object != objects; ++object) look_at(*object);
     std::array<std::pair<double, int>, 2> boxes;  // nearest first
     std::size_t count = 0;
     for (; volume != volumes; ++volume)
@@ -125,9 +126,10 @@ Foot BodySurface::foot_on(int number, const Vector3d& x) const noexcept {
   return out;
 }
 
-Foot BodySurface::closest(const Vector3d& x, double within) const noexcept {
+Foot BodySurface::closest(const Vector3d& x, double within, int guess) const noexcept {
   NearestElement nearest{
       .surface = surface(), .tree = projection_.elements(), .x = x, .least = within * within};
+  if (guess >= 0) nearest.look_at(guess);
   nearest.search(projection_.elements().getRootIndex());
   return nearest.nearest < 0 ? Foot{} : foot_on(nearest.nearest, x);
 }

@@ -31,9 +31,9 @@ class BodySurface {
   double element_size() const { return element_size_; }  ///< the largest [m]
 
   /// The foot of x, by a search through the tree. @param within  farther elements are not found; without one,
-  /// the element is −1 [m]
-  Foot closest(const Eigen::Vector3d& x,
-               double within = std::numeric_limits<double>::infinity()) const noexcept;
+  /// the element is −1 [m] @param guess  an element that may be near, or −1
+  Foot closest(const Eigen::Vector3d& x, double within = std::numeric_limits<double>::infinity(),
+               int guess = -1) const noexcept;
   /// The foot of x near an earlier one.
   Foot follow(const Foot& earlier, const Eigen::Vector3d& x) const noexcept;
 

@@ -60,7 +60,8 @@ FloatingBody::FloatingBody(const Model& model, const Bodies::Block& block)
       inertia(block.supported ? Inertia::infinite() : Inertia::of(block.own_inertia())),
       start(block.centre),
       position(start),
-      attitude(block.rotation) {
+      attitude(block.rotation),
+      axes(attitude.toRotationMatrix()) {
   check(model, block);
   const auto momentum_of = block.momentum.leftCols(frame_modes);
   Eigen::Matrix<double, 3, Eigen::Dynamic> about = block.angular_momentum.leftCols(frame_modes);
@@ -73,15 +74,16 @@ FloatingBody::FloatingBody(const Model& model, const Bodies::Block& block)
 }
 
 double FloatingBody::kinetic() const {
-  const Vector3d own = attitude.conjugate() * momentum;
+  const Vector3d own = axes.transpose() * momentum;
   return 0.5 * mass * velocity.squaredNorm() + 0.5 * own.dot(inertia.inverse * own);
 }
 
 void FloatingBody::move_to(const Pose& pose) noexcept {
   start = position = pose.position;
   attitude = pose.attitude;
+  axes = attitude.toRotationMatrix();
   velocity = pose.velocity;
-  momentum = attitude * (inertia.tensor * (attitude.conjugate() * pose.spin));
+  momentum = axes * (inertia.tensor * (axes.transpose() * pose.spin));
 }
 
 void FloatingBody::leave() noexcept {
@@ -94,19 +96,22 @@ void FloatingBody::leave() noexcept {
 
 Vector3d FloatingBody::drift(double time) noexcept {
   add(time * velocity, position, position_carry);
-  return turn_freely(attitude, momentum, inertia, time, of_contact);
+  const Vector3d turned = turn_freely(attitude, momentum, inertia, time, of_contact);
+  axes = attitude.toRotationMatrix();
+  return turned;
 }
 
 Vector3d FloatingBody::fly(double time) noexcept {
   add(time * velocity + 0.5 * time * time * acceleration(), position, position_carry);
   add(time * acceleration(), velocity, velocity_carry);
-  return fly_freely(attitude, momentum, inertia, time, of_flight);
+  const Vector3d turned = fly_freely(attitude, momentum, inertia, time, of_flight);
+  axes = attitude.toRotationMatrix();
+  return turned;
 }
 
-Vector3d FloatingBody::free_displacement(const Vector3d& arm, double step) const {
+FloatingBody::FreeMotion FloatingBody::free_motion(double step) const {
   const Vector3d centre_moves = step * velocity + 0.5 * step * step * acceleration() + lag;
-  return attitude.conjugate() * centre_moves +
-         step * own_spin(momentum + 0.5 * step * (torque + load_torque)).cross(arm);
+  return {axes.transpose() * centre_moves, step * own_spin(momentum + 0.5 * step * (torque + load_torque))};
 }
 
 double FloatingBody::farthest(double radius, double step) const {
@@ -122,21 +127,21 @@ double FloatingBody::pull() const {
 
 /// The centre moves by Δ (v + v⁺)/2 and the lag, over which gravity and contact work as well.
 double FloatingBody::kick(const Vector3d& contact, const Vector3d& moment, double step) noexcept {
-  const Vector3d velocity_before = velocity, momentum_before = momentum, pressed = attitude * contact;
+  const Vector3d velocity_before = velocity, momentum_before = momentum, pressed = axes * contact;
   if (inverse_mass == 0) return 0;
   add(step * (acceleration() + pressed * inverse_mass), velocity, velocity_carry);
   add(lag, position, position_carry);
   const Vector3d force = push + load, turning = torque + load_torque;
-  momentum += step * (turning + attitude * moment);
+  momentum += step * (turning + axes * moment);
   if (force.isZero(0) && turning.isZero(0) && lag.isZero(0)) return 0;
   return 0.5 * step *
              (force.dot(velocity_before + velocity) +
-              turning.dot(attitude * own_spin(momentum_before + momentum))) -
+              turning.dot(axes * own_spin(momentum_before + momentum))) -
          lag.dot(mass * gravity + pressed);
 }
 
 void FloatingBody::write_rates(Vector& rates) const noexcept {
-  rates.segment(first_mode, frame_modes).noalias() = linear * velocity + spin * (attitude * own_spin());
+  rates.segment(first_mode, frame_modes).noalias() = linear * velocity + spin * (axes * own_spin());
 }
 
 std::vector<FloatingBody> floating_bodies(const Model& model) {

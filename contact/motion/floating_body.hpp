@@ -34,6 +34,7 @@ struct FloatingBody {
   Eigen::Vector3d velocity{0, 0, 0};
   Eigen::Vector3d momentum{0, 0, 0};  ///< angular, about the centre [kg m²/s]
   Eigen::Quaterniond attitude;        ///< from body axes
+  Eigen::Matrix3d axes;               ///< the same as a matrix: body axes in world axes
 
   // From outside, about the centre, world axes: constant over a step
   Eigen::Vector3d push{0, 0, 0};    ///< force [N]
@@ -52,18 +53,22 @@ struct FloatingBody {
   /// Angular velocity in body axes [rad/s].
   Eigen::Vector3d own_spin() const { return own_spin(momentum); }
   Eigen::Vector3d own_spin(const Eigen::Vector3d& angular_momentum) const {
-    return inertia.inverse * (attitude.conjugate() * angular_momentum);
+    return inertia.inverse * (axes.transpose() * angular_momentum);
   }
   /// Without contact [m/s²].
   Eigen::Vector3d acceleration() const { return gravity + inverse_mass * (push + load); }
-  /// Displacement of a point in a step without contact, body axes [m]. @param arm  body axes
-  Eigen::Vector3d free_displacement(const Eigen::Vector3d& arm, double step) const;
+  /// Of the frame in a step without contact, body axes [m], [rad].
+  struct FreeMotion {
+    Eigen::Vector3d shift{0, 0, 0}, turn{0, 0, 0};
+    Eigen::Vector3d at(const Eigen::Vector3d& arm) const { return shift + turn.cross(arm); }
+  };
+  FreeMotion free_motion(double step) const;
   /// The largest one of points within a radius of the centre [m].
   double farthest(double radius, double step) const;
   /// By how much gravity and what acts from outside, but not loads, raise (2E)^½ in a time, at most
   /// [J^½/s].
   double pull() const;
-  Pose pose() const { return {position, attitude, velocity, attitude * own_spin()}; }
+  Pose pose() const { return {position, attitude, velocity, axes * own_spin()}; }
   double kinetic() const;  ///< [J]
   /// Work of gravity since t = 0 [J].
   double work_of_gravity() const { return mass * gravity.dot(position - start); }

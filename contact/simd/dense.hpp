@@ -8,15 +8,30 @@
 
 namespace ricochet::contact::simd {
 
-/// A point of a body: the mean displacement of up to three candidates and of its frame, along three
-/// directions.
+/// A point of a body: the mean displacement of up to three candidates and of its frame, along its rows.
 struct Lever {
-  double direction[3][4];   ///< columns of the directions (3,3) in body axes; the last entries are 0
-  double moment[3][4];      ///< the same of −D r̂, with the arm r of the point
+  double direction[3][3];   ///< its rows, in body axes
+  double arm[3];            ///< from the centre of the body, in its axes
   double weight[3];         ///< of its candidates
-  std::size_t at[3];        ///< first row of each among the rows of all candidates
-  std::size_t count;        ///< of candidates
+  std::size_t at[3];        ///< their places among those of the body
+  std::size_t count;        ///< of them
   std::size_t first, rows;  ///< its rows in the matrix of all points: 1, or 3
+};
+
+/// How a body yields to forces, in its axes.
+struct Yield {
+  /// Blocks (2,3,3) of M and of R between candidates, for each column and row, with the distance of columns.
+  const double* blocks;
+  std::size_t stride;
+  bool has_residual;  ///< whether R is not 0
+  double share;       ///< a, by which M is multiplied
+  double shift;       ///< of the frame under a unit force, times a
+  double turn[3][3];  ///< of the frame under a unit moment, times a
+};
+
+/// Constants of modes in a step, and constant loads on them.
+struct Oscillators {
+  const double *b, *c, *e, *h, *stiffness, *damp_ss, *damp_sr, *damp_rr, *load, *applied;
 };
 
 struct Dense {
@@ -30,13 +45,25 @@ struct Dense {
   /// x (n) = (L Lᵀ)⁻¹ x of a lower triangle L. Faster than blocked solvers for some tens of rows.
   /// @param reciprocal  (n) of the diagonal of L
   void (*solve_factor)(std::size_t n, const double* L, std::size_t of_L, const double* reciprocal, double* x);
-  /// y_k = row_k · x of three rows (n).
-  void (*three_products)(std::size_t n, const double* const* row, const double* x, double* y);
-  /// Adds to the columns of the first lever, in its rows and below, the displacements of the levers: to A
-  /// those of candidates (of_u,3), u, and of the frame, D (shift + θ × r) with shift (3,3) and θ = turn
-  /// (3,3); to B those of candidates v, unless v is null. One number beyond each column of u and v is read.
-  void (*displace)(const Lever* levers, std::size_t count, const double* u, const double* v, std::size_t of_u,
-                   const double* shift, const double* turn, double* A, double* B, std::size_t of_A);
+  /// y_k = row_k · x of rows (n), a multiple of three of them, with their distance.
+  void (*row_products)(std::size_t rows, std::size_t n, const double* A, std::size_t of_A, const double* x,
+                       double* y);
+  /// x (n) += Σ_k y_k row_k of the same.
+  void (*add_rows)(std::size_t rows, std::size_t n, const double* A, std::size_t of_A, const double* y,
+                   double* x);
+  /// A step of modes (n) under forces: g = load + push − stiffness q, Δq = b q̇ + c g, q̇⁺ = e q̇ + h g. Adds
+  /// the work of damping and Σ applied Δq to work (2).
+  void (*move_modes)(std::size_t n, const Oscillators& of, const double* push, const double* q,
+                     const double* v, double* next_q, double* next_v, double* work);
+  /// Adds to rows of `out` (n,8) the displacements of levers under unit forces along the rows of the first
+  /// one: a M + R to columns 0, 1, 2; R to 4, 5, 6.
+  /// @param from, to  places among which those of the levers are  @param u  (to,24) scratch
+  void (*displace)(const Yield& body, const Lever* levers, std::size_t count, std::size_t from,
+                   std::size_t to, double* u, double* out);
+  /// Sets the columns `first` and on, 1 or 3, of symmetric S and R (n,n) and the rows across from them to
+  /// what `displace` gave, on and below the diagonal. The entries of R are not set if it is null.
+  void (*spread)(std::size_t n, std::size_t first, std::size_t columns, const double* out, double* S,
+                 double* R, std::size_t stride);
 };
 
 /// Of this processor.

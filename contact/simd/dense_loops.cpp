@@ -127,73 +127,163 @@ void solve_factor(std::size_t n, const double* L, std::size_t of_L, const double
   }
 }
 
-void three_products(std::size_t n, const double* const* row, const double* x, double* y) {
-  V::type sum[3][2] = {};
+template <std::size_t rows>
+void row_products_tile(std::size_t n, Tile<const double> A, const double* x, double* y) {
+  constexpr std::size_t registers = (rows + V::size - 1) / V::size * V::size;
+  V::type sum[registers] = {};
   std::size_t i = 0;
-  for (; i + 2 * V::size <= n; i += 2 * V::size)
-    for (std::size_t r = 0; r < 2; ++r) {
-      const auto xi = V::load(x + i + r * V::size);
-      for (std::size_t k = 0; k < 3; ++k) sum[k][r] += V::load(row[k] + i + r * V::size) * xi;
-    }
-  for (std::size_t k = 0; k < 3; ++k) {
-    y[k] = V::sum(sum[k][0] + sum[k][1]);
-    for (std::size_t rest = i; rest < n; ++rest) y[k] += row[k][rest] * x[rest];
+  for (; i + V::size <= n; i += V::size) {
+    const auto xi = V::load(x + i);
+    for (std::size_t k = 0; k < rows; ++k) sum[k] += V::load(A.column(k) + i) * xi;
+  }
+  double total[registers];
+  for (std::size_t k = 0; k < registers; k += V::size) V::store(total + k, V::sums(sum + k));
+  for (; i < n; ++i)
+    for (std::size_t k = 0; k < rows; ++k) total[k] += A.column(k)[i] * x[i];
+  for (std::size_t k = 0; k < rows; ++k) y[k] = total[k];
+}
+
+template <std::size_t rows>
+void add_rows_tile(std::size_t n, Tile<const double> A, const double* y, double* x) {
+  std::size_t i = 0;
+  for (; i + V::size <= n; i += V::size) {
+    auto sum = V::load(x + i);
+    for (std::size_t k = 0; k < rows; ++k) sum += y[k] * V::load(A.column(k) + i);
+    V::store(x + i, sum);
+  }
+  for (; i < n; ++i)
+    for (std::size_t k = 0; k < rows; ++k) x[i] += y[k] * A.column(k)[i];
+}
+
+constexpr std::size_t most_rows = 6;  // at once: sums of that many rows do not wait for one another
+
+void row_products(std::size_t rows, std::size_t n, const double* A, std::size_t of_A, const double* x,
+                  double* y) {
+  std::size_t k = 0;
+  for (; k + most_rows <= rows; k += most_rows)
+    row_products_tile<most_rows>(n, {A + k * of_A, of_A}, x, y + k);
+  for (; k < rows; k += 3) row_products_tile<3>(n, {A + k * of_A, of_A}, x, y + k);
+}
+
+void add_rows(std::size_t rows, std::size_t n, const double* A, std::size_t of_A, const double* y,
+              double* x) {
+  std::size_t k = 0;
+  for (; k + most_rows <= rows; k += most_rows) add_rows_tile<most_rows>(n, {A + k * of_A, of_A}, y + k, x);
+  for (; k < rows; k += 3) add_rows_tile<3>(n, {A + k * of_A, of_A}, y + k, x);
+}
+
+void move_modes(std::size_t n, const Oscillators& m, const double* push, const double* q, const double* v,
+                double* next_q, double* next_v, double* work) {
+  V::type spent = {}, gained = {};
+  std::size_t i = 0;
+  for (; i + V::size <= n; i += V::size) {
+    const auto at = [&](const double* x) { return V::load(x + i); };
+    const auto q0 = at(q), v0 = at(v), g = at(m.load) + at(push) - at(m.stiffness) * q0,
+               dq = at(m.b) * v0 + at(m.c) * g;
+    spent += at(m.damp_ss) * g * g + at(m.damp_sr) * g * v0 + at(m.damp_rr) * v0 * v0;
+    gained += at(m.applied) * dq;
+    V::store(next_q + i, q0 + dq);
+    V::store(next_v + i, at(m.e) * v0 + at(m.h) * g);
+  }
+  work[0] += V::sum(spent);
+  work[1] += V::sum(gained);
+  for (; i < n; ++i) {
+    const double g = m.load[i] + push[i] - m.stiffness[i] * q[i], dq = m.b[i] * v[i] + m.c[i] * g;
+    work[0] += m.damp_ss[i] * g * g + m.damp_sr[i] * g * v[i] + m.damp_rr[i] * v[i] * v[i];
+    work[1] += m.applied[i] * dq;
+    next_q[i] = q[i] + dq;
+    next_v[i] = m.e[i] * v[i] + m.h[i] * g;
   }
 }
 
-/// Four numbers, the last of which is not used.
-struct Triple {
-  using Part = Lanes<double, (V::size < 4 ? V::size : 4)>;
-  static constexpr std::size_t parts = 4 / Part::size;
-  Part::type part[parts];
+using Eight = Lanes<double, 8>;
+using Pair = Lanes<double, 2>;
 
-  static Triple load(const double* x) {
-    Triple out;
-    for (std::size_t k = 0; k < parts; ++k) out.part[k] = Part::load(x + k * Part::size);
-    return out;
+/// The lanes are the rows of the first lever: of a M + R, and of R.
+void displace(const Yield& body, const Lever* levers, std::size_t count, std::size_t from, std::size_t to,
+              double* u, double* out) {
+  const Lever& pushed = levers[0];
+  const auto& D = pushed.direction;
+  Eight::type on_modes[3] = {}, on_residual[3] = {}, shift[3] = {}, turn[3] = {};
+  for (std::size_t c = 0; c < pushed.rows; ++c)
+    for (std::size_t z = 0; z < 3; ++z) {
+      on_modes[z][c] = body.share * D[c][z];
+      on_residual[z][c] = on_residual[z][4 + c] = D[c][z];
+      shift[z][c] = body.shift * D[c][z];
+      const double moment =
+          pushed.arm[(z + 1) % 3] * D[c][(z + 2) % 3] - pushed.arm[(z + 2) % 3] * D[c][(z + 1) % 3];
+      for (std::size_t y = 0; y < 3; ++y) turn[y][c] += body.turn[y][z] * moment;
+    }
+  for (std::size_t node = from; node < to; ++node) {
+    // The block of the mean of the candidates that are pushed
+    const auto block = [&](std::size_t j) { return body.blocks + 18 * (pushed.at[j] * body.stride + node); };
+    const double* of = block(0);
+    double mean[18];
+    if (pushed.count > 1) {
+      for (std::size_t k = 0; k < 18; k += Pair::size) {
+        auto sum = pushed.weight[0] * Pair::load(of + k);
+        for (std::size_t j = 1; j < pushed.count; ++j) sum += pushed.weight[j] * Pair::load(block(j) + k);
+        Pair::store(mean + k, sum);
+      }
+      of = mean;
+    }
+    for (std::size_t y = 0; y < 3; ++y) {
+      const double *const M = of + 3 * y, *const R = M + 9;
+      Eight::type moved = M[0] * on_modes[0] + M[1] * on_modes[1] + M[2] * on_modes[2];
+      if (body.has_residual) moved += R[0] * on_residual[0] + R[1] * on_residual[1] + R[2] * on_residual[2];
+      Eight::store(u + 8 * (3 * node + y), moved);
+    }
   }
-  double operator[](std::size_t i) const { return part[i / Part::size][i % Part::size]; }
-  void add(double factor, const Triple& x) {
-    for (std::size_t k = 0; k < parts; ++k) part[k] += factor * x.part[k];
-  }
-  void add_to(double* out, std::size_t count) const {
-    for (std::size_t k = 0; k < count; ++k) out[k] += (*this)[k];
-  }
-};
-
-void displace(const Lever* levers, std::size_t count, const double* u, const double* v, std::size_t of_u,
-              const double* shift, const double* turn, double* A, double* B, std::size_t of_A) {
   for (std::size_t f = 0; f < count; ++f) {
     const Lever& lever = levers[f];
-    Triple D[3], G[3];
-    for (std::size_t x = 0; x < 3; ++x) {
-      D[x] = Triple::load(lever.direction[x]);
-      G[x] = Triple::load(lever.moment[x]);
+    Eight::type moved[3];
+    for (std::size_t y = 0; y < 3; ++y) {
+      moved[y] = shift[y] + turn[(y + 1) % 3] * lever.arm[(y + 2) % 3];
+      moved[y] -= turn[(y + 2) % 3] * lever.arm[(y + 1) % 3];
     }
-    for (std::size_t i = 0; i < levers[0].rows; ++i) {
-      const std::size_t out = (levers[0].first + i) * of_A + lever.first;
-      const auto of_candidates = [&](const double* of) {
-        Triple mean{}, along{};
-        for (std::size_t j = 0; j < lever.count; ++j)
-          mean.add(lever.weight[j], Triple::load(of + i * of_u + lever.at[j]));
-        for (std::size_t x = 0; x < 3; ++x) along.add(mean[x], D[x]);
-        return along;
-      };
-      Triple moved = of_candidates(u);
-      for (std::size_t x = 0; x < 3; ++x) {
-        moved.add(shift[3 * i + x], D[x]);
-        moved.add(turn[3 * i + x], G[x]);
-      }
-      moved.add_to(A + out, lever.rows);
-      if (v != nullptr) of_candidates(v).add_to(B + out, lever.rows);
+    for (std::size_t j = 0; j < lever.count; ++j)
+      for (std::size_t y = 0; y < 3; ++y)
+        moved[y] += lever.weight[j] * Eight::load(u + 8 * (3 * lever.at[j] + y));
+    for (std::size_t x = 0; x < lever.rows; ++x) {
+      double* const at = out + 8 * (lever.first + x);
+      Eight::type sum = Eight::load(at);
+      for (std::size_t y = 0; y < 3; ++y) sum += lever.direction[x][y] * moved[y];
+      Eight::store(at, sum);
     }
+  }
+}
+
+void spread(std::size_t n, std::size_t first, std::size_t columns, const double* out, double* S, double* R,
+            std::size_t stride) {
+  double* const matrices[] = {S, R};
+  const std::size_t count = R != nullptr ? 2 : 1;
+  // The rows after the last one, up to a multiple of 8, belong to no other column.
+  const std::size_t whole = (first + 7) / 8 * 8;
+  for (std::size_t m = 0; m < count; ++m) {
+    double* const A = matrices[m];
+    const double* const of = out + 4 * m;
+    for (std::size_t c = 0; c < columns; ++c)
+      for (std::size_t i = first; i < n && i < whole; ++i) A[(first + c) * stride + i] = of[8 * i + c];
+    if (columns == 3)  // The fourth entry of a row is set later, with the next columns.
+      for (std::size_t i = first + columns; i < n; ++i)
+        Lanes<double, 4>::store(A + i * stride + first, Lanes<double, 4>::load(of + 8 * i));
+    else
+      for (std::size_t i = first + 1; i < n; ++i) A[i * stride + first] = of[8 * i];
+  }
+  for (std::size_t i = whole; i < n; i += 8) {
+    Eight::type x[8];
+    for (std::size_t k = 0; k < 8; ++k) x[k] = Eight::load(out + 8 * (i + k));
+    Eight::transpose(x);
+    for (std::size_t m = 0; m < count; ++m)
+      for (std::size_t c = 0; c < columns; ++c)
+        Eight::store(matrices[m] + (first + c) * stride + i, x[4 * m + c]);
   }
 }
 
 }  // namespace
 
 extern const Dense RICOCHET_DENSE;
-const Dense RICOCHET_DENSE{subtract_product, symmetric_product, subtract_columns,
-                           solve_factor,     three_products,    displace};
+const Dense RICOCHET_DENSE{subtract_product, symmetric_product, subtract_columns, solve_factor, row_products,
+                           add_rows,         move_modes,        displace,         spread};
 
 }  // namespace ricochet::contact::simd

@@ -47,6 +47,28 @@ struct Lanes {
       return sums<2 * s>(x);
     }
   }
+  /// Lane j is the entry j of a, or j ^ s of b if j has bit `s`.
+  template <std::size_t s, std::size_t... j>
+  static type take(type a, type b, std::index_sequence<j...>) {
+    return __builtin_shufflevector(a, b, ((j & s) != 0 ? count + (j ^ s) : j)...);
+  }
+  template <std::size_t s, std::size_t... j>
+  static type leave(type a, type b, std::index_sequence<j...>) {
+    return __builtin_shufflevector(a, b, ((j & s) != 0 ? count + j : j ^ s)...);
+  }
+  /// Exchanges the lanes j of x[k] and k of x[j], for `count` registers.
+  template <std::size_t s = 1>
+  static void transpose(type* x) {
+    if constexpr (s < count) {
+      for (std::size_t k = 0; k < count; ++k) {
+        if ((k & s) != 0) continue;
+        const type a = x[k], b = x[k + s];
+        x[k] = take<s>(a, b, std::make_index_sequence<count>());
+        x[k + s] = leave<s>(a, b, std::make_index_sequence<count>());
+      }
+      transpose<2 * s>(x);
+    }
+  }
 };
 
 }  // namespace

@@ -53,7 +53,6 @@ KeptPoints<T>::KeptPoints(const BlockSystem<T>& system)
       ended_(Vector::Zero(system.points)),
       S_(system.points),
       S_mean_(system.plain->conserving ? system.points : 0),
-      M_(system.points),
       R_(system.yields ? system.points : 0),
       lag_(system.points * system.length * system.width),
       pushed_(ended_),
@@ -92,18 +91,18 @@ void KeptPoints<T>::gather(const BlockSystem<T>& system, const BlockForce<T>& he
     has_lags_.assign(gathered_.size(), 0);
     near_width_ = simd::padded(gathered_.size(), simd::point_pad);
     lag_.resize(gathered_.size() * system.length * near_width_);
-    auto M = M_.begin(n), S = S_.begin(n);
+    auto S = S_.begin(n);
     for (Eigen::Index j = 0; j < n; ++j)
-      for (Eigen::Index i = 0; i < n; ++i) M(i, j) = S(i, j) = system.matrices->M(rows_[j], rows_[i]);
+      for (Eigen::Index i = 0; i < n; ++i) S(i, j) = system.matrices->M(rows_[j], rows_[i]);
     if (system.yields) {
       auto R = R_.begin(n);
       for (Eigen::Index j = 0; j < n; ++j)
         for (Eigen::Index i = 0; i < n; ++i) R(i, j) = system.plain->model->R(rows_[j], rows_[i]);
+      if (system.plain->conserving) S_mean_.begin(n) = conserving_mean.end * S + R;
       S += R;
-      if (system.plain->conserving) S_mean_.begin(n) = conserving_mean.end * M + R;
     }
   }
-  const auto [M, R, S, S_mean] = matrices();
+  const auto [R, S, S_mean] = matrices();
   pushed_.head(n).setZero();
   yielded_.head(n).setZero();
   for (Eigen::Index k = 0; k < n; ++k)

@@ -157,7 +157,7 @@ StepStatus FloatingStepper::step() noexcept {
     for (std::size_t j = 0; j < points_.rows().size(); ++j)
       if (const auto spring = points_.spring(j)) law_.spring(points_.rows()[j]) = *spring;
   const StepMatrices matrices =
-      points_.matrices(bodies_, options_.step, contact_.mean.is_conserving() ? conserving_mean.end : 0);
+      points_.matrices(bodies_, options_.step, contact_.mean.is_conserving() ? conserving_mean.end : 1);
   const auto k = std::ssize(points_.rows());
   end_before_.head(k) = end_force()(points_.rows());
   std::copy(contact_.mean.pairs().begin(), contact_.mean.pairs().end(), pairs_before_.begin());
@@ -266,14 +266,7 @@ PatchSpring FloatingStepper::spring_of(int row) noexcept {
 void FloatingStepper::carry_forces(const StepMatrices& matrices) noexcept {
   const auto rows = points_.rows();
   const Model& model = *state_.system->model;
-  const auto product = [&] {
-    rest_.head(std::ssize(rows)).setZero();
-    simd::ColumnSum sum(rows.size(), rest_.data());
-    for (std::size_t j = 0; j < rows.size(); ++j)
-      if (const double p = end_force()(rows[j]); p != 0)
-        sum.subtract(matrices.R.col(static_cast<Index>(j)).data(), -p);
-  };
-  product();
+  law_.know_products(matrices, contact_.mean);
   const auto pairs = static_cast<int>(model.pairs.size());
   const bool springs = !state_.system->springs.empty();
   const auto carries = [&](int pair) {
@@ -294,7 +287,7 @@ void FloatingStepper::carry_forces(const StepMatrices& matrices) noexcept {
     for (std::size_t j = 0; j < rows.size(); ++j)
       if (islands_.of(points_.pair_of(j)) == island) {
         const double p = end_force()(rows[j]);
-        now += 0.5 * p * rest_(static_cast<Index>(j));
+        now += 0.5 * p * law_.rest()(static_cast<Index>(j));
         if (const PatchSpring spring = spring_of(rows[j]); spring.bulge > 0) now += spring.energy(p);
       }
     missing = now;
@@ -309,7 +302,11 @@ void FloatingStepper::carry_forces(const StepMatrices& matrices) noexcept {
       if (islands_.of(pair) == island) contact_.mean.reduce(pair, share);
     reduced = true;
   }
-  if (reduced) product();
+  if (reduced) {
+    law_.change_matrices();
+    law_.know_products(matrices, contact_.mean);
+  }
+  rest_.head(std::ssize(rows)) = law_.rest().head(std::ssize(rows));
   for (std::size_t j = 0; j < rows.size(); ++j)
     if (const PatchSpring spring = spring_of(rows[j]); spring.bulge > 0)
       rest_(static_cast<Index>(j)) += spring.displacement(end_force()(rows[j]));
@@ -344,21 +341,27 @@ Work FloatingStepper::move_modes(const ModeConstants& over) noexcept {
     for (const int n : state_.system->model->folded.modes) dq_(n) = 0;
     return state_.forcing.advance(state_.now, dq_, state_.next_q, state_.next_v);
   }
-  Work work;
+  double work[2] = {0, 0};
   const ForcedResponse::Piece& piece = state_.forcing.piece();
   for (const FloatingBody& body : bodies_) {
     if (!body.moves()) continue;
-    for (Index n = body.first_elastic(); n < body.first_elastic() + body.elastic(); ++n) {
-      const double q = state_.q(n), v = state_.v(n),
-                   g = piece.load(n) + modal_force_(n) - state_.system->stiffness(n) * q,
-                   dq = over.b(n) * v + over.c(n) * g;
-      work.damping += over.damp_ss(n) * g * g + over.damp_sr(n) * g * v + over.damp_rr(n) * v * v;
-      work.forcing += piece.applied(n) * dq;
-      state_.next_q(n) = q + dq;
-      state_.next_v(n) = over.e(n) * v + over.h(n) * g;
-    }
+    const Index first = body.first_elastic();
+    const auto of = [&](const Vector& x) { return x.data() + first; };
+    simd::dense().move_modes(static_cast<std::size_t>(body.elastic()),
+                             {.b = of(over.b),
+                              .c = of(over.c),
+                              .e = of(over.e),
+                              .h = of(over.h),
+                              .stiffness = of(state_.system->stiffness),
+                              .damp_ss = of(over.damp_ss),
+                              .damp_sr = of(over.damp_sr),
+                              .damp_rr = of(over.damp_rr),
+                              .load = of(piece.load),
+                              .applied = of(piece.applied)},
+                             of(modal_force_), of(state_.q), of(state_.v), state_.next_q.data() + first,
+                             state_.next_v.data() + first, work);
   }
-  return work;
+  return {.damping = work[0], .forcing = work[1]};
 }
 
 /// Of the frames, with elastic modes (N), and the work of constant loads [J].

@@ -12,6 +12,16 @@ using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
+namespace {
+
+/// The number of entries of a row that ends with a cache line.
+std::size_t padded(std::size_t entries) {
+  constexpr std::size_t line = 8;
+  return (entries + line - 1) / line * line;
+}
+
+}  // namespace
+
 MovingCandidates::MovingCandidates(const Bodies::Block& block, const BodySurface& on, const Model& model,
                                    const StepSystem& system)
     : surface_(&block.kernel->surface),
@@ -21,8 +31,10 @@ MovingCandidates::MovingCandidates(const Bodies::Block& block, const BodySurface
       first_elastic_(block.first_mode + block.frame_modes()),
       c_(system.c.segment(first_elastic_, elastic_)),
       folded_(Vector::Zero(elastic_)),
-      in_modes_(static_cast<Index>(surface_->size())),
-      residual_(static_cast<Index>(surface_->size())) {
+      blocks_(surface_->size()),
+      rows_(3 * surface_->size() * padded(static_cast<std::size_t>(elastic_))),
+      width_(padded(static_cast<std::size_t>(elastic_))),
+      products_(3 * surface_->size()) {
   const std::size_t M = surface_->size();
   const auto omega = model.omega.segment(first_elastic_, elastic_).transpose().array();
   for (const int n : model.folded.modes)
@@ -124,15 +136,25 @@ Vector3d MovingCandidates::respond(int candidate, Vector3d StaticResponse::*part
   return out;
 }
 
+/// Those that have joined are computed together.
 const Vector3d& MovingCandidates::of(Lazy& known, int candidate, const Vector& modal,
                                      Vector3d StaticResponse::*part) noexcept {
   const auto i = static_cast<std::size_t>(candidate);
   if (known.call[i] == calls_) return known.value[i];
-  known.call[i] = calls_;
-  const double* const rows[] = {row(candidate, 0), row(candidate, 1), row(candidate, 2)};
-  simd::dense().three_products(static_cast<std::size_t>(elastic_), rows, modal.data() + first_elastic_,
-                               known.value[i].data());
-  if (!static_.empty()) known.value[i] += respond(candidate, part);
+  const auto own = modal.segment(first_elastic_, elastic_);
+  const auto set = [&](int number, const Vector3d& value) {
+    known.call[static_cast<std::size_t>(number)] = calls_;
+    known.value[static_cast<std::size_t>(number)] = value;
+    if (!static_.empty()) known.value[static_cast<std::size_t>(number)] += respond(number, part);
+  };
+  if (number_of_[i] < 0) {
+    set(candidate, shape(candidate) * own);
+    return known.value[i];
+  }
+  simd::dense().row_products(3 * joined_.size(), static_cast<std::size_t>(elastic_), rows_.data(), width_,
+                             own.data(), products_.data());
+  for (std::size_t k = 0; k < joined_.size(); ++k)
+    set(joined_[k], Eigen::Map<const Vector3d>(products_.data() + 3 * k));
   return known.value[i];
 }
 
@@ -146,11 +168,17 @@ const Vector3d& MovingCandidates::change(int candidate, const Vector& dq) noexce
 
 void MovingCandidates::join(int candidate) noexcept {
   if (number_of_[static_cast<std::size_t>(candidate)] >= 0) return;
-  const auto s = static_cast<Index>(joined_.size());
+  const std::size_t s = joined_.size();
   number_of_[static_cast<std::size_t>(candidate)] = static_cast<int>(s);
   joined_.push_back(candidate);
-  for (CandidateMatrix* blocks : {&in_modes_, &residual_}) blocks->resize(s + 1);
+  blocks_.resize(s + 1);
+  rows_.resize(3 * (s + 1) * width_);
   const auto own = shape(candidate);
+  for (int axis = 0; axis < 3; ++axis) {
+    double* const row = rows_.data() + (3 * s + static_cast<std::size_t>(axis)) * width_;
+    std::fill_n(row, width_, 0.0);
+    Eigen::Map<Vector>(row, elastic_) = own.row(axis);
+  }
   // Φ d Φᵀ, entry by entry: a product of matrices would allocate.
   const auto block = [&](const auto& diagonal, const auto& other) {
     Matrix3d out;
@@ -158,15 +186,13 @@ void MovingCandidates::join(int candidate) noexcept {
       for (int j = 0; j < 3; ++j) out(i, j) = own.row(i).cwiseProduct(diagonal.transpose()).dot(other.row(j));
     return out;
   };
-  for (Index t = 0; t <= s; ++t) {
-    const int other = joined_[static_cast<std::size_t>(t)];
+  for (std::size_t t = 0; t <= s; ++t) {
+    const int other = joined_[t];
     const Matrix3d of_modes = block(c_, shape(other));
     Matrix3d yielding = has_residual() ? flexibility(candidate, other) : Matrix3d::Zero();
     if (folds_) yielding += block(folded_, shape(other));
-    in_modes_.block(t, s) = of_modes.transpose();
-    in_modes_.block(s, t) = of_modes;
-    residual_.block(t, s) = yielding.transpose();
-    residual_.block(s, t) = yielding;
+    blocks_(t, s) = {of_modes.transpose(), yielding.transpose()};
+    blocks_(s, t) = {of_modes, yielding};
   }
 }
 
@@ -174,15 +200,14 @@ void MovingCandidates::join(int candidate) noexcept {
 void MovingCandidates::keep(const std::vector<char>& marks) noexcept {
   const auto stays = [&](int candidate) { return marks[static_cast<std::size_t>(candidate)] != 0; };
   if (std::all_of(joined_.begin(), joined_.end(), stays)) return;
-  Index kept = 0;
+  std::size_t kept = 0;
   for (std::size_t s = 0; s < joined_.size(); ++s) {
     if (!stays(joined_[s])) continue;
-    Index row = 0;
+    std::copy_n(rows_.data() + 3 * s * width_, 3 * width_, rows_.data() + 3 * kept * width_);
+    std::size_t row = 0;
     for (std::size_t t = 0; t < joined_.size(); ++t) {
       if (!stays(joined_[t])) continue;
-      for (CandidateMatrix* blocks : {&in_modes_, &residual_})
-        blocks->block(row, kept) = Matrix3d(blocks->block(static_cast<Index>(t), static_cast<Index>(s)));
-      ++row;
+      blocks_(row++, kept) = blocks_(t, s);
     }
     ++kept;
   }

@@ -15,25 +15,23 @@
 
 namespace ricochet::contact {
 
-/// A matrix (3k,3k) between k candidates, whose number may change without allocation.
-class CandidateMatrix {
+/// The blocks Φ c Φᵀ and R (3,3) between k candidates, whose number may change without allocation.
+class CandidateBlocks {
  public:
-  explicit CandidateMatrix(Eigen::Index candidates)
-      : stride_(3 * candidates), entries_(static_cast<std::size_t>(stride_ * stride_)) {}
-  auto block(Eigen::Index i, Eigen::Index j) noexcept {
-    return Eigen::Map<Eigen::Matrix3d, 0, Eigen::OuterStride<>>(entries_.data() + 3 * (j * stride_ + i),
-                                                                Eigen::OuterStride<>(stride_));
-  }
-  const double* column(std::size_t j) const noexcept {
-    return entries_.data() + static_cast<Eigen::Index>(j) * stride_;
-  }
-  Eigen::Index stride() const { return stride_; }
-  /// Makes room for candidates 0 … count − 1; entries keep their places.
-  void resize(Eigen::Index count) noexcept { entries_.resize(static_cast<std::size_t>(3 * count * stride_)); }
+  struct Block {
+    using Matrix = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+    Matrix of_modes = Matrix::Zero(), residual = Matrix::Zero();
+  };
+  explicit CandidateBlocks(std::size_t candidates) : stride_(candidates), entries_(candidates * candidates) {}
+  Block& operator()(std::size_t i, std::size_t j) noexcept { return entries_[j * stride_ + i]; }
+  const double* data() const noexcept { return entries_.data()->of_modes.data(); }
+  std::size_t stride() const { return stride_; }  ///< distance of columns, in blocks
+  /// Makes room for candidates 0 … count − 1; blocks keep their places.
+  void resize(std::size_t count) noexcept { entries_.resize(count * stride_); }
 
  private:
-  Eigen::Index stride_;
-  base::Reserved<double> entries_;
+  std::size_t stride_;
+  base::Reserved<Block> entries_;
 };
 
 class MovingCandidates {
@@ -72,9 +70,9 @@ class MovingCandidates {
   int joined() const { return static_cast<int>(joined_.size()); }  ///< their number
   /// Place of a candidate among those that have joined.
   int place_of(int candidate) const { return number_of_[static_cast<std::size_t>(candidate)]; }
-  const CandidateMatrix& in_modes() const { return in_modes_; }  ///< Φ c Φᵀ, by place
-  const CandidateMatrix& residual() const { return residual_; }  ///< R_body
-  bool yields() const { return folds_ || has_residual(); }       ///< whether R_body is not 0
+  int at_place(std::size_t place) const { return joined_[place]; }  ///< candidate
+  const CandidateBlocks& blocks() const { return blocks_; }         ///< by place
+  bool yields() const { return folds_ || has_residual(); }          ///< whether R_body is not 0
 
   /// A point that moves between candidates: means of what candidates on patches of one size have. R between
   /// the patches themselves would ripple by half.
@@ -84,21 +82,12 @@ class MovingCandidates {
   };
   Patch patch(std::span<const int> candidates, std::span<const double> weights) const noexcept;
 
-  /// Adds Φᵀ f of candidates to the modal forces (N), at the latest when it is destroyed.
-  class Push {
-   public:
-    Push(const MovingCandidates& candidates, Vector& modal) noexcept
-        : candidates_(candidates),
-          sum_(static_cast<std::size_t>(candidates.elastic_), modal.data() + candidates.first_elastic_) {}
-    /// @param force  body axes [N]
-    void add(int candidate, const Eigen::Vector3d& force) noexcept {
-      for (int axis = 0; axis < 3; ++axis) sum_.subtract(candidates_.row(candidate, axis), -force(axis));
-    }
-
-   private:
-    const MovingCandidates& candidates_;
-    simd::ColumnSum sum_;
-  };
+  /// Adds Φᵀ f to the modal forces (N). @param forces  (joined,3) by place, body axes [N]
+  void push(const double* forces, Vector& modal) const noexcept {
+    simd::dense().add_rows(3 * joined_.size(), static_cast<std::size_t>(elastic_), rows_.data(), width_,
+                           forces, modal.data() + first_elastic_);
+  }
+  bool has_static() const { return !static_.empty(); }  ///< whether there are static responses
 
  private:
   /// Values of candidates that are computed when they are asked for.
@@ -113,10 +102,6 @@ class MovingCandidates {
   auto shape(int candidate) const {
     return Eigen::Map<const Matrix>(surface_->shape.data() + 3 * candidate * modes_, 3, modes_)
         .rightCols(elastic_);
-  }
-  /// (elastic) the shapes of a component.
-  const double* row(int candidate, int axis) const {
-    return surface_->shape.data() + (3 * candidate + axis) * modes_ + (modes_ - elastic_);
   }
   bool has_residual() const { return !flexibility_.empty(); }
   /// R between two candidates
@@ -140,8 +125,13 @@ class MovingCandidates {
   std::int64_t calls_ = 0;
   Lazy displacement_, change_;
   std::vector<int> joined_, number_of_;  ///< candidates; (M) place among them, or −1
-  CandidateMatrix in_modes_, residual_;
-  std::vector<Patch> patches_;  ///< (M), or empty without triangles
+  CandidateBlocks blocks_;
+  /// Φ of those that have joined (joined,3,width), with rows that begin at cache lines: passes over them are
+  /// bound by the cache.
+  base::Reserved<double> rows_;
+  std::size_t width_;
+  base::AlignedVector<double> products_;  ///< (M,3) scratch
+  std::vector<Patch> patches_;            ///< (M), or empty without triangles
 };
 
 }  // namespace ricochet::contact

@@ -48,7 +48,7 @@ void MovingPoint::End::set(const std::array<int, 3>& candidates,
 }
 
 double MovingPoint::height(const FloatingBody& state) const noexcept {
-  return gap - row.row(0).dot(state.position + state.attitude * place - initial);
+  return gap - row.row(0).dot(state.position + state.axes * place - initial);
 }
 
 /// Sets the vectors of the rows to a normal, which turns them as little as possible.
@@ -66,11 +66,12 @@ void MovingPoint::set_row(const Vector3d& normal) noexcept {
 }
 
 void MovingPoint::meet(const Foot& near, const Side& own, const Side& other) noexcept {
-  const Eigen::Quaterniond to_own = own.state.attitude.conjugate() * other.state.attitude;
+  const Matrix3d to_own = own.state.axes.transpose() * other.state.axes;
   const auto suits = [&](const Vector3d& n) { return own.shape.rise(candidate, to_own * -n) <= most_rise; };
-  foot = other.shape.settle(near, other.place_of(place, own), suits);
+  const bool fits = suits(near.normal);
+  foot = fits ? near : other.shape.settle(near, other.place_of(place, own), suits);
   distance = foot.distance;
-  open = !suits(foot.normal);
+  open = !fits && !suits(foot.normal);
   set_row(kind == Kind::candidate_of_a ? Vector3d(-foot.normal) : foot.normal);
   end[kind == Kind::candidate_of_b ? 0 : 1].set(
       other.shape.surface().element[static_cast<std::size_t>(foot.element)].corner, foot.weight);
@@ -92,7 +93,7 @@ bool MovingPoint::cross(int of_a, int of_b, const Side& a, const Side& b) noexce
   open = std::max({-s, s - 1, -t, t - 1}) > beyond_end;
   s = std::clamp(s, 0.0, 1.0);
   t = std::clamp(t, 0.0, 1.0);
-  const Eigen::Quaterniond to_b = b.state.attitude.conjugate() * a.state.attitude;
+  const Matrix3d to_b = b.state.axes.transpose() * a.state.axes;
   Vector3d normal = (p1 - p0).cross(q1 - q0).normalized();
   if (normal.dot(to_b * one.normal) < 0) normal = -normal;
   for (std::size_t k = 0; k < 2; ++k)
@@ -116,7 +117,7 @@ void MovingPoint::stand_on(const Foot& summit, const Side& own) noexcept {
 /// The angle t = n_own + n_other in the tangent plane changes by (W_own + W_other) dx: Newton's method, in
 /// the directions that are curved. In others, surfaces touch along a line, on which the point stays.
 void MovingPoint::face(const Side& own, const Side& other) noexcept {
-  const Matrix3d to_own = (own.state.attitude.conjugate() * other.state.attitude).toRotationMatrix();
+  const Matrix3d to_own = own.state.axes.transpose() * other.state.axes;
   for (int round = 0;; ++round) {
     foot = other.shape.follow(foot, other.place_of(top.point - own.centre, own));
     const Vector3d facing = to_own * foot.normal;
@@ -158,7 +159,7 @@ void MovingPoint::follow(const Side& own, const Side& other) noexcept {
 double MovingPoint::nearer(const Vector3d& of_own, const Vector3d& of_other, const Side& own,
                            const Side& other) const noexcept {
   const double sign = kind == Kind::candidate_of_b ? -1 : 1;  // the normal leads out of a
-  return sign * row.row(0).dot(other.state.attitude.conjugate() * (own.state.attitude * of_own) - of_other);
+  return sign * row.row(0).dot(other.state.axes.transpose() * (own.state.axes * of_own) - of_other);
 }
 
 }  // namespace ricochet::contact

@@ -17,8 +17,7 @@ struct Side {
 
   /// The end of an arm from the centre of another body, in the axes of that one, as a place in own axes [m].
   Eigen::Vector3d place_of(const Eigen::Vector3d& arm, const Side& other) const {
-    return state.attitude.conjugate() * (other.state.position + other.state.attitude * arm - state.position) +
-           centre;
+    return state.axes.transpose() * (other.state.position + other.state.axes * arm - state.position) + centre;
   }
 };
 

@@ -69,10 +69,8 @@ MovingPoints::MovingPoints(const Model& model, const StepSystem& system, const M
     : pairs_(model.pairs),
       far_(model.pairs.size(), -1),
       travelled_(model.pairs.size(), std::numeric_limits<double>::infinity()),
-      M_(capacity_of(model)),
       R_(capacity_of(model)),
-      S_(capacity_of(model)),
-      S_mean_(capacity_of(model)) {
+      S_(capacity_of(model)) {
   bodies_.reserve(model.bodies.size());  // copies would lose the reserve of their lists
   for (const Bodies::Block& block : model.bodies) {
     std::shared_ptr<const BodySurface> surface = known_surface(block.kernel);
@@ -87,15 +85,16 @@ MovingPoints::MovingPoints(const Model& model, const StepSystem& system, const M
   member_of_.assign(m, -1);
   for (std::vector<int>* x : {&watched_, &members_, &first_of_}) x->reserve(m);
   for (std::vector<int>* x : {&rows_, &owner_}) x->reserve(held);
-  levers_.reserve(m);
-  ends_.reserve(m);
+  levers_.resize(2 * m);
+  lowest_.resize(2 * m);
   crossings_.reserve(m);
   tops_.reserve(most_found);
   summits_.reserve(most_found);
   near_.reserve(m);
   std::size_t most = 0;
   for (const Body& one : bodies_) most = std::max(most, one.used.size());
-  displaced_.setZero(static_cast<Index>(2 * (3 * (3 * most + 1) + 1)));
+  displaced_.assign(24 * most, 0);
+  columns_.assign(8 * (held + 7), 0);
   forced_.reserve(6 * m);
   for (Vector* x : {&start_, &free_}) x->setZero(capacity_of(model));
   u_.setZero(model.rows());
@@ -228,7 +227,7 @@ Vector3d MovingPoints::elastic(const End& end, const Vector& q) noexcept {
 Matrix3d MovingPoints::in_world(const Point& point, std::span<const FloatingBody> bodies) const noexcept {
   if (point.over_obstacle()) return point.row;
   const FloatingBody& has_rows = bodies[static_cast<std::size_t>(point.other().body)];
-  return point.row * has_rows.attitude.toRotationMatrix().transpose();
+  return point.row * has_rows.axes.transpose();
 }
 
 /// The element size of the finer of its bodies [m].
@@ -245,8 +244,7 @@ void MovingPoints::follow_summit(Point& point, std::span<const FloatingBody> bod
   const Side own = side(point.end[0].body, bodies);
   if (point.over_obstacle())
     point.stand_on(
-        own.shape.summit(point.top.element, own.state.attitude.conjugate() * point.row.row(0).transpose()),
-        own);
+        own.shape.summit(point.top.element, own.state.axes.transpose() * point.row.row(0).transpose()), own);
   else
     point.face(own, side(point.end[1].body, bodies));
   point.place_now = point.place + w;
@@ -307,13 +305,12 @@ void MovingPoints::place(int number, std::span<const FloatingBody> bodies, const
     return;
   }
   if (point.kind == Kind::summit && !point.open) follow_summit(point, bodies);
-  const Vector3d w = elastic(point.end[0]), turned = own.state.attitude * w;
+  const Vector3d w = elastic(point.end[0]), turned = own.state.axes * w;
   point.place_now = point.place + w;
   if (point.kind == Kind::summit)
     u_(number) = point.gap - point.height(own.state) + point.row.row(0).dot(turned);
   else  // A displacement is far smaller than a place: its digits must not be lost.
-    write_over(point, number, own.state.position + own.state.attitude * point.place - point.initial + turned,
-               u_);
+    write_over(point, number, own.state.position + own.state.axes * point.place - point.initial + turned, u_);
 }
 
 void MovingPoints::write_displacements(std::span<const FloatingBody> bodies, Vector& u) const noexcept {
@@ -327,7 +324,7 @@ void MovingPoints::write_displacements(std::span<const FloatingBody> bodies, Vec
     const FloatingBody& state = bodies[static_cast<std::size_t>(pair.a)];
     const Vector3d n = pair.b < 0 ? Vector3d(points_[static_cast<std::size_t>(pair.first_point)].row.row(0))
                                   : Vector3d(Vector3d::Zero()),
-                   own = state.attitude.conjugate() * n;
+                   own = state.axes.transpose() * n;
     for (int i = pair.first_point; i < pair.first_point + pair.points; ++i) {
       if (is_watched_[static_cast<std::size_t>(i)]) continue;
       const Point& point = points_[static_cast<std::size_t>(i)];
@@ -348,6 +345,7 @@ bool MovingPoints::advance(std::span<const FloatingBody> bodies, const Vector& d
     const FloatingBody& state = bodies[k];
     bodies_[k].candidates.begin();
     bodies_[k].elastic_fastest = 0;
+    bodies_[k].free = state.free_motion(step);
     bodies_[k].fastest = state.farthest(bodies_[k].radius, step);
   }
   // In the middle of the step: from its start, a body would roll into the obstacle, by ½ a (ΩΔ)² in each.
@@ -363,7 +361,7 @@ bool MovingPoints::advance(std::span<const FloatingBody> bodies, const Vector& d
   add_members(forces);
   if (!list_rows()) return false;
   join_candidates();
-  set_rows(bodies, dq, step);
+  set_rows(bodies, dq);
   return true;
 }
 
@@ -394,22 +392,22 @@ void MovingPoints::join_candidates() noexcept {
 }
 
 /// Sets arms and directions in the middle of the step, U and U + d.
-void MovingPoints::set_rows(std::span<const FloatingBody> bodies, const Vector& dq, double step) noexcept {
+void MovingPoints::set_rows(std::span<const FloatingBody> bodies, const Vector& dq) noexcept {
   for (std::size_t s = 0; s < members_.size(); ++s) {
     Point& point = points_[static_cast<std::size_t>(members_[s])];
     const FloatingBody& fixed = bodies[static_cast<std::size_t>(point.own().body)];
     point.acting = in_world(point, bodies);
-    const Vector3d common = fixed.position + fixed.attitude * point.place_now;
+    const Vector3d common = fixed.position + fixed.axes * point.place_now;
     Vector3d d = Vector3d::Zero();
     double sign = 1;
     for (std::size_t k = 0; k < 2; ++k, sign = -1) {
       End& end = point.end[k];
       if (end.body < 0) continue;
       const FloatingBody& of = bodies[static_cast<std::size_t>(end.body)];
-      end.direction = sign * point.acting * of.attitude.toRotationMatrix();
+      end.direction = sign * point.acting * of.axes;
       end.arm =
-          &end == &point.own() ? point.place_now : Vector3d(of.attitude.conjugate() * (common - of.position));
-      Vector3d free = of.free_displacement(end.arm, step);
+          &end == &point.own() ? point.place_now : Vector3d(of.axes.transpose() * (common - of.position));
+      Vector3d free = body(end.body).free.at(end.arm);
       for (std::size_t j = 0; j < static_cast<std::size_t>(end.count); ++j)
         free += end.weight[j] * body(end.body).candidates.change(end.candidate[j], dq);
       d += end.direction * free;
@@ -455,91 +453,92 @@ bool MovingPoints::list_rows() noexcept {
   return true;
 }
 
-/// Adds the flexibility of a body to the lower triangles of M and R: for each end, the displacements of all
-/// candidates under forces along the directions of the end, and from these, those of the ends below.
-void MovingPoints::add_flexibility(int number, const FloatingBody& state, double share) noexcept {
-  const MovingCandidates& candidates = body(number).candidates;
-  levers_.clear();
-  ends_.clear();
-  for (std::size_t s = 0; s < members_.size(); ++s) {
-    const Point& point = points_[static_cast<std::size_t>(members_[s])];
-    for (const End& end : point.end) {
-      if (end.body != number) continue;
-      simd::Lever lever{};
-      lever.count = static_cast<std::size_t>(end.count);
-      lever.first = static_cast<std::size_t>(position(s, 0));
-      lever.rows = static_cast<std::size_t>(point.rows());
-      const Matrix3d moment = -end.direction * cross_matrix(end.arm);
-      for (Index x = 0; x < 3; ++x) {
-        Eigen::Map<Vector3d>(lever.direction[x]) = end.direction.col(x);
-        Eigen::Map<Vector3d>(lever.moment[x]) = moment.col(x);
-      }
-      for (std::size_t j = 0; j < lever.count; ++j) {
-        lever.weight[j] = end.weight[j];
-        lever.at[j] = 3 * static_cast<std::size_t>(candidates.place_of(end.candidate[j]));
-      }
-      levers_.push_back(lever);
-      ends_.push_back(&end);
-    }
-  }
-  const simd::Dense& loops = simd::dense();
-  const auto size = static_cast<std::size_t>(3 * candidates.joined()), stride = size + 1;
-  const auto displace = [&](const CandidateMatrix& matrix, std::size_t e, double* out) {
-    std::fill_n(out, 3 * stride, 0.0);
-    for (std::size_t j = 0; j < levers_[e].count; ++j) {
-      const Matrix3d forces = -levers_[e].weight[j] * ends_[e]->direction.transpose();
-      loops.subtract_product(size, 3, 3, matrix.column(levers_[e].at[j]),
-                             static_cast<std::size_t>(matrix.stride()), forces.data(), 3, out, stride);
-    }
+/// Lists the ends of members on each body.
+void MovingPoints::list_levers() noexcept {
+  const auto each_end = [&](const auto& visit) {
+    for (std::size_t s = 0; s < members_.size(); ++s)
+      for (const End& end : points_[static_cast<std::size_t>(members_[s])].end)
+        if (end.body >= 0) visit(s, end, body(end.body));
   };
-  double *const u = displaced_.data(), *const v = candidates.yields() ? u + 3 * stride + 1 : nullptr;
-  for (std::size_t e = 0; e < levers_.size(); ++e) {
-    const Matrix3d forces = ends_[e]->direction.transpose(), shift = share * state.inverse_mass * forces,
-                   turn = share * state.inertia.inverse * cross_matrix(ends_[e]->arm) * forces;
-    displace(candidates.in_modes(), e, u);
-    if (v != nullptr) displace(candidates.residual(), e, v);
-    loops.displace(&levers_[e], levers_.size() - e, u, v, stride, shift.data(), turn.data(), M_.column(0),
-                   R_.column(0), static_cast<std::size_t>(M_.stride()));
+  for (Body& one : bodies_) one.last_lever = 0;
+  each_end([](std::size_t, const End&, Body& of) { ++of.last_lever; });
+  std::size_t count = 0;
+  for (Body& one : bodies_) {
+    one.first_lever = one.next_lever = count;
+    count += std::exchange(one.last_lever, count);
+  }
+  each_end([&](std::size_t s, const End& end, Body& of) {
+    simd::Lever& lever = levers_[of.last_lever++];
+    lever.count = static_cast<std::size_t>(end.count);
+    lever.first = static_cast<std::size_t>(position(s, 0));
+    lever.rows = static_cast<std::size_t>(points_[static_cast<std::size_t>(members_[s])].rows());
+    for (Index x = 0; x < 3; ++x) {
+      Eigen::Map<Vector3d>(lever.direction[x]) = end.direction.row(x).transpose();
+      lever.arm[x] = end.arm(x);
+    }
+    for (std::size_t j = 0; j < lever.count; ++j) {
+      lever.weight[j] = end.weight[j];
+      lever.at[j] = static_cast<std::size_t>(of.candidates.place_of(end.candidate[j]));
+    }
+  });
+  for (const Body& one : bodies_) {
+    auto lowest = static_cast<std::size_t>(one.candidates.joined());
+    for (std::size_t e = one.last_lever; e-- > one.first_lever;) {
+      for (std::size_t j = 0; j < levers_[e].count; ++j) lowest = std::min(lowest, levers_[e].at[j]);
+      lowest_[e] = lowest;
+    }
   }
 }
 
+/// The rows of one member after another: the displacements of its bodies under forces along them are the
+/// entries below.
 StepMatrices MovingPoints::matrices(std::span<const FloatingBody> bodies, double step, double a) noexcept {
+  list_levers();
+  bool yields = false;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    Body& one = bodies_[b];
+    if (one.first_lever == one.last_lever) continue;
+    const double share = 0.5 * step * step * a;
+    const MovingCandidates& candidates = one.candidates;
+    one.yield = {.blocks = candidates.blocks().data(),
+                 .stride = candidates.blocks().stride(),
+                 .has_residual = candidates.yields(),
+                 .share = a,
+                 .shift = share * bodies[b].inverse_mass,
+                 .turn = {}};
+    Eigen::Map<Matrix3d>(one.yield.turn[0]) = share * bodies[b].inertia.inverse;
+    yields = yields || candidates.yields();
+  }
   const auto k = static_cast<Index>(rows_.size());
-  auto M = M_.begin(k), R = R_.begin(k), S = S_.begin(k);
-  auto S_mean = S_mean_.begin(a > 0 ? k : 0);
-  M.setZero();
-  R.setZero();
-  for (int number = 0; number < static_cast<int>(bodies_.size()); ++number)
-    add_flexibility(number, bodies[static_cast<std::size_t>(number)], 0.5 * step * step);
-  for (std::size_t s = 0; s < members_.size(); ++s)
-    if (const Point& point = points_[static_cast<std::size_t>(members_[s])]; point.kind == Kind::summit) {
-      Matrix3d own = Matrix3d::Zero();
-      for (const End& end : point.end)
-        if (end.body >= 0) own += end.direction * patch(end).residual * end.direction.transpose();
-      const Index first = position(s, 0), rows = point.rows();
-      R.block(first, first, rows, rows) = own.topLeftCorner(rows, rows);
+  auto S = S_.begin(k), R = R_.begin(yields ? k : 0);
+  const simd::Dense& loops = simd::dense();
+  for (std::size_t s = 0; s < members_.size(); ++s) {
+    const Point& point = points_[static_cast<std::size_t>(members_[s])];
+    const Index first = position(s, 0), rows = point.rows();
+    double* const columns = columns_.data();
+    std::fill(columns + 8 * first, columns + 8 * k, 0.0);
+    Matrix3d of_patches = Matrix3d::Zero();
+    for (const End& end : point.end) {
+      if (end.body < 0) continue;
+      Body& of = body(end.body);
+      const std::size_t e = of.next_lever++;
+      loops.displace(of.yield, levers_.data() + e, of.last_lever - e, lowest_[e],
+                     static_cast<std::size_t>(of.candidates.joined()), displaced_.data(), columns);
+      if (point.kind == Kind::summit)
+        of_patches += end.direction * patch(end).residual * end.direction.transpose();
     }
-  // By blocks that stay in the cache
-  constexpr Index block = 8;
-  for (Index j = 0; j < k; j += block)
-    for (Index i = j; i < k; i += block) {
-      const Index rows = std::min(block, k - i), columns = std::min(block, k - j);
-      for (auto* x : {&M, &R}) {
-        auto below = x->block(i, j, rows, columns);
-        if (i == j)
-          below.triangularView<Eigen::StrictlyUpper>() = below.transpose();
-        else
-          x->block(j, i, columns, rows) = below.transpose();
-      }
-      const auto set = [&](Index row, Index column, Index height, Index width) {
-        const auto of = [&](auto& x) { return x.block(row, column, height, width); };
-        of(S) = of(M) + of(R);
-        if (a > 0) of(S_mean) = a * of(M) + of(R);
-      };
-      set(i, j, rows, columns);
-      if (i != j) set(j, i, columns, rows);
-    }
-  return {.M = M, .R = R, .S = S, .S_mean = S_mean};
+    if (point.kind == Kind::summit && yields)
+      for (Index i = 0; i < rows; ++i)
+        for (Index c = 0; c < rows; ++c) {
+          double* const of_row = columns + 8 * (first + i);
+          of_row[c] += of_patches(i, c) - of_row[4 + c];
+          of_row[4 + c] = of_patches(i, c);
+        }
+    loops.spread(static_cast<std::size_t>(k), static_cast<std::size_t>(first), static_cast<std::size_t>(rows),
+                 columns, S.data(), yields ? R.data() : nullptr, static_cast<std::size_t>(S_.stride()));
+  }
+  const Symmetric none = StepMatrices::none();
+  return {.R = R, .S = a < 1 ? none : S, .S_mean = a < 1 ? S : none};
 }
 
 MovingCandidates::Patch MovingPoints::patch(const End& end) const noexcept {
@@ -560,23 +559,26 @@ std::optional<PatchSpring> MovingPoints::spring(std::size_t position) const noex
   return bulge > 0 && flexibility > 0 ? PatchSpring::of(bulge, flexibility) : PatchSpring{};
 }
 
-MovingPoints::Load MovingPoints::load(int number, const Vector& p, Vector& modal) const noexcept {
+MovingPoints::Load MovingPoints::load(int number, const Vector& p, Vector& modal) noexcept {
   Load out;
-  MovingCandidates::Push push(body(number).candidates, modal);
-  for (std::size_t s = 0; s < members_.size(); ++s) {
-    const Point& point = points_[static_cast<std::size_t>(members_[s])];
-    for (const End& end : point.end) {
-      if (end.body != number) continue;
-      const Vector3d force = force_on(end, s, p);
-      if (force.isZero(0)) continue;
-      out.force += force;
-      out.torque += end.arm.cross(force);
-      for (std::size_t j = 0; j < static_cast<std::size_t>(end.count); ++j) {
-        push.add(end.candidate[j], end.weight[j] * force);
-        out.on_static += end.weight[j] * force.dot(body(number).candidates.static_change(end.candidate[j]));
-      }
-    }
+  const Body& of = body(number);
+  const auto joined = static_cast<Index>(of.candidates.joined());
+  Eigen::Map<Eigen::Matrix3Xd> forces(displaced_.data(), 3, joined);
+  forces.setZero();
+  for (std::size_t e = of.first_lever; e < of.last_lever; ++e) {
+    const simd::Lever& lever = levers_[e];
+    Vector3d force = Vector3d::Zero();
+    for (std::size_t x = 0; x < lever.rows; ++x)
+      force -= p(static_cast<Index>(lever.first + x)) * Eigen::Map<const Vector3d>(lever.direction[x]);
+    out.force += force;
+    out.torque += Eigen::Map<const Vector3d>(lever.arm).cross(force);
+    for (std::size_t j = 0; j < lever.count; ++j)
+      forces.col(static_cast<Index>(lever.at[j])) += lever.weight[j] * force;
   }
+  for (Index k = 0; k < joined && of.candidates.has_static(); ++k)
+    out.on_static +=
+        forces.col(k).dot(of.candidates.static_change(of.candidates.at_place(static_cast<std::size_t>(k))));
+  if (of.first_lever < of.last_lever) of.candidates.push(forces.data(), modal);
   return out;
 }
 
@@ -595,7 +597,7 @@ void MovingPoints::write_frames(std::span<const FloatingBody> bodies, RowFrames&
     const FloatingBody& fixed = bodies[static_cast<std::size_t>(point.own().body)];
     const bool of_a = &point.own() == &point.end[0];
     Matrix3d rows = in_world(point, bodies);
-    const Vector3d x = fixed.position + fixed.attitude * point.place_now,
+    const Vector3d x = fixed.position + fixed.axes * point.place_now,
                    opposite = x + (of_a ? 1 : -1) * (point.gap - u_(i)) * rows.row(0).transpose();
     out.point_a.row(i) = (of_a ? x : opposite).transpose();
     out.point_b.row(i) = (of_a ? opposite : x).transpose();

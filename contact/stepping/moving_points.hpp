@@ -109,7 +109,7 @@ class MovingPoints {
   bool slides(std::size_t position) const { return member_at(position).kind != Kind::obstacle; }
   /// The spring of the point in this step, if it differs from that of the model.
   std::optional<PatchSpring> spring(std::size_t position) const noexcept;
-  /// The matrices of a step. @param a  weight of the end in the mean; 0: S_mean is not needed
+  /// The matrices of a step. @param a  weight of the end in the mean; 1: of backward Euler throughout
   StepMatrices matrices(std::span<const FloatingBody> bodies, double step, double a) noexcept;
 
   /// The forces and torques on a body, in its axes, and the forces on its modes, under p by position.
@@ -118,7 +118,7 @@ class MovingPoints {
     double on_static = 0;  ///< work over the static displacements in the step [J]
   };
   /// @param modal  (N) is added to
-  Load load(int body, const Vector& p, Vector& modal) const noexcept;
+  Load load(int body, const Vector& p, Vector& modal) noexcept;
 
   /// Writes where the watched points are, and the directions of their rows: of those that might touch in the
   /// last step, in its middle, along which the forces acted; they may have passed to another face or crease
@@ -143,7 +143,10 @@ class MovingPoints {
     MovingCandidates candidates;
     /// Free displacements in the step, of the frame and beside it, at most [m].
     double fastest = 0, elastic_fastest = 0;
-    std::vector<char> used;  ///< (M) scratch
+    FloatingBody::FreeMotion free{};
+    std::vector<char> used;                                       ///< (M) scratch
+    std::size_t first_lever = 0, last_lever = 0, next_lever = 0;  ///< of its ends in this step
+    simd::Yield yield{};
   };
 
   const Point& member_at(std::size_t position) const {
@@ -194,11 +197,11 @@ class MovingPoints {
   void drop_members() noexcept;
   void add_members(const MeanForce& forces) noexcept;
   void join_candidates() noexcept;
-  void set_rows(std::span<const FloatingBody> bodies, const Vector& dq, double step) noexcept;
+  void set_rows(std::span<const FloatingBody> bodies, const Vector& dq) noexcept;
   bool repeats(const Point& point) const noexcept;
   double deepest_start(const Point& point, double approach) const noexcept;
   bool list_rows() noexcept;
-  void add_flexibility(int body, const FloatingBody& state, double share) noexcept;
+  void list_levers() noexcept;
   Eigen::Vector3d force_on(const End& end, std::size_t member, const Vector& p) const noexcept;
 
   std::vector<Model::PairBlock> pairs_;
@@ -228,10 +231,10 @@ class MovingPoints {
   };
   std::vector<Near> near_;                  ///< by summit
   std::vector<std::array<int, 2>> forced_;  ///< body and candidate with a force in write_forces
-  std::vector<simd::Lever> levers_;         ///< scratch: ends on a body
-  std::vector<const End*> ends_;            ///< the same
-  Vector displaced_;                        ///< 2 × (3C + 1,3) scratch: displacements of its candidates
-  ReservedMatrix M_, R_, S_, S_mean_;
+  std::vector<simd::Lever> levers_;         ///< ends of members in this step, by body
+  std::vector<std::size_t> lowest_;         ///< the same: the first place of an end and those after it
+  base::AlignedVector<double> displaced_, columns_;  ///< (C,24) of candidates; (n,8) of rows: scratch
+  ReservedMatrix R_, S_;
 };
 
 }  // namespace ricochet::contact

@@ -109,7 +109,7 @@ double MovingPoints::clearance(const Model::PairBlock& pair, std::span<const Flo
     const Foot foot = other.shape.closest(x, least + other.shape.camber());
     if (foot.element < 0 || std::abs(foot.distance) >= least) continue;
     least = std::abs(foot.distance);
-    out_of_a = (point.kind == Kind::candidate_of_a ? 1 : -1) * (other.state.attitude * (foot.point - x));
+    out_of_a = (point.kind == Kind::candidate_of_a ? 1 : -1) * (other.state.axes * (foot.point - x));
   }
   if (const double length = out_of_a.norm(); length > 0)
     return std::max(least - facet, gap_along(pair, bodies, out_of_a / length)) - swing;
@@ -123,7 +123,7 @@ double MovingPoints::gap_along(const Model::PairBlock& pair, std::span<const Flo
   double gap = 0;
   for (const int k : {pair.a, pair.b}) {
     const Side one = side(k, bodies);
-    const Vector3d outward = (k == pair.a ? 1 : -1) * (one.state.attitude.conjugate() * n);
+    const Vector3d outward = (k == pair.a ? 1 : -1) * (one.state.axes.transpose() * n);
     double farthest = -std::numeric_limits<double>::infinity();
     for (const Vector3d& x : one.shape.surface().node)
       farthest = std::max(farthest, outward.dot(x - one.centre));
@@ -205,7 +205,8 @@ void MovingPoints::find_feet(int number, std::span<const FloatingBody> bodies, d
       const Vector3d x = other.place_of(point.place, own);
       point.distance = other.shape.box().exteriorDistance(x);
       if (point.distance < reach || pressed) {
-        const Foot foot = other.shape.closest(x, pressed ? std::numeric_limits<double>::infinity() : reach);
+        const Foot foot = other.shape.closest(x, pressed ? std::numeric_limits<double>::infinity() : reach,
+                                              point.foot.element);
         point.distance = reach;
         if (foot.element >= 0) point.meet(foot, own, other);
         if (std::abs(point.distance) < margin || pressed) watch(i);
@@ -223,7 +224,7 @@ void MovingPoints::list_summits(int number, std::span<const FloatingBody> bodies
   Point summit = points_[static_cast<std::size_t>(pair.first_summit())];
   summits_.clear();
   if (pair.b < 0) {
-    const Vector3d n = own.state.attitude.conjugate() * summit.row.row(0).transpose();
+    const Vector3d n = own.state.axes.transpose() * summit.row.row(0).transpose();
     // height = g − n·(c + A (X − centre) − initial)
     const double at_centre =
         summit.gap - summit.row.row(0).dot(own.state.position - summit.initial) + n.dot(own.centre);

@@ -48,7 +48,7 @@ struct RowMatrices {
   Eigen::MatrixXd R;       ///< (n,n) residual flexibility
   Eigen::MatrixXd S;       ///< (n,n) M + R
   Eigen::MatrixXd S_mean;  ///< (n,n) a M + R of conserving steps; empty if steps are not conserving
-  StepMatrices all() const { return {.M = M, .R = R, .S = S, .S_mean = S_mean}; }
+  StepMatrices all() const { return {.R = R, .S = S, .S_mean = S_mean}; }
 };
 
 /// Whether steps of a folded model are conserving. Without R, changes of force cost nothing, and backward

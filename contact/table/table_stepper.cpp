@@ -144,11 +144,9 @@ TableStepper::TableStepper(const Table& table, const StepOptions& options)
     velocity_.col(b) = bodies_[b].velocity;
   }
   for (Vector* x : {&rhs_, &solution_, &rate_}) x->setZero(m);
-  M_ = S_;
   if (contact_.mean.is_conserving()) {
     R_ = Eigen::Map<const Matrix>(table.residual.data(), m, m);
-    M_ -= R_;
-    S_mean_ = conserving_mean.end * M_ + R_;
+    S_mean_ = conserving_mean.end * (S_ - R_) + R_;
   }
   for (Eigen::Index i = 0; i < m; ++i) law_.gap(i) = gap_(i);
   sub_.setZero(m, m);
@@ -185,7 +183,7 @@ StepStatus TableStepper::step() noexcept {
   if (options_.scheme == Scheme::compliant) {
     law_.free = next_u_ - convolution_.history();
     law_.start = u_;
-    status = law_.solve({.M = M_, .R = R_, .S = S_, .S_mean = S_mean_}, contact_.mean, nullptr).status;
+    status = law_.solve({.R = R_, .S = S_, .S_mean = S_mean_}, contact_.mean, nullptr).status;
     next_u_ = law_.u();
     next_force_ = law_.force();
     next_end_ = law_.end();

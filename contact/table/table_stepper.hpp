@@ -56,7 +56,7 @@ class TableStepper final : public Stepper {
   std::vector<double> free_, free_velocity_;    ///< (K,m), (·,m)
   Vector rigid_velocity_, rigid_acceleration_;  ///< (m) of ũ, if `free_` is empty
   Vector gap_;
-  Eigen::MatrixXd S_, M_;       ///< (m,m) S_0 or A; S_0 − R
+  Eigen::MatrixXd S_;           ///< (m,m) S_0 or A
   Eigen::MatrixXd R_, S_mean_;  ///< (m,m) R; a M + R; empty unless steps are conserving
   std::vector<FreeBody> bodies_;
   Convolution convolution_;  ///< compliant: S (m rows); impulse: N and Ṅ (2m rows)

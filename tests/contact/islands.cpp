@@ -230,7 +230,7 @@ TEST(Islands, give_no_credit_for_the_heat_of_friction) {
   for (int k = 0; k < 200; ++k) {
     law.free = q + options.step * v + c * model.load;
     law.start = u;
-    const StepTrial trial = law.solve({.M = M, .R = R, .S = S, .S_mean = S_mean}, mean, &slip);
+    const StepTrial trial = law.solve({.R = R, .S = S, .S_mean = S_mean}, mean, &slip);
     ASSERT_EQ(trial.status, SolveStatus::solved);
     const Vector force = law.force();
     q += options.step * v + c * (model.load - force);
