@@ -51,7 +51,7 @@ void BorderedFactor::complete(int first) noexcept {
   small_.factor();
 }
 
-bool BorderedFactor::solve(double* x, double* y) const noexcept {
+bool BorderedFactor::solve(double* x, double* y) noexcept {
   if (!factor_.solve(x)) return false;
   if (border_ == 0) return true;
   View at(x, size_);

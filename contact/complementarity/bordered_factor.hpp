@@ -43,7 +43,7 @@ class BorderedFactor {
   void complete(int first) noexcept;
 
   /// Replaces x (n) and y (b), on input f and g, by the solution. Returns false if a pivot is 0.
-  bool solve(double* x, double* y) const noexcept;
+  bool solve(double* x, double* y) noexcept;
   /// Of the determinant of the whole matrix; 0 if a pivot is below `least`.
   int sign(double least) const {
     return border_ > 0 ? factor_.sign(least) * small_.sign(least) : factor_.sign(least);

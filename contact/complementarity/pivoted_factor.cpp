@@ -18,7 +18,11 @@ int half(int columns) { return (columns + 2 * fewest_columns - 1) / (2 * fewest_
 }  // namespace
 
 PivotedFactor::PivotedFactor(int capacity)
-    : loops_(&simd::dense()), matrix_(capacity), exchange_(static_cast<std::size_t>(std::max(capacity, 1))) {}
+    : loops_(&simd::dense()),
+      matrix_(capacity),
+      exchange_(static_cast<std::size_t>(std::max(capacity, 1))),
+      reciprocal_(exchange_.size()),
+      work_(exchange_.size() + 7) {}
 
 /// Factors columns first … last − 1, which hold the Schur complement, one by one.
 void PivotedFactor::factor_one_by_one(int first, int last) noexcept {
@@ -95,38 +99,15 @@ void PivotedFactor::factor() noexcept {
   sign_ = 1;
   least_pivot_ = std::numeric_limits<double>::infinity();
   factor_columns(0, size_);
+  for (int c = 0; c < size_; ++c) reciprocal_[static_cast<std::size_t>(c)] = 1 / matrix_.column(c)[c];
 }
 
-bool PivotedFactor::solve(double* x) const noexcept {
+bool PivotedFactor::solve(double* x) noexcept {
   if (!(least_pivot_ > 0)) return false;
-  const int n = size_;
-  for (int c = 0; c < n; ++c) std::swap(x[c], x[exchange_[c]]);
-  const auto column = [&](int c) { return matrix_.column(c); };
-  // Four columns at once load and store x once. Each loop begins with the triangle of its four.
-  const auto subtract = [&](int first, int from, int count) {
-    const double* const four[] = {column(first) + from, column(first + 1) + from, column(first + 2) + from,
-                                  column(first + 3) + from};
-    loops_->subtract_columns(static_cast<std::size_t>(count), four, x + first, x + from);
-  };
-  int first = 0;
-  for (; first + 4 <= n; first += 4) {
-    for (int c = first; c < first + 3; ++c)
-      for (int i = c + 1; i < first + 4; ++i) x[i] -= x[c] * column(c)[i];
-    subtract(first, first + 4, n - first - 4);
-  }
-  for (int c = first; c < n; ++c)
-    for (int i = c + 1; i < n; ++i) x[i] -= x[c] * column(c)[i];
-  for (int c = n - 1; c >= first; --c) {
-    x[c] /= column(c)[c];
-    for (int i = 0; i < c; ++i) x[i] -= x[c] * column(c)[i];
-  }
-  for (first -= 4; first >= 0; first -= 4) {
-    for (int c = first + 3; c >= first; --c) {
-      x[c] /= column(c)[c];
-      for (int i = first; i < c; ++i) x[i] -= x[c] * column(c)[i];
-    }
-    subtract(first, 0, first);
-  }
+  if (size_ == 0) return true;
+  for (int c = 0; c < size_; ++c) std::swap(x[c], x[exchange_[c]]);
+  loops_->solve_factors(static_cast<std::size_t>(size_), matrix_.column(0),
+                        static_cast<std::size_t>(matrix_.stride()), reciprocal_.data(), x, work_.data());
   return true;
 }
 

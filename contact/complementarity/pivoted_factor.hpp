@@ -21,7 +21,7 @@ class PivotedFactor {
   }
   void factor() noexcept;
   /// Replaces x (n) by A⁻¹ x. Returns false if a pivot is 0.
-  bool solve(double* x) const noexcept;
+  bool solve(double* x) noexcept;
   /// Sign of det A; 0 if a pivot is below `least`.
   int sign(double least) const { return least_pivot_ < least ? 0 : sign_; }
 
@@ -35,6 +35,7 @@ class PivotedFactor {
   const simd::Dense* loops_;
   ReservedMatrix matrix_;
   std::vector<int> exchange_;
+  std::vector<double> reciprocal_, work_;  ///< of the diagonal; scratch
   int size_ = 0, sign_ = 1;
   double least_pivot_ = 0;
 };

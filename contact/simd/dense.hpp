@@ -10,7 +10,7 @@ namespace ricochet::contact::simd {
 
 /// A point of a body: the mean displacement of up to three candidates and of its frame, along its rows.
 struct Lever {
-  double direction[3][3];   ///< its rows, in body axes
+  double along[3][4];       ///< its rows along the axes of the body: entry x of along[y] is that of row x
   double arm[3];            ///< from the centre of the body, in its axes
   double weight[3];         ///< of its candidates
   std::size_t at[3];        ///< their places among those of the body
@@ -45,6 +45,10 @@ struct Dense {
   /// x (n) = (L Lᵀ)⁻¹ x of a lower triangle L. Faster than blocked solvers for some tens of rows.
   /// @param reciprocal  (n) of the diagonal of L
   void (*solve_factor)(std::size_t n, const double* L, std::size_t of_L, const double* reciprocal, double* x);
+  /// y (n) = U⁻¹ L⁻¹ y of factors in one matrix, whose columns begin at multiples of a register.
+  /// @param reciprocal  (n) of the diagonal of U  @param x  (n + 7) scratch
+  void (*solve_factors)(std::size_t n, const double* LU, std::size_t of_LU, const double* reciprocal,
+                        double* y, double* x);
   /// y_k = row_k · x of rows (n), a multiple of three of them, with their distance.
   void (*row_products)(std::size_t rows, std::size_t n, const double* A, std::size_t of_A, const double* x,
                        double* y);

@@ -127,6 +127,42 @@ void solve_factor(std::size_t n, const double* L, std::size_t of_L, const double
   }
 }
 
+/// Four columns at a time, by whole registers: entries of x that they spoil are in y already.
+void solve_factors(std::size_t n, const double* LU, std::size_t of_LU, const double* reciprocal, double* y,
+                   double* x) {
+  constexpr std::size_t together = 4;
+  const auto subtract = [&](std::size_t first, std::size_t count, std::size_t from, std::size_t to) {
+    const auto column = [&](std::size_t k) { return LU + (first + (k < count ? k : 0)) * of_LU; };
+    const double *const a = column(0), *const b = column(1), *const c = column(2), *const d = column(3);
+    const double p = y[first], q = count > 1 ? y[first + 1] : 0, r = count > 2 ? y[first + 2] : 0,
+                 s = count > 3 ? y[first + 3] : 0;
+    for (std::size_t i = from / V::size * V::size; i < to; i += V::size)
+      V::store(x + i, V::load(x + i) - ((p * V::load(a + i) + q * V::load(b + i)) +
+                                        (r * V::load(c + i) + s * V::load(d + i))));
+  };
+  for (std::size_t i = 0; i < n; ++i) x[i] = y[i];
+  for (std::size_t first = 0; first < n; first += together) {
+    const std::size_t count = n - first < together ? n - first : together;
+    for (std::size_t k = 0; k < count; ++k) {
+      double value = x[first + k];
+      for (std::size_t j = 0; j < k; ++j) value -= y[first + j] * LU[(first + j) * of_LU + first + k];
+      y[first + k] = value;
+    }
+    subtract(first, count, first + count, n);
+  }
+  for (std::size_t i = 0; i < n; ++i) x[i] = y[i];
+  for (std::size_t first = (n - 1) / together * together;; first -= together) {
+    const std::size_t count = n - first < together ? n - first : together;
+    for (std::size_t k = count; k-- > 0;) {
+      double value = x[first + k];
+      for (std::size_t j = k + 1; j < count; ++j) value -= y[first + j] * LU[(first + j) * of_LU + first + k];
+      y[first + k] = value * reciprocal[first + k];
+    }
+    subtract(first, count, 0, first);
+    if (first == 0) return;
+  }
+}
+
 template <std::size_t rows>
 void row_products_tile(std::size_t n, Tile<const double> A, const double* x, double* y) {
   constexpr std::size_t registers = (rows + V::size - 1) / V::size * V::size;
@@ -197,23 +233,28 @@ void move_modes(std::size_t n, const Oscillators& m, const double* push, const d
 }
 
 using Eight = Lanes<double, 8>;
+using Four = Lanes<double, 4>;
 using Pair = Lanes<double, 2>;
 
 /// The lanes are the rows of the first lever: of a M + R, and of R.
 void displace(const Yield& body, const Lever* levers, std::size_t count, std::size_t from, std::size_t to,
               double* u, double* out) {
   const Lever& pushed = levers[0];
-  const auto& D = pushed.direction;
-  Eight::type on_modes[3] = {}, on_residual[3] = {}, shift[3] = {}, turn[3] = {};
-  for (std::size_t c = 0; c < pushed.rows; ++c)
-    for (std::size_t z = 0; z < 3; ++z) {
-      on_modes[z][c] = body.share * D[c][z];
-      on_residual[z][c] = on_residual[z][4 + c] = D[c][z];
-      shift[z][c] = body.shift * D[c][z];
-      const double moment =
-          pushed.arm[(z + 1) % 3] * D[c][(z + 2) % 3] - pushed.arm[(z + 2) % 3] * D[c][(z + 1) % 3];
-      for (std::size_t y = 0; y < 3; ++y) turn[y][c] += body.turn[y][z] * moment;
-    }
+  const auto in_first = [](Four::type x) {
+    return __builtin_shufflevector(x, Four::type{}, 0, 1, 2, 3, 4, 4, 4, 4);
+  };
+  Eight::type on_modes[3], on_residual[3], shift[3], turn[3];
+  Four::type moment[3];
+  for (std::size_t z = 0; z < 3; ++z) {
+    const auto along = [&](std::size_t axis) { return Four::load(pushed.along[axis % 3]); };
+    on_modes[z] = in_first(body.share * along(z));
+    on_residual[z] = __builtin_shufflevector(along(z), along(z), 0, 1, 2, 3, 0, 1, 2, 3);
+    shift[z] = in_first(body.shift * along(z));
+    moment[z] = pushed.arm[(z + 1) % 3] * along(z + 2) - pushed.arm[(z + 2) % 3] * along(z + 1);
+  }
+  for (std::size_t y = 0; y < 3; ++y)
+    turn[y] =
+        in_first(body.turn[y][0] * moment[0] + body.turn[y][1] * moment[1] + body.turn[y][2] * moment[2]);
   for (std::size_t node = from; node < to; ++node) {
     // The block of the mean of the candidates that are pushed
     const auto block = [&](std::size_t j) { return body.blocks + 18 * (pushed.at[j] * body.stride + node); };
@@ -247,7 +288,7 @@ void displace(const Yield& body, const Lever* levers, std::size_t count, std::si
     for (std::size_t x = 0; x < lever.rows; ++x) {
       double* const at = out + 8 * (lever.first + x);
       Eight::type sum = Eight::load(at);
-      for (std::size_t y = 0; y < 3; ++y) sum += lever.direction[x][y] * moved[y];
+      for (std::size_t y = 0; y < 3; ++y) sum += lever.along[y][x] * moved[y];
       Eight::store(at, sum);
     }
   }
@@ -283,7 +324,7 @@ void spread(std::size_t n, std::size_t first, std::size_t columns, const double*
 }  // namespace
 
 extern const Dense RICOCHET_DENSE;
-const Dense RICOCHET_DENSE{subtract_product, symmetric_product, subtract_columns, solve_factor, row_products,
-                           add_rows,         move_modes,        displace,         spread};
+const Dense RICOCHET_DENSE{subtract_product, symmetric_product, subtract_columns, solve_factor, solve_factors,
+                           row_products,     add_rows,          move_modes,       displace,     spread};
 
 }  // namespace ricochet::contact::simd

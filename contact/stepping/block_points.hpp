@@ -57,9 +57,7 @@ class KeptPoints {
   std::span<const int> gathered() const { return gathered_; }
   /// Gathers the matrices of the kept rows, and what the held force does.
   void gather(const BlockSystem<T>& system, const BlockForce<T>& held) noexcept;
-  StepMatrices matrices() const {
-    return {.R = R_.view(), .S = S_.view(), .S_mean = S_mean_.view()};
-  }
+  StepMatrices matrices() const { return {.R = R_.view(), .S = S_.view(), .S_mean = S_mean_.view()}; }
   const Vector& pushed() const { return pushed_; }    ///< by position: S λ̂ [m]
   const Vector& yielded() const { return yielded_; }  ///< by position: R λ̂ [m]
   /// u from step l on, minus M times changes of force in step l. @param positions, changes  of these changes
@@ -76,10 +74,10 @@ class KeptPoints {
   std::vector<char> was_kept_;
   Vector ended_;
   std::vector<int> gathered_;
-  std::size_t near_width_ = 0;         ///< padded number of gathered points
+  std::size_t near_width_ = 0;     ///< padded number of gathered points
   ReservedMatrix S_, S_mean_, R_;  ///< (points, points) as in RowMatrices
-  base::Reserved<T> lag_;              ///< (points, L, near width) M_d
-  std::vector<char> has_lags_;         ///< by position
+  base::Reserved<T> lag_;          ///< (points, L, near width) M_d
+  std::vector<char> has_lags_;     ///< by position
   Vector pushed_, yielded_;
 };
 

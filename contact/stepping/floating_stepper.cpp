@@ -120,8 +120,7 @@ void FloatingStepper::place(double time) noexcept {
 void FloatingStepper::drive() noexcept {
   loads_.act(bodies_, time(), static_cast<double>(steps_ + 1) * options_.step, state_.forcing, points_);
   state_.forcing.step(steps_ + 1, state_.now);
-  dq_ = state_.free_motion(state_.q, state_.v, state_.now);
-  dq_ += loads_.change();
+  dq_ = state_.free_motion(state_.q, state_.v, state_.now) + loads_.change();
 }
 
 StepStatus FloatingStepper::step() noexcept {

@@ -472,9 +472,9 @@ void MovingPoints::list_levers() noexcept {
     lever.count = static_cast<std::size_t>(end.count);
     lever.first = static_cast<std::size_t>(position(s, 0));
     lever.rows = static_cast<std::size_t>(points_[static_cast<std::size_t>(members_[s])].rows());
-    for (Index x = 0; x < 3; ++x) {
-      Eigen::Map<Vector3d>(lever.direction[x]) = end.direction.row(x).transpose();
-      lever.arm[x] = end.arm(x);
+    for (Index y = 0; y < 3; ++y) {
+      Eigen::Map<Eigen::Vector4d>(lever.along[y]) << end.direction.col(y), 0;
+      lever.arm[y] = end.arm(y);
     }
     for (std::size_t j = 0; j < lever.count; ++j) {
       lever.weight[j] = end.weight[j];
@@ -567,9 +567,10 @@ MovingPoints::Load MovingPoints::load(int number, const Vector& p, Vector& modal
   forces.setZero();
   for (std::size_t e = of.first_lever; e < of.last_lever; ++e) {
     const simd::Lever& lever = levers_[e];
+    const Eigen::Map<const Eigen::Matrix<double, 4, 3>> along(lever.along[0]);
     Vector3d force = Vector3d::Zero();
-    for (std::size_t x = 0; x < lever.rows; ++x)
-      force -= p(static_cast<Index>(lever.first + x)) * Eigen::Map<const Vector3d>(lever.direction[x]);
+    for (Index x = 0; x < static_cast<Index>(lever.rows); ++x)
+      force -= p(static_cast<Index>(lever.first) + x) * along.row(x).transpose();
     out.force += force;
     out.torque += Eigen::Map<const Vector3d>(lever.arm).cross(force);
     for (std::size_t j = 0; j < lever.count; ++j)

@@ -115,6 +115,7 @@ void TurningLoads::act(std::span<FloatingBody> bodies, double from, double to, F
 
 const Vector& TurningLoads::place(std::span<const FloatingBody> bodies, double t,
                                   MovingPoints& points) noexcept {
+  if (drivers_.empty()) return settled_;
   displaced_ = settled_;
   for (const Driver& one : drivers_) {
     const FloatingBody& body = bodies[static_cast<std::size_t>(one.of->body)];

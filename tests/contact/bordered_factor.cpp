@@ -66,6 +66,98 @@ TEST(DenseLoops, give_the_products_of_matrices) {
   }
 }
 
+TEST(DenseLoops, give_the_products_of_rows) {
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> normal;
+  const auto numbers = [&](int rows, int columns) -> MatrixXd {
+    return MatrixXd::NullaryExpr(rows, columns, [&] { return normal(random); });
+  };
+  for (const int rows : {0, 3, 6, 15})
+    for (const int n : {1, 7, 8, 45}) {
+      const MatrixXd A = numbers(n + 2, rows);  // a row in each column
+      const VectorXd x = numbers(n, 1), y = numbers(rows, 1), before = numbers(n + 1, 1);
+      VectorXd products = VectorXd::Zero(rows), sum = before;
+      simd::dense().row_products(rows, n, A.data(), n + 2, x.data(), products.data());
+      simd::dense().add_rows(rows, n, A.data(), n + 2, y.data(), sum.data());
+      EXPECT_LT((products - A.topRows(n).transpose() * x).norm(), 1e-13 * (1 + rows));
+      EXPECT_LT((sum.head(n) - before.head(n) - A.topRows(n) * y).norm(), 1e-13 * (1 + rows));
+      EXPECT_EQ(sum(n), before(n));
+    }
+}
+
+// Levers with one candidate or two, one row or three, on a body of five candidates. The oracle multiplies
+// whole matrices: D W (a M + R) Wᵀ Dᵀ, and D (a/m − r̂ a J⁻¹ r̂) Dᵀ of the frame.
+TEST(DenseLoops, give_the_flexibility_of_levers) {
+  std::mt19937_64 random(8);
+  std::normal_distribution<double> normal;
+  const auto numbers = [&](int rows, int columns) -> MatrixXd {
+    return MatrixXd::NullaryExpr(rows, columns, [&] { return normal(random); });
+  };
+  constexpr int candidates = 5, points = 9;
+  constexpr double a = 0.625, shift = 0.3;
+  const MatrixXd half = numbers(15, 15), other_half = numbers(15, 15), turn = numbers(3, 3);
+  const MatrixXd M = half * half.transpose(), R = other_half * other_half.transpose();
+  const Eigen::Matrix3d J = turn * turn.transpose();
+  std::vector<double> blocks;
+  for (int t = 0; t < candidates; ++t)
+    for (int s = 0; s < candidates; ++s)
+      for (const MatrixXd* matrix : {&M, &R})
+        for (int y = 0; y < 3; ++y)
+          for (int z = 0; z < 3; ++z) blocks.push_back((*matrix)(3 * s + y, 3 * t + z));
+  simd::Yield body{.blocks = blocks.data(),
+                   .stride = candidates,
+                   .has_residual = true,
+                   .share = a,
+                   .shift = shift,
+                   .turn = {}};
+  Eigen::Map<Eigen::Matrix3d>(body.turn[0]) = J;
+
+  std::vector<simd::Lever> levers;
+  MatrixXd W = MatrixXd::Zero(3 * points, 15), frame = MatrixXd::Zero(3 * points, 6);
+  std::size_t n = 0;
+  for (std::size_t f = 0; f < points; ++f) {
+    simd::Lever lever{.along = {},
+                      .arm = {},
+                      .weight = {f % 2 == 0 ? 1 : 0.25, 0.75},
+                      .at = {f % candidates, (f + 2) % candidates},
+                      .count = 1 + f % 2,
+                      .first = n,
+                      .rows = f == 4 ? 1u : 3u};
+    const MatrixXd D = numbers(3, 3);
+    const Eigen::Vector3d r = numbers(3, 1);
+    Eigen::Map<Eigen::Vector3d>(lever.arm) = r;
+    for (int y = 0; y < 3; ++y)
+      for (int x = 0; x < 3; ++x) lever.along[y][x] = D(x, y);
+    const auto rows = static_cast<int>(lever.rows), first = static_cast<int>(n);
+    for (std::size_t j = 0; j < lever.count; ++j)
+      W.block(first, 3 * static_cast<int>(lever.at[j]), rows, 3) += lever.weight[j] * D.topRows(rows);
+    for (int x = 0; x < rows; ++x) {
+      const Eigen::Vector3d d = D.row(x);
+      frame.row(first + x) << d.transpose(), r.cross(d).transpose();
+    }
+    n += lever.rows;
+    levers.push_back(lever);
+  }
+  const auto size = static_cast<int>(n), stride = (size + 7) / 8 * 8;
+  MatrixXd rigid = MatrixXd::Zero(6, 6);
+  rigid.topLeftCorner(3, 3) = shift * MatrixXd::Identity(3, 3);
+  rigid.bottomRightCorner(3, 3) = J;
+  const MatrixXd of_R = (W * R * W.transpose()).topLeftCorner(size, size),
+                 of_S = (W * (a * M + R) * W.transpose() + frame * rigid * frame.transpose())
+                            .topLeftCorner(size, size);
+
+  MatrixXd S_found = MatrixXd::Constant(stride, size, NAN), R_found = S_found;
+  std::vector<double> u(24 * candidates), out;
+  for (std::size_t f = 0; f < points; ++f) {
+    out.assign(static_cast<std::size_t>(8 * stride), 0);
+    simd::dense().displace(body, &levers[f], points - f, 0, candidates, u.data(), out.data());
+    simd::dense().spread(n, levers[f].first, levers[f].rows, out.data(), S_found.data(), R_found.data(),
+                         static_cast<std::size_t>(stride));
+  }
+  EXPECT_LT((S_found.topRows(size) - of_S).cwiseAbs().maxCoeff(), 1e-14 * of_S.cwiseAbs().maxCoeff());
+  EXPECT_LT((R_found.topRows(size) - of_R).cwiseAbs().maxCoeff(), 1e-14 * of_R.cwiseAbs().maxCoeff());
+}
+
 // Sizes below, at and above those of the blocks. The oracle multiplies instead of dividing; it takes the sign
 // of the determinant from Eigen. 1e-15 n: the backward error of elimination with row exchanges, with little
 // growth.

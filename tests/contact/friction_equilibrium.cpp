@@ -177,7 +177,7 @@ TEST(FrictionEquilibrium, of_a_block_on_a_moving_belt_is_carried_along) {
   const Equilibrium at_rest = find_equilibrium(model);
   const Vector3d moved = model.bodies[0].momentum * at_rest.q / mass;
   EXPECT_LT((moved - way - moved.z() * Vector3d::UnitZ()).norm(), 1e-9);
-  EXPECT_LT(at_rest.force.tail(8).norm(), 1e-9 * mass * gravity);
+  EXPECT_LT(at_rest.force.tail(8).norm(), 3e-9 * mass * gravity);  // 1e-9, the solver's, in each of 8 rows
   EXPECT_LT(std::abs(at_rest.energy.friction), 1e-9);
   EXPECT_EQ(at_rest.time, 1);
 }
