@@ -70,12 +70,12 @@ const SectionOf<Forcing> traction_keys{
      axes_of_source("`\"body\"`, as pressure acts"),
      history_of_source()}};
 
-const SectionOf<Forcing> point_keys{"[[loads.point]]",
-                                    "A force at a point.",
-                                    {name_of_source("point 1, point 2, …"), body_key<Forcing>(),
-                                     place_key<Forcing>("point of application", "where the force acts"),
-                                     vector_of_source("N", "force, in world axes at t = 0"),
-                                     axes_of_source("`\"world\"`"), history_of_source()}};
+const SectionOf<Forcing> point_keys{
+    "[[loads.point]]",
+    "A force at a point.",
+    {name_of_source("point 1, point 2, …"), body_key<Forcing>(), at_key<Forcing>("point of application"),
+     at_body_key<Forcing>(), vector_of_source("N", "force, in world axes at t = 0"),
+     axes_of_source("`\"world\"`"), history_of_source()}};
 
 const SectionOf<Forcing> motion_keys{
     "[[loads.motion]]",
@@ -100,6 +100,14 @@ void check_name(const Table& table, const std::string& key, const std::string& n
                    "\"" + name +
                        "\" is not a valid name: use 1 to 100 bytes without \"/\" and control characters, but "
                        "not body_force, body_force_residual or rotation");
+}
+
+void check_place(const Table& table, const std::string& what) {
+  if (table.has("at") && table.has("at_body"))
+    table.complain("at_body", "is the place that `at` gives in world axes: leave one of them out");
+  if (!table.has("at") && !table.has("at_body"))
+    table.complain(
+        "at", "is missing: give " + what + ", [x, y, z] in world axes, or at_body, in the axes of the mesh");
 }
 
 namespace {
@@ -149,7 +157,9 @@ void check_slide(const Table& table, const Scene& scene, const Forcing& motion) 
 Forcing read_driven(const Table& table, const LoadKind& kind, std::size_t number, const Scene& scene) {
   Forcing driven;
   kind.keys.read(table, driven);
-  const bool is_motion = &kind.keys == &motion_keys, is_slide = table.has("obstacle");
+  const bool is_motion = &kind.keys == &motion_keys, is_slide = table.has("obstacle"),
+             is_point = &kind.keys == &point_keys;
+  if (is_point) check_place(table, "the point where the force acts");
   if (is_slide) {
     check_slide(table, scene, driven);
   } else {
@@ -158,9 +168,7 @@ Forcing read_driven(const Table& table, const LoadKind& kind, std::size_t number
     if (is_motion && !table.has("group")) table.complain("group", "is missing: name a support");
   }
   if (!table.has("name"))
-    driven.name = is_slide                    ? driven.obstacle
-                  : &kind.keys == &point_keys ? fmt::format("point {}", number + 1)
-                                              : driven.group;
+    driven.name = is_slide ? driven.obstacle : is_point ? fmt::format("point {}", number + 1) : driven.group;
   if (!is_slide) check_name(table, "name", driven.name);
   if (is_motion && !is_slide) check_motion(table, *scene.find_body(driven.body), driven);
   if (table.has("history") && !std::filesystem::is_regular_file(driven.history))

@@ -44,7 +44,8 @@ const SectionOf<Receiver> receiver_keys{
       "a name that no other receiver has; at most 100 bytes, no `/`, and not `body_force`, "
       "`body_force_residual` or `rotation`"},
      body_key<Receiver>(),
-     place_key<Receiver>("the point", "the point of the body"),
+     at_key<Receiver>("the point"),
+     at_body_key<Receiver>(),
      {"axes", choice<Receiver>(&Receiver::axes, {"world", "body"}).if_changed(), "", initial, any(),
       "components of the motion: along the axes of the world, or along those of the body's mesh, which turn "
       "with the body"}}};
@@ -77,6 +78,7 @@ std::vector<Receiver> read_receivers(const Table& output, const Scene& scene) {
   for (const Table& entry : output.array("receiver", receiver_keys)) {
     Receiver receiver;
     receiver_keys.read(entry, receiver);
+    check_place(entry, "the point of the body");
     check_name(entry, "name", receiver.name);
     check_exists(entry, "body", "body", receiver.body, names_of(scene.bodies));
     if (std::ranges::count(receivers, receiver.name, &Receiver::name) > 0)

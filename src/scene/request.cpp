@@ -96,10 +96,10 @@ Vector3 own_axis(const Body& body, const Vector3& world) {
   return own;
 }
 
-/// Moves a point of the world to the frame of the body.
-void move_to_frame(const Body& body, Vector3& at) {
-  for (std::size_t k = 0; k < 3; ++k) at[k] -= body.translate[k];
-  at = rounded(in_body(body, at));
+/// The place of a load or a receiver in the frame of its body.
+template <class S>
+Vector3 own_place(const Body& body, const S& source) {
+  return rounded(source.at_axes == Axes::body ? source.at : point_in_body(body, source.at));
 }
 
 /// Copies the loads, motions and receivers of `all` that belong to the body into the request, reduced to the
@@ -111,7 +111,7 @@ void take_sources(const Scene& all, const Body& placed, KernelRequest& request) 
       driven.vector = {};
       driven.history.clear();
       driven.axes.reset();
-      if (&kind.keys == &point_keys) move_to_frame(placed, driven.at);
+      if (&kind.keys == &point_keys) driven.at = own_place(placed, driven);
       // All motions of a support share one dataset of the kernel, whatever their histories.
       if (&kind.keys == &motion_keys) driven.name = driven.group;
       std::vector<Forcing>& list = request.loads.*kind.list;
@@ -120,7 +120,7 @@ void take_sources(const Scene& all, const Body& placed, KernelRequest& request) 
   for (Receiver receiver : all.output.receivers) {
     if (receiver.body != placed.name) continue;
     receiver.axes = Axes::world;
-    move_to_frame(placed, receiver.at);
+    receiver.at = own_place(placed, receiver);
     request.receivers.push_back(receiver);
   }
 }
@@ -158,11 +158,22 @@ const SectionOf<KernelRequest> request_contact_keys{
 const SectionOf<KernelRequest> request_output_keys{
     "[output] of a kernel's scene", "", {{"view", &KernelRequest::view}, {"receiver", Type::tables}}};
 
-SectionOf<Forcing> request_keys_of(const LoadKind& kind) {
-  return kind.keys.without({"body", "obstacle", "vector", "axes", "history"});
+/// The keys of a request, in which places are in the frame of the body, whichever key of the scene gave them.
+template <class S>
+SectionOf<S> with_own_place(SectionOf<S> keys) {
+  keys = keys.without({"at_body"});
+  for (Key& key : keys.keys)
+    if (key.name == "at") key.access.is_written = {};
+  return keys;
 }
 
-SectionOf<Receiver> request_receiver_keys() { return receiver_keys.without({"body", "axes"}); }
+SectionOf<Forcing> request_keys_of(const LoadKind& kind) {
+  return with_own_place(kind.keys.without({"body", "obstacle", "vector", "axes", "history"}));
+}
+
+SectionOf<Receiver> request_receiver_keys() {
+  return with_own_place(receiver_keys.without({"body", "axes"}));
+}
 
 /// Reads [loads] and the receivers in [output].
 void read_sources(const Table& root, const Table& output, KernelRequest& request) {
@@ -191,8 +202,7 @@ KernelRequest kernel_request(const Scene& scene, const Body& body, MeshHashes* k
   const std::string file = scene.file.filename().string();
   KernelRequest request;
   request.body = body;
-  request.body.translate = request.body.rotate_deg = request.body.velocity =
-      request.body.angular_velocity = {};
+  request.body.velocity = request.body.angular_velocity = {};
   request.body.arrival = 0;
   for (Material& material : request.body.materials) material.yield = 0;
   request.body.copy_of.clear();

@@ -17,7 +17,7 @@ struct Scene;
 
 /// The data that determine the kernel of a body, and nothing else. Vectors are in the frame of the body.
 struct KernelRequest {
-  Body body;  ///< without placement and velocity
+  Body body;  ///< without velocity; its placement, which is not part of the hash, serves messages
   Modes modes;
   /// Set only if every pair of the body gives the same one, and none has friction.
   std::optional<Vector3> direction;
@@ -41,8 +41,9 @@ struct KernelRequest {
   bool view = false;
   /// Whether the kernel estimates its errors by the mesh. Not part of the hash: it is the same kernel.
   bool mesh_error = false;
-  Loads loads;                      ///< of this body; vectors and histories empty, `at` in its frame
-  std::vector<Receiver> receivers;  ///< of this body; `at` in its frame
+  /// Of this body; vectors and histories empty. `at` is in its frame, whatever `at_axes`, those of the scene.
+  Loads loads;
+  std::vector<Receiver> receivers;  ///< likewise
   std::string mesh_sha256;
   std::string toml;  ///< the request as TOML, part of the hash
   std::string hash;  ///< SHA-256, hexadecimal

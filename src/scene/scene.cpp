@@ -61,6 +61,19 @@ Vector3 in_body(const Body& body, const Vector3& world) {
   return own;
 }
 
+Vector3 point_in_world(const Body& body, const Vector3& own) {
+  const std::array<double, 9> rotation = rotation_of(body);
+  Vector3 world = body.translate;
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t j = 0; j < 3; ++j) world[k] += rotation[3 * k + j] * own[j];
+  return world;
+}
+
+Vector3 point_in_body(const Body& body, Vector3 world) {
+  for (std::size_t k = 0; k < 3; ++k) world[k] -= body.translate[k];
+  return in_body(body, world);
+}
+
 double along_normal(const HalfSpace& obstacle, const Vector3& vector) {
   double along = 0;
   for (std::size_t k = 0; k < 3; ++k) along += obstacle.normal[k] * vector[k];

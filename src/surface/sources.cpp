@@ -88,18 +88,38 @@ std::size_t place_of(std::vector<std::string>& list, const std::string& name) {
   return static_cast<std::size_t>(std::find(list.begin(), list.end(), name) - list.begin());
 }
 
-/// Locates the point `name` under `key` of the scene. Throws InputError if it is not on the body. Collective.
-Located on_body(const mesh::Mesh& mesh, const scene::Body& body, const char* key, const std::string& name,
-                const Vector3& at, double tolerance) {
-  Located found = locate(mesh, at);
+/// A point as a scene gives it. Its digits suffice to lie within `tolerance` of the point.
+std::string digits(const Vector3& point, double tolerance) {
+  const double unit = std::pow(10.0, std::floor(std::log10(tolerance)) - 1);
+  std::string text;
+  for (const double x : point) {
+    const double rounded = std::round(x / unit) * unit;
+    text += fmt::format("{}{:.15g}", text.empty() ? "" : ", ", std::abs(rounded) < unit / 2 ? 0 : rounded);
+  }
+  return '[' + text + ']';
+}
+
+/// Locates a load or a receiver of `request` under `key` of the scene. Throws InputError if it is not on the
+/// body. Collective.
+template <class S>
+Located on_body(const mesh::Mesh& mesh, const scene::Body& body, const char* key, const S& source,
+                double tolerance) {
+  const Located found = locate(mesh, source.at);
   if (found.distance <= tolerance) return found;
-  for (double& x : found.place)
-    if (std::abs(x) < 1e-3 * tolerance) x = 0;
-  throw InputError(fmt::format(
-      "{}: {} \"{}\" lies {:.4g} m off bodies.{}, at ({:.6g}, {:.6g}, {:.6g}) m in its own axes: move it to "
-      "the nearest point, ({:.6g}, {:.6g}, {:.6g})",
-      body.mesh.filename().string(), key, name, found.distance, body.name, at[0], at[1], at[2],
-      found.place[0], found.place[1], found.place[2]));
+  const bool own = source.at_axes == Axes::body;
+  const auto given = [&](const Vector3& at) {
+    return (own ? "at_body = " : "at = ") + digits(own ? at : point_in_world(body, at), tolerance);
+  };
+  const std::string what =
+      fmt::format("{}: {} \"{}\" lies {:.4g} m off bodies.{}, {}", body.mesh.filename().string(), key,
+                  source.name, found.distance, body.name, given(source.at));
+  // The coordinates of a drawing may be in its own unit.
+  Vector3 drawn = source.at;
+  for (double& x : drawn) x *= body.scale;
+  if (own && body.scale != 1 && locate(mesh, drawn).distance <= tolerance)
+    throw InputError(
+        fmt::format("{}: points are in metres, after scale = {}: write {}", what, body.scale, given(drawn)));
+  throw InputError(fmt::format("{}: move it to the nearest point, {}", what, given(found.place)));
 }
 
 }  // namespace
@@ -129,13 +149,12 @@ Sources make_sources(const mesh::Mesh& mesh, const scene::KernelRequest& request
       weights.push_back({place.node[a], static_cast<int>(number), place.weight[a]});
   };
   for (const scene::Forcing& point : request.loads.points) {
-    const Located place = on_body(mesh, request.body, "loads.point", point.name, point.at, tolerance);
+    const Located place = on_body(mesh, request.body, "loads.point", point, tolerance);
     put(place, sources.loads.size(), at_loads);
     sources.loads.push_back(load_of(mesh, point.name, "N", 1, Vector3d(place.place.data())));
   }
   for (const scene::Receiver& receiver : request.receivers) {
-    const Located place =
-        on_body(mesh, request.body, "output.receiver", receiver.name, receiver.at, tolerance);
+    const Located place = on_body(mesh, request.body, "output.receiver", receiver, tolerance);
     put(place, sources.receivers.size(), sources.at_receivers);
     sources.receivers.emplace_back();
     sources.receivers.back().name = receiver.name;

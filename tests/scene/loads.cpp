@@ -172,4 +172,33 @@ TEST(KernelRequests, hold_positions_in_the_frame_of_the_body) {
               ElementsAre(DoubleNear(-1.5, 1e-12), DoubleNear(-3.6, 1e-12), DoubleNear(-0.6, 1e-12)));
 }
 
+// The places of the last test, in the axes of the body.
+const std::string own_places =
+    changed(changed(sources, "at = [0.1, 0.2, 0.3]", "at_body = [-1.8, -2.7, -0.9]"), "at = [0.4, 0.5, -0.6]",
+            "at_body = [-1.5, -3.6, -0.6]");
+// The motion of a support is along the axes of the world.
+const std::vector<Override> placed{"bodies.ball.rotate_deg=[90,0,90]", "bodies.ball.translate=[1,2,3]",
+                                   "loads.motion[0].vector=[0,1,0]", "loads.point[1].vector=[0,0,1]"};
+
+TEST(KernelHash, is_that_of_the_place_in_whichever_axes_it_is_given) {
+  EXPECT_EQ(driven_request(placed, supported + own_places).hash, driven_request(placed).hash);
+}
+
+TEST(KernelHash, of_places_in_axes_of_the_body_does_not_depend_on_the_placement) {
+  const std::string text = changed(supported + own_places, "at = [0, 0, 0.3]", "at_body = [0, 0, 0.3]");
+  EXPECT_EQ(driven_request(placed, text).hash,
+            driven_request({"bodies.ball.rotate_deg=[0,20,0]", "loads.motion[0].vector=[0,0,0]"}, text).hash);
+}
+
+TEST(Sources, keep_the_axes_of_their_places_in_the_resolved_scene) {
+  const Scene scene = driven_scene({}, supported + own_places);
+  const std::string text = to_toml(scene);
+  EXPECT_THAT(text, HasSubstr("at_body = [-1.8, -2.7, -0.9]\n"));
+  EXPECT_THAT(text, HasSubstr("at = [0.0, 0.0, 0.3]\n"));
+  EXPECT_THAT(text, HasSubstr("at_body = [-1.5, -3.6, -0.6]\n"));
+  const Scene back = driven_scene({}, text);
+  EXPECT_EQ(back.loads.points, scene.loads.points);
+  EXPECT_EQ(back.output.receivers, scene.output.receivers);
+}
+
 }  // namespace ricochet::scene::loads_test

@@ -45,6 +45,9 @@ struct Made {
     scene::Body body = body_of(file.path(), order);
     body.contact = request.body.contact;
     body.support = request.body.support;
+    body.rotate_deg = request.body.rotate_deg;
+    body.translate = request.body.translate;
+    body.scale = request.body.scale;
     body.materials[0].poisson = poisson;
     request.body = body;
     mesh::GlobalMesh global;

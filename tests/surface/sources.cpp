@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <sstream>
 
 #include "src/scene/request.hpp"
 #include "tests/support.hpp"
@@ -96,13 +97,12 @@ TEST(Receiver, off_the_body_is_refused_with_its_distance_and_the_nearest_point) 
   request.receivers = {receiver("mic", {0.25, 0.5, 1.5})};
   const std::string said = test::complaint_of([&] { Made(test::block_geo("hex", 2, 0), 2, request); });
   EXPECT_THAT(said, AllOf(HasSubstr("output.receiver \"mic\" lies 0.5 m off bodies.body"),
-                          HasSubstr("nearest point, (0.25, 0.5, 1)")));
+                          HasSubstr("nearest point, at = [0.25, 0.5, 1]")));
   // Coordinates that are zero up to round-off are given as 0.
   request.receivers = {receiver("mic", {-0.5, 0.5, -0.25})};
   for (const char* kind : {"hex", "tet"})
-    EXPECT_THAT(
-        test::complaint_of([&] { Made(test::block_geo(kind, 2, 0), 2, request); }),
-        AllOf(HasSubstr("at (-0.5, 0.5, -0.25) m in its own axes"), HasSubstr("nearest point, (0, 0.5, 0)")));
+    EXPECT_THAT(test::complaint_of([&] { Made(test::block_geo(kind, 2, 0), 2, request); }),
+                AllOf(HasSubstr("at = [-0.5, 0.5, -0.25]"), HasSubstr("nearest point, at = [0, 0.5, 0]")));
   // Within 1e-6 of the size of the body, √3, it is on the body.
   request.receivers = {receiver("mic", {0.25, 0.5, 1 + 1.8e-6})};
   EXPECT_THAT(test::complaint_of([&] { Made(test::block_geo("hex", 2, 0), 1, request); }),
@@ -113,6 +113,56 @@ TEST(Receiver, off_the_body_is_refused_with_its_distance_and_the_nearest_point) 
   request.loads.points = {load("tap", "", {1 + 1e-4, 0.5, 0.5})};
   EXPECT_THAT(test::complaint_of([&] { Made(test::block_geo("tet", 2, 0), 2, request); }),
               HasSubstr("loads.point \"tap\" lies 0.0001 m off"));
+}
+
+/// The three numbers after the last "[".
+Vector3 last_point(const std::string& said) {
+  Vector3 point{};
+  std::istringstream numbers(said.substr(said.rfind('[') + 1));
+  char comma{};
+  numbers >> point[0] >> comma >> point[1] >> comma >> point[2];
+  return point;
+}
+
+// Rotated by 90 degrees about x and then z, the x, y, z axes of the body are the y, z, x axes of the world.
+TEST(Receiver, off_the_body_is_corrected_in_the_axes_of_its_key) {
+  scene::KernelRequest request = request_of({"top"}, {});
+  request.body.rotate_deg = {90, 0, 90};
+  request.body.translate = {10, 20, 30};
+  request.receivers = {receiver("mic", {1.0 / 3, 0.5, 1.5})};  // in the axes of the body
+  const auto said = [&](Axes axes) {
+    request.receivers[0].at_axes = axes;
+    return test::complaint_of([&] { Made(test::block_geo("hex", 2, 0), 1, request); });
+  };
+  EXPECT_THAT(said(Axes::world), AllOf(HasSubstr("off bodies.body, at = [11.5, 20.3333333, 30.5]: move"),
+                                       HasSubstr("nearest point, at = [11, 20.3333333, 30.5]")));
+  EXPECT_THAT(said(Axes::body), AllOf(HasSubstr("off bodies.body, at_body = [0.3333333, 0.5, 1.5]: move"),
+                                      HasSubstr("nearest point, at_body = [0.3333333, 0.5, 1]")));
+}
+
+// The body leans, so that no digits are exact.
+TEST(Receiver, off_the_body_is_on_it_where_the_message_puts_it) {
+  scene::KernelRequest request = request_of({"top"}, {});
+  request.body.rotate_deg = {11, -23, 37};
+  request.body.translate = {123.456, -0.1, 1e-3};
+  for (const Axes axes : {Axes::world, Axes::body}) {
+    request.receivers = {receiver("mic", {1.01, 0.4, 0.9})};
+    request.receivers[0].at_axes = axes;
+    const Vector3 point =
+        last_point(test::complaint_of([&] { Made(test::block_geo("tet", 2, 0.4), 1, request); }));
+    request.receivers[0].at = axes == Axes::world ? point_in_body(request.body, point) : point;
+    EXPECT_NO_THROW(Made(test::block_geo("tet", 2, 0.4), 1, request));
+  }
+}
+
+TEST(Receiver, in_the_unit_of_a_drawing_is_named_in_metres) {
+  scene::KernelRequest request = request_of({"top"}, {});
+  request.body.scale = 1e-3;
+  request.receivers = {receiver("mic", {0.25, 0.5, 1})};
+  request.receivers[0].at_axes = Axes::body;
+  EXPECT_THAT(
+      test::complaint_of([&] { Made(test::block_geo("hex", 2, 0), 1, request); }),
+      HasSubstr("points are in metres, after scale = 0.001: write at_body = [0.00025, 0.0005, 0.001]"));
 }
 
 // Elements of order 3 approximate the area of the unit sphere to about 4e-4, and flat ones to a few per cent.

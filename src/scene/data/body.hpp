@@ -66,4 +66,8 @@ std::array<double, 9> rotation_of(const Body& body);
 /// Components of a world vector along the axes of the body.
 Vector3 in_body(const Body& body, const Vector3& world);
 
+/// The point of the world at which the body has its point `own`, and the converse [m].
+Vector3 point_in_world(const Body& body, const Vector3& own);
+Vector3 point_in_body(const Body& body, Vector3 world);
+
 }  // namespace ricochet::scene

@@ -13,10 +13,11 @@ namespace ricochet::scene {
 /// are those of a CSV of t [s] and a factor. Its name is unique within a body or obstacle; default: the
 /// group, "point <number in the scene>", or the obstacle.
 struct Forcing : ricochet::Forcing {
-  std::string group;  ///< traction: physical surface; motion: support of the body
-  Vector3 at{};       ///< point force: point of application in world axes, bodies as placed by the scene [m]
+  std::string group;                ///< traction: physical surface; motion: support of the body
+  Vector3 at{};                     ///< point force: point of application [m]
   std::filesystem::path history{};  ///< resolved against the scene's folder; empty: constant
   std::string obstacle{};           ///< motion: an obstacle that moves along its surface, in place of a body
+  Axes at_axes = Axes::world;       ///< of `at`: of the world, bodies as placed by the scene, or of the mesh
   bool operator==(const Forcing&) const = default;
 };
 

@@ -12,8 +12,10 @@ namespace ricochet::scene {
 struct Receiver {
   std::string name;
   std::string body;
-  Vector3 at{};             ///< in world axes, bodies as placed by the scene [m]
+  Vector3 at{};             ///< [m]
   Axes axes = Axes::world;  ///< along which its motion is recorded
+  Axes at_axes =
+      Axes::world;  ///< of `at`: of the world, bodies as placed by the scene, or of the body's mesh
   bool operator==(const Receiver&) const = default;
 };
 
