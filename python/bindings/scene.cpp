@@ -5,6 +5,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "src/accuracy/scene_dial.hpp"
+#include "src/scene/materials.hpp"
 #include "src/scene/read.hpp"
 #include "src/scene/scene.hpp"
 #include "src/scene/write.hpp"
@@ -61,6 +62,7 @@ void bind_scene(py::module_& module) {
         return accuracy::chosen(scene, folder, store);
       });
   module.def("overridden", &scene::overridden);
+  module.def("materials_toml", &scene::materials_toml);
 }
 
 }  // namespace ricochet::python

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from ricochet._core import __version__
     from ricochet.errors import InputError, RicochetError, SolverError
     from ricochet.kernel import Kernel
+    from ricochet.named_materials import materials
     from ricochet.result import Result
     from ricochet.runs import impact, kernels, plot, report, sweep
     from ricochet.scene import Scene
@@ -39,6 +40,7 @@ __all__ = [
     "__version__",
     "impact",
     "kernels",
+    "materials",
     "plot",
     "report",
     "sweep",
@@ -48,6 +50,7 @@ _PLACES = {
     "_core": ["__version__"],
     "errors": ["InputError", "RicochetError", "SolverError"],
     "kernel": ["Kernel"],
+    "named_materials": ["materials"],
     "result": ["Result"],
     "runs": ["impact", "kernels", "plot", "report", "sweep"],
     "scene": ["Scene"],

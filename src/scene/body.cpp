@@ -5,6 +5,7 @@
 
 #include "base/similar.hpp"
 #include "src/scene/keys.hpp"
+#include "src/scene/materials.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet::scene {
@@ -18,18 +19,45 @@ bool read_order(const Table& table, const Key& key, Body& body) {
 
 std::string order_of(const Body& body) { return body.order_open ? "" : toml_value(body.order); }
 
-/// A table for the whole body, or a table of tables, one for each group. An imported body has none.
+/// Sets all values to those of a material that has a name.
+bool read_like(const Table& table, const Key& key, Material& material) {
+  std::string name;
+  if (!table.read(key, name)) return false;
+  const std::string group = material.group;
+  material = named_material(table, key.name, name);
+  material.group = group;
+  return true;
+}
+
+/// A name or a table for the whole body, or a table of them, one for each group. An imported body has none.
 bool read_materials(const Table& table, const Key& key, Body& body) {
   const auto read = [&](const Table& inner, const std::string& group) {
     body.materials.push_back({.group = group});
     material_keys.read(inner, body.materials.back());
+    for (const char* required : {"density", "young"})
+      if (!inner.has(required) && !inner.has("like"))
+        inner.complain(required, "is missing: give a number in " + material_keys.find(required)->unit +
+                                     ", or like, the name of a material");
   };
-  if (table.has_named_tables(key.name))
-    for (const auto& [group, inner] : table.named(key.name, material_keys)) read(inner, group);
-  else if (const auto inner = table.table(key.name, material_keys))
+  if (table.has_text(key.name)) {
+    std::string name;
+    table.read(Key{.name = key.name, .type = Type::text}, name);
+    body.materials.push_back(named_material(table, key.name, name));
+  } else if (table.has_named_entries(key.name, material_keys)) {
+    std::map<std::string, std::string> names;
+    for (const auto& [group, inner] : table.named(key.name, material_keys, &names)) read(inner, group);
+    for (const auto& [group, name] : names) {
+      body.materials.push_back(named_material(table, key.name + '.' + group, name));
+      body.materials.back().group = group;
+    }
+    std::ranges::sort(body.materials, {}, &Material::group);
+  } else if (const auto inner = table.table(key.name, material_keys)) {
     read(*inner, "");
+  }
   return table.has(key.name);
 }
+
+std::string no_text(const Material&) { return ""; }
 
 std::string materials_of(const Body& body) {
   if (body.materials.empty()) return "{}";
@@ -121,9 +149,10 @@ const SectionOf<Body> body_keys{
       "`[[bodies.NAME.refine]]`, balls in which a `.geo`, `.step` or `.brep` gets smaller elements"},
      {"scale", &Body::scale, "1", initial, above("0"),
       "factor on all coordinates of the mesh (0.001 for a drawing in millimetres, and for any STEP file)"},
-     {"material", Access(Type::table, read_materials, materials_of), "", required(), any(),
-      "one table for the whole body, or one table for each physical volume (for a rod: physical line), named "
-      "after it. A body file has no material",
+     {"material", Access(Type::text_or_table, read_materials, materials_of), "", required(), any(),
+      "the [name of a material](commands.md#ricochet-materials) or a table for the whole body, or a table "
+      "of names and tables, one for each physical volume (for a rod: physical line), named after it. A body "
+      "file has no material",
       "{ density = 7800, young = 2.1e11, poisson = 0.3 }"},
      {"damping", Access(Type::table, read_damping, damping_of), "", "`{}`", any(),
       "one damping law; no damping if empty", "{ ratio = 0.01 }"},
@@ -163,9 +192,12 @@ const SectionOf<Material> material_keys{
     "[bodies.NAME.material]",
     "Linear and isotropic. A body of several materials has one table for each: "
     "`[bodies.NAME.material.GROUP]`.",
-    {{"density", &Material::density, "kg/m³", required(), above("0"), "mass per volume"},
-     {"young", &Material::young, "Pa", required(), above("0"), "Young's modulus"},
-     {"poisson", &Material::poisson, "1", initial,
+    {{"like", Access<Material>(Type::text, read_like, no_text), "", none, any(),
+      "[name of a material](commands.md#ricochet-materials), whose values serve for the keys that are not "
+      "given. The resolved scene has the values alone"},
+     {"density", &Material::density, "kg/m³", "– without `like`", above("0"), "mass per volume"},
+     {"young", &Material::young, "Pa", "– without `like`", above("0"), "Young's modulus"},
+     {"poisson", &Material::poisson, "1", ", or that of `like`",
       Range{.low = "-1",
             .high = "0.5",
             .low_open = true,
@@ -223,7 +255,8 @@ void check_matter(const Table& table, const Body& body) {
                                body.mesh.filename().string()));
   if (!body.imported()) {
     if (body.materials.empty())
-      table.complain("material", "is missing: give { density = …, young = …, poisson = … }");
+      table.complain("material",
+                     "is missing: give a name, \"steel\", or { density = …, young = …, poisson = … }");
     return;
   }
   const char* fixed = "is part of the data of a body file (.h5): leave it out";

@@ -125,6 +125,12 @@ std::string table(const Key& key, const std::string& dotted, const toml::node& g
   return fmt::format("must be a table: write {} = {}", dotted.substr(dotted.rfind('.') + 1), inside);
 }
 
+std::string text_or_table(const Key& key, const std::string& dotted) {
+  const std::string name = dotted.substr(dotted.rfind('.') + 1);
+  return fmt::format("must be a name, in quotes, or a table: write {0} = \"…\" or {0} = {1}", name,
+                     key.example);
+}
+
 std::string number_or_table(const Key& key, const std::string& dotted, const toml::node& given) {
   const std::string must = number(key, given);
   if (must != "must be a number") return must;
@@ -162,6 +168,8 @@ std::string expected(const Key& key, const std::string& dotted, const toml::node
       return table(key, dotted, given);
     case Type::number_or_table:
       return number_or_table(key, dotted, given);
+    case Type::text_or_table:
+      return text_or_table(key, dotted);
     case Type::tables:
       return fmt::format("must be an array of tables, [[{}]]{}", dotted,
                          given.is_table() ? ", with two brackets" : "");

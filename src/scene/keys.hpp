@@ -33,6 +33,7 @@ enum class Type {
   direction,  ///< three numbers, not all 0
   table,
   number_or_table,
+  text_or_table,
   tables,   ///< an array of tables
   numbers,  ///< numbers under names that the user chooses
   strings,  ///< strings under names that the user chooses

@@ -127,8 +127,9 @@ std::string sections_with(const std::string& name, bool is_table) {
   std::vector<std::string> titles;
   for (const Section* section : all_sections()) {
     const Key* key = section->find(name);
-    const bool takes_table = key != nullptr && (key->type == Type::table || key->type == Type::strings ||
-                                                key->type == Type::number_or_table);
+    const bool takes_table =
+        key != nullptr && (key->type == Type::table || key->type == Type::strings ||
+                           key->type == Type::number_or_table || key->type == Type::text_or_table);
     if (key == nullptr || (is_table && !takes_table)) continue;
     const bool top = section->title.front() != '[';
     if (key->type == Type::table && top)

@@ -132,6 +132,11 @@ void apply_override(toml::table& root, const Override& text) {
       }
       node = list->get(part.index[k]);
     }
+    // A key of a material that has a name changes this material.
+    if (const auto* name = node->as_string(); name != nullptr && p >= 2 && parts[2].key == "material") {
+      table->insert_or_assign(part.key, toml::table{{"like", name->get()}});
+      node = table->get(part.key);
+    }
     table = node->as_table();
     if (table == nullptr) throw refusal(text, part.key + " is not a table");
   }

@@ -72,10 +72,12 @@ Table::Table(const toml::table& table, const Section& keys, std::filesystem::pat
       complain(key, unknown_key(keys, key, node.is_table()));
 }
 
-bool Table::has_named_tables(const std::string& key) const {
+bool Table::has_named_entries(const std::string& key, const Section& keys) const {
   const toml::table* table = table_[key].as_table();
-  return table != nullptr &&
-         std::ranges::all_of(*table, [](const auto& entry) { return entry.second.is_table(); });
+  return table != nullptr && std::ranges::all_of(*table, [&](const auto& entry) {
+           return entry.second.is_table() ||
+                  (entry.second.is_string() && keys.find(entry.first.str()) == nullptr);
+         });
 }
 
 std::string Table::value_of(const std::string& key) const {
@@ -177,12 +179,17 @@ std::optional<Table> Table::table(const std::string& key, const Section& keys) c
   return Table(found->table_, keys, file_, found->where_);
 }
 
-std::vector<std::pair<std::string, Table>> Table::named(const std::string& key, const Section& keys) const {
+std::vector<std::pair<std::string, Table>> Table::named(const std::string& key, const Section& keys,
+                                                        std::map<std::string, std::string>* texts) const {
   std::vector<std::pair<std::string, Table>> result;
   const auto all = free_table(*keys_->find(key));
   if (!all) return result;
   for (auto&& [inner, node] : all->table_) {
     const std::string name(inner.str());
+    if (texts != nullptr && node.is_string()) {
+      (*texts)[name] = node.as_string()->get();
+      continue;
+    }
     if (!node.is_table()) all->complain(name, expected_table(keys, name, all->dotted(name)));
     result.emplace_back(name, Table(*node.as_table(), keys, file_, all->dotted(name)));
   }

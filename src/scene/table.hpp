@@ -72,8 +72,10 @@ class Table {
 
   bool has(const std::string& key) const { return table_.contains(key); }
   bool has_table(const std::string& key) const { return table_[key].is_table(); }
-  /// Whether the key is a table of tables alone.
-  bool has_named_tables(const std::string& key) const;
+  bool has_text(const std::string& key) const { return table_[key].is_string(); }
+  /// Whether the key is a table of tables alone, or of tables and strings under names that `keys` does not
+  /// have.
+  bool has_named_entries(const std::string& key, const Section& keys) const;
 
   /// Sets the value and returns true if the table has the key; false for one of the words that the key
   /// accepts in place of a number, and for an empty list of strings. Throws InputError for another type or a
@@ -101,7 +103,9 @@ class Table {
 
   std::optional<Table> table(const std::string& key, const Section& keys) const;
   /// The entries of a table of tables, [bodies], sorted by name. Empty if it is absent.
-  std::vector<std::pair<std::string, Table>> named(const std::string& key, const Section& keys) const;
+  /// @param texts  gets the entries that are strings; null: they are refused
+  std::vector<std::pair<std::string, Table>> named(const std::string& key, const Section& keys,
+                                                   std::map<std::string, std::string>* texts = nullptr) const;
   /// The entries of an array of tables.
   std::vector<Table> array(const std::string& key, const Section& keys) const;
 

@@ -25,6 +25,7 @@ VERBS = [
     "sweep",
     "tradeoff",
     "surfaces",
+    "materials",
     "import",
     "export",
     "batch",
@@ -33,7 +34,7 @@ COMMANDS = [*PROGRAMS[1:], *(f"ricochet {verb}" for verb in VERBS)]
 # The input of commands that do not read a scene or a study.
 READS = {name: {"b.result.h5"} for name in ("ricochet plot", "ricochet report", "ricochet-recast")}
 READS |= {"ricochet export": {"a.toml", "b.result.h5"}, "ricochet surfaces": {"d.step"}}
-READS |= {"ricochet import": {"calculix", "matrices"}}
+READS |= {"ricochet import": {"calculix", "matrices"}, "ricochet materials": set()}
 
 
 class Installed(ProgramTest):
@@ -220,7 +221,7 @@ class Installed(ProgramTest):
             options = self.options(name)
             self.assertLessEqual({"--help", "--version"}, options)
             self.assertEqual(self.completed(name, "-"), options)
-            folder = set() if name == "ricochet import" else {"folder"}
+            folder = set() if name in ("ricochet import", "ricochet materials") else {"folder"}
             self.assertEqual(self.completed(name, '""'), READS.get(name, {"a.toml"}) | folder)
         for name, option in (("sweep", "--out"), ("plot", "--kernels"), ("report", "--kernels")):
             self.assertEqual(self.completed(f"ricochet {name}", f"{option} ''"), {"folder"})

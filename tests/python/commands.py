@@ -15,6 +15,7 @@ from unittest import mock
 import h5py
 import numpy as np
 
+import ricochet
 from mistakes_table import TABLE
 from programs import ProgramTest
 from ricochet import cli, errors
@@ -422,6 +423,50 @@ class Studies(unittest.TestCase):
             (datetime.date(2020, 1, 1), "is a date or a time"),
         ):
             self.assertIn(why, unfit(value))
+
+
+class Materials(unittest.TestCase):
+    def test_have_values_within_their_scatter_and_a_source(self):
+        for name, one in ricochet.materials().items():
+            with self.subTest(name):
+                self.assertLessEqual({"density", "young", "poisson", "source"}, set(one))
+                # Waves along a bar of rubber run at 45 m/s, of alumina at 9800 m/s.
+                self.assertTrue(40 < (one["young"] / one["density"]) ** 0.5 < 1e4)
+                self.assertTrue(0.1 < one["poisson"] < 0.5)
+                self.assertTrue(1e-4 < one.get("yield", 1e-3 * one["young"]) / one["young"] < 0.05)
+                self.assertTrue(1e-6 < one.get("loss_factor", 0.1) < 1)
+                for key, (low, high) in one.get("scatter", {}).items():
+                    self.assertTrue(low <= one[key] <= high and low < high, key)
+
+    def test_are_those_that_a_scene_can_name(self):
+        body = {"mesh": "ball.msh", "contact": "skin"}
+        for name, one in ricochet.materials().items():
+            for word in (name, *one.get("also", [])):
+                scene = ricochet.Scene(
+                    {"bodies": {"ball": body | {"material": word}}, "modes": {"count": 10}}, folder="/"
+                )
+                self.assertEqual(
+                    scene.resolved["bodies"]["ball"]["material"],
+                    {key: one[key] for key in ("density", "young", "poisson", "yield") if key in one},
+                )
+
+    def test_are_listed_and_described(self):
+        status, out, err = printed(cli.dispatch, ["materials"])
+        self.assertEqual((status, err), (0, ""))
+        lines = out.splitlines()
+        self.assertEqual(len(lines), 2 + len(ricochet.materials()))
+        self.assertEqual(lines[2].split(), ["steel", "7850", "210", "0.3", "235", "0.0002"])
+        status, out, err = printed(cli.dispatch, ["materials", "Aluminum"])
+        self.assertEqual((status, err), (0, ""))
+        self.assertIn("aluminium: alloy 6061-T6\n", out)
+        self.assertIn("  young        69 (69 to 72.4) GPa\n", out)
+        self.assertIn("  source       W. D. Callister, Materials Science", out)
+
+    def test_of_another_name_are_refused_with_the_nearest_ones(self):
+        for word, names in {"stel": "steel", "wood": "rosewood along the grain"}.items():
+            status, _, err = printed(cli.dispatch, ["materials", word])
+            self.assertEqual((status, err.count("\n")), (2, 1))
+            self.assertIn(f'there is no material "{word}": did you mean {names}', err)
 
 
 class Bars(unittest.TestCase):

@@ -3,12 +3,14 @@
 #include <gmock/gmock.h>
 
 #include "src/scene/read.hpp"
+#include "src/scene/write.hpp"
 #include "tests/scene/scenes.hpp"
 
 namespace ricochet::scene::read_test {
 
 using namespace test;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Pair;
 
@@ -115,6 +117,55 @@ TEST(SceneValues, of_materials_by_physical_volume_are_read) {
   EXPECT_EQ(materials[1].group, "steel");
   EXPECT_EQ(materials[1].density, 7800);
   EXPECT_EQ(materials[1].poisson, 0.3);
+}
+
+/// The materials of the smallest scene with this one.
+std::vector<Material> with_material(const std::string& text, const std::vector<Override>& overrides = {}) {
+  return scene_of(changed(smallest, "{ density = 1000, young = 1e9 }", text), overrides).bodies[0].materials;
+}
+
+// EN 1993-1-1
+TEST(Materials, by_name_have_its_values) {
+  const Material steel{
+      .group = "", .density = 7850, .young = 210e9, .poisson = 0.3, .area = 0, .yield = 235e6};
+  EXPECT_THAT(with_material("\"steel\""), ElementsAre(steel));
+  EXPECT_THAT(with_material("{ like = \"steel\" }"), ElementsAre(steel));
+  EXPECT_THAT(with_material("\"7800\"", {"bodies.ball.material=Steel"}), ElementsAre(steel));
+}
+
+TEST(Materials, like_another_differ_in_the_keys_that_are_given) {
+  const Material stiffer{
+      .group = "", .density = 7850, .young = 200e9, .poisson = 0.3, .area = 1e-4, .yield = 235e6};
+  EXPECT_THAT(with_material("{ young = 200e9, area = 1e-4, like = \"steel\" }"), ElementsAre(stiffer));
+  EXPECT_THAT(
+      with_material("\"steel\"", {"bodies.ball.material.young=200e9", "bodies.ball.material.area=1e-4"}),
+      ElementsAre(stiffer));
+}
+
+TEST(Materials, by_name_have_other_names_and_spellings) {
+  EXPECT_EQ(with_material("\"Stainless-Steel\""), with_material("\"stainless steel\""));
+  EXPECT_EQ(with_material("\"aluminum\""), with_material("\"aluminium\""));
+}
+
+TEST(Materials, of_groups_are_names_or_tables) {
+  const std::vector<Material> materials = with_material(
+      "{ axle = \"steel\", head = { like = \"lead\", yield = 1e7 }, cap = { density = 1, young = 2 } }");
+  ASSERT_EQ(materials.size(), 3U);
+  EXPECT_EQ(materials[0].group, "axle");
+  EXPECT_EQ(materials[0].density, 7850);
+  EXPECT_EQ(materials[1].group, "cap");
+  EXPECT_EQ(materials[1].young, 2);
+  EXPECT_EQ(materials[2].group, "head");
+  EXPECT_EQ(materials[2].density, 11340);
+  EXPECT_EQ(materials[2].yield, 1e7);
+  EXPECT_EQ(with_material("{ axle = \"lead\" }", {"bodies.ball.material.axle.young=3"})[0].young, 3);
+}
+
+TEST(Materials, by_name_are_numbers_in_the_resolved_scene) {
+  const Scene scene = scene_of(changed(smallest, "{ density = 1000, young = 1e9 }", "\"steel\""));
+  EXPECT_THAT(to_toml(scene),
+              HasSubstr("material = { density = 7850.0, young = 210000000000.0, poisson = 0.3, "
+                        "yield = 235000000.0 }\n"));
 }
 
 TEST(SceneValues, of_each_law_of_damping_are_read) {

@@ -30,12 +30,21 @@ class Version(argparse.Action):
         parser.exit()
 
 
+class Help(argparse.RawDescriptionHelpFormatter):
+    """Keeps the lines of descriptions, and leaves room for the indent of verbs, which argparse does not count."""
+
+    def add_argument(self, action: argparse.Action) -> None:
+        super().add_argument(action)
+        if isinstance(action, argparse._SubParsersAction):
+            self._action_max_length += self._indent_increment
+
+
 class Parser(argparse.ArgumentParser):
     """A parser that keeps the lines of its description and has the option --version. `more_help` is appended
     to its help."""
 
     def __init__(self, **more: Any) -> None:
-        super().__init__(formatter_class=argparse.RawDescriptionHelpFormatter, **more)
+        super().__init__(formatter_class=Help, **more)
         self.more_help: Callable[[], str] = str
         self.add_argument("--version", action=Version, nargs=0, help="show the version of Ricochet and exit")
 
