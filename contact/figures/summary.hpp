@@ -21,6 +21,14 @@ struct Sound {
   double rate_hz = 0;             ///< of the file
 };
 
+/// The largest acceleration of a receiver, as a vector.
+struct AccelerationPeaks {
+  double peak_m_per_s2 = 0;  ///< of all steps
+  double time_s = 0;         ///< when
+  /// Behind the filter of each class of SAE J211-1 (shock.hpp); no value if the output samples are too few.
+  std::map<int, std::optional<double>> by_class;
+};
+
 /// Sizes of what finite rotations neglect for a body, the largest of the run.
 struct Neglected {
   std::optional<double> centrifugal_strain;  ///< (Ωr/c)², about; no value if the wave speed is not known
@@ -61,9 +69,10 @@ struct Summary : ImpactFigures {
   Precision precision = Precision::float64;  ///< precision of the products of steps
   int candidates = 0;                        ///< number of contact points, m
   int unpaired = 0;
-  std::optional<ErrorEstimate> error_estimate;  ///< set by the caller; no value if not estimated
-  std::map<std::string, Sound> sounds;          ///< by receiver; set by the caller
-  std::optional<Sound> sound;                   ///< for players; set by the caller
+  std::optional<ErrorEstimate> error_estimate;            ///< set by the caller; no value if not estimated
+  std::map<std::string, AccelerationPeaks> acceleration;  ///< by receiver; empty with sampled responses
+  std::map<std::string, Sound> sounds;                    ///< by receiver; set by the caller
+  std::optional<Sound> sound;                             ///< for players; set by the caller
   std::vector<std::string> warnings;
   double real_time_factor = 0;  ///< ratio of simulated time to time spent in steps
   double wall_s = 0;

@@ -48,6 +48,10 @@ void SummaryObserver::observe(const Stepper& stepper) {
     if (stepper.options().scheme == Scheme::compliant)
       band_->observe(stepper.time(), stepper.force(), stepper.turning());
   }
+  if (!model->receivers.empty()) {
+    if (!acceleration_) acceleration_.emplace(*model, stepper.options());
+    acceleration_->observe(stepper);
+  }
   out_.precision = stepper.options().precision;
   out_.rotation = stepper.options().rotation;
   observe_energy(stepper.modal()->energy());
@@ -85,6 +89,7 @@ Summary SummaryObserver::summary() const {
       out.friction_impulse_ns = friction_impulse_.colwise().norm().sum();
       out.max_slip_m = slipped_.maxCoeff();
     }
+    if (acceleration_) out.acceleration = acceleration_->peaks();
     out.neglected = checks_->neglected();
     out.warnings = checks_->warnings(out);
     if (out.contact_end_s) add_band(out);

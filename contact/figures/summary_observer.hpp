@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "contact/figures/acceleration_observer.hpp"
 #include "contact/figures/band_share.hpp"
 #include "contact/figures/figure_observer.hpp"
 #include "contact/figures/run_checks.hpp"
@@ -37,8 +38,9 @@ class SummaryObserver {
   void add_band(Summary& out) const;
 
   FigureObserver figures_;
-  std::optional<RunChecks> checks_;  ///< with modes
-  std::optional<BandShare> band_;    ///< with modes
+  std::optional<RunChecks> checks_;                   ///< with modes
+  std::optional<BandShare> band_;                     ///< with modes
+  std::optional<AccelerationObserver> acceleration_;  ///< with receivers, from the first step on
   double step_;
   Summary out_;
   Eigen::Matrix3Xd friction_impulse_;  ///< Σ τ Δ by pair [N s]

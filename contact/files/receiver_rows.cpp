@@ -2,6 +2,7 @@
 #include "contact/files/receiver_rows.hpp"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 namespace ricochet::contact {
@@ -11,20 +12,21 @@ constexpr std::size_t width = 9;  ///< numbers of a receiver
 
 }  // namespace
 
+ReceiverRows::ReceiverRows(base::hdf5::Writer& file, const Model& model, const StepOptions& step, int every)
+    : ReceiverRows(file, model, step, every, Kept{}) {}
+
 ReceiverRows::ReceiverRows(base::hdf5::Writer& file, const Model& model, const StepOptions& step, int every,
-                           bool velocities_only)
+                           Kept kept)
     : step_(step),
       every_(every),
       time_(&file.rows("/receivers/time", {}, "s")),
       row_(width * model.receivers.size()) {
   for (const Model::Receiver& receiver : model.receivers) {
     const std::string group = "/receivers/" + receiver.name;
-    Datasets& made =
-        datasets_.emplace_back(Datasets{.velocity = &file.rows(group + "/velocity", {3}, "m/s")});
-    if (!velocities_only) {
-      made.displacement = &file.rows(group + "/displacement", {3}, "m");
-      made.acceleration = &file.rows(group + "/acceleration", {3}, "m/s^2");
-    }
+    Datasets& made = datasets_.emplace_back();
+    if (kept.displacement) made.displacement = &file.rows(group + "/displacement", {3}, "m");
+    if (kept.velocity) made.velocity = &file.rows(group + "/velocity", {3}, "m/s");
+    if (kept.acceleration) made.acceleration = &file.rows(group + "/acceleration", {3}, "m/s^2");
     file.attribute(group, "body", model.bodies[receiver.body].name);
     file.attribute(group, "axes", receiver.axes == Axes::body ? "body" : "world");
     file.attribute(group, "point", std::span<const double>(receiver.point.data(), 3));
@@ -58,10 +60,9 @@ void ReceiverRows::append(std::int64_t sample, std::span<const double> values) {
   time_->append(static_cast<double>(sample * step_.steps_per_sample) * step_.step);
   for (std::size_t k = 0; k < datasets_.size(); ++k) {
     const auto row = values.subspan(width * k, width);
-    datasets_[k].velocity->append(row.subspan(3, 3));
-    if (datasets_[k].displacement == nullptr) continue;
-    datasets_[k].displacement->append(row.subspan(0, 3));
-    datasets_[k].acceleration->append(row.subspan(6, 3));
+    const std::array kept{datasets_[k].displacement, datasets_[k].velocity, datasets_[k].acceleration};
+    for (std::size_t part = 0; part < kept.size(); ++part)
+      if (kept[part] != nullptr) kept[part]->append(row.subspan(3 * part, 3));
   }
 }
 

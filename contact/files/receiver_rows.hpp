@@ -15,11 +15,15 @@ namespace ricochet::contact {
 
 class ReceiverRows {
  public:
+  struct Kept {
+    bool displacement = true, velocity = true, acceleration = true;
+  };
+
   /// Creates the datasets.
   /// @param every  output samples between rows; above 1, a low-pass filter precedes (decimator.hpp)
-  /// @param velocities_only  leaves out displacements and accelerations
-  ReceiverRows(base::hdf5::Writer& file, const Model& model, const StepOptions& step, int every,
-               bool velocities_only = false);
+  ReceiverRows(base::hdf5::Writer& file, const Model& model, const StepOptions& step, int every);
+  /// @param kept  which datasets
+  ReceiverRows(base::hdf5::Writer& file, const Model& model, const StepOptions& step, int every, Kept kept);
 
   /// Call it with the motion at t = 0 and then after each output sample. Throws InputError if the disk
   /// is full.

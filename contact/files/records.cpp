@@ -25,9 +25,11 @@ Records::Records(const MotionSource& source, const StepOptions& step, const Reco
   if (time_) time_->append(0);
   bodies_row(source_.initial_state(), 0);
   if (energy_) energy_->append(initial_energy(*model));
-  if (!options.receivers || !model || model->receivers.empty()) return;
+  const ReceiverRows::Kept kept{
+      .displacement = false, .velocity = options.receivers, .acceleration = options.acceleration};
+  if (!(kept.velocity || kept.acceleration) || !model || model->receivers.empty()) return;
   receivers_.emplace(*model, step);
-  receiver_rows_.emplace(file_, *model, step, options.receivers_every, true);
+  receiver_rows_.emplace(file_, *model, step, options.receivers_every, kept);
   receiver_rows_->record(*receivers_);
 }
 

@@ -19,11 +19,12 @@
 namespace ricochet::contact {
 
 struct RecordOptions {
-  bool force = false;      ///< /contact/time, total_force
-  bool receivers = false;  ///< /receivers/time, NAME/velocity
-  bool bodies = false;     ///< /time, /bodies/NAME/velocity
-  bool energy = false;     ///< /time, /energy; absent with sampled responses
-  std::int64_t every = 1;  ///< as in RecorderOptions
+  bool force = false;         ///< /contact/time, total_force
+  bool receivers = false;     ///< /receivers/time, NAME/velocity
+  bool acceleration = false;  ///< /receivers/time, NAME/acceleration
+  bool bodies = false;        ///< /time, /bodies/NAME/velocity
+  bool energy = false;        ///< /time, /energy; absent with sampled responses
+  std::int64_t every = 1;     ///< as in RecorderOptions
   int receivers_every = 1;
 };
 

@@ -51,9 +51,16 @@ Json json_of(const Sound& sound) {
   return {{"file", sound.file}, {"full_scale_m_per_s", sound.full_scale_m_per_s}, {"rate_hz", sound.rate_hz}};
 }
 
+Json json_of(const AccelerationPeaks& peaks) {
+  Json by_class = Json::object();
+  for (const auto& [channel_class, peak] : peaks.by_class)
+    by_class[std::to_string(channel_class)] = number(peak);
+  return {{"peak_m_per_s2", peaks.peak_m_per_s2}, {"time_s", peaks.time_s}, {"cfc_peak_m_per_s2", by_class}};
+}
+
 Json json_of(const Summary& summary) {
   Json episodes = Json::array(), touches = Json::array(), exit_velocity = Json::object(),
-       neglected = Json::object(), sounds = Json::object();
+       neglected = Json::object(), acceleration = Json::object(), sounds = Json::object();
   for (const Episode& episode : summary.episodes)
     episodes.push_back({{"start_s", episode.start_s},
                         {"end_s", number(episode.end_s)},
@@ -72,6 +79,7 @@ Json json_of(const Summary& summary) {
                        {"frequency_shift", sizes.frequency_shift},
                        {"mode_mixing", sizes.mode_mixing},
                        {"flexibility_compression", sizes.compression}};
+  for (const auto& [name, peaks] : summary.acceleration) acceleration[name] = json_of(peaks);
   for (const auto& [name, sound] : summary.sounds) sounds[name] = json_of(sound);
   Json out{{"contact_start_s", number(summary.contact_start_s)},
            {"contact_end_s", number(summary.contact_end_s)},
@@ -106,6 +114,7 @@ Json json_of(const Summary& summary) {
            {"unpaired", summary.unpaired},
            {"max_active", summary.max_active},
            {"error_estimate", shares(summary.error_estimate)},
+           {"acceleration", acceleration},
            {"sounds", sounds},
            {"warnings", summary.warnings},
            {"real_time_factor", summary.real_time_factor},

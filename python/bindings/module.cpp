@@ -6,6 +6,7 @@
 #include "python/bindings/impact.hpp"
 #include "python/bindings/kernel.hpp"
 #include "python/bindings/scene.hpp"
+#include "python/bindings/shock.hpp"
 #include "python/bindings/simulation.hpp"
 #include "ricochet/error.hpp"
 
@@ -42,4 +43,5 @@ PYBIND11_MODULE(_core, module) {
   ricochet::python::bind_kernel(module);
   ricochet::python::bind_impact(module);
   ricochet::python::bind_simulation(module);
+  ricochet::python::bind_shock(module);
 }

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from ricochet.result import Result
     from ricochet.runs import impact, kernels, plot, report, sweep
     from ricochet.scene import Scene
+    from ricochet.shock import ShockResponse, cfc_filter, shock_response_spectrum
     from ricochet.simulation import Pickup, Simulation
     from ricochet.sweep_result import SweepResult
 
@@ -34,15 +35,18 @@ __all__ = [
     "Result",
     "RicochetError",
     "Scene",
+    "ShockResponse",
     "Simulation",
     "SolverError",
     "SweepResult",
     "__version__",
+    "cfc_filter",
     "impact",
     "kernels",
     "materials",
     "plot",
     "report",
+    "shock_response_spectrum",
     "sweep",
 ]
 
@@ -54,6 +58,7 @@ _PLACES = {
     "result": ["Result"],
     "runs": ["impact", "kernels", "plot", "report", "sweep"],
     "scene": ["Scene"],
+    "shock": ["ShockResponse", "cfc_filter", "shock_response_spectrum"],
     "simulation": ["Pickup", "Simulation"],
     "sweep_result": ["SweepResult"],
 }

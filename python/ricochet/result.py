@@ -139,6 +139,17 @@ class ReceiverMotion(_Data):
         """(S,3) acceleration of the modes [m/s²]"""
         return self._read("acceleration", self._rows, 3)
 
+    @cached_property
+    def mean_acceleration(self) -> Floats:
+        """(S−1,3) mean acceleration between two rows, from the velocities [m/s²]. Unlike `acceleration`, which is that
+        of an instant, it has hardly any aliases of vibration above half of the rate, so it is what filters and spectra
+        should get. A receiver in the axes of a body that turns by finite rotations has the acceleration at the rows.
+        """
+        if self._file.attribute("/", "version") == 2 and self._file.text(self._group, "axes") == "body":
+            return self.acceleration[1:]
+        time = self._file.array("/receivers/time", None)
+        return np.diff(self.velocity, axis=0) / np.diff(time)[:, None]
+
     @property
     def point(self) -> Floats:
         """(3) initial position [m]"""

@@ -67,7 +67,8 @@ class SweepResult:
 
         row: number of the impact, from 0; negative numbers count from the end.
         name: `force`, the total contact force; `receivers.NAME` and `bodies.NAME`, velocities, of which
-            `receivers.NAME.x` is a component; `energy.TERM`, a term of the ledger.
+            `receivers.NAME.x` is a component; `acceleration.NAME`, that of a receiver; `energy.TERM`, a term of
+            the ledger.
 
         Raises InputError, one line, for a name that does not exist and for an impact without records, and
         IndexError for a row that does not exist.

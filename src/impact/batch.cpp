@@ -39,9 +39,10 @@ namespace {
 /// Greatest allowed nesting of lists and objects in a request.
 constexpr int most_nested = 16;
 
-constexpr std::array<std::pair<const char*, bool contact::RecordOptions::*>, 4> record_words{
+constexpr std::array<std::pair<const char*, bool contact::RecordOptions::*>, 5> record_words{
     {{"force", &contact::RecordOptions::force},
      {"receivers", &contact::RecordOptions::receivers},
+     {"acceleration", &contact::RecordOptions::acceleration},
      {"bodies", &contact::RecordOptions::bodies},
      {"energy", &contact::RecordOptions::energy}}};
 
@@ -60,11 +61,11 @@ std::optional<contact::RecordOptions> kept(const Json& request, const scene::Sce
     }
     out.*found->second = true;
   }
-  if (out.receivers && scene.output.receivers.empty())
+  if ((out.receivers || out.acceleration) && scene.output.receivers.empty())
     throw InputError(
-        fmt::format("{}: output.receiver: is missing: keep = [\"receivers\"] needs a [[output.receiver]]; "
+        fmt::format("{}: output.receiver: is missing: keep = [\"{}\"] needs a [[output.receiver]]; "
                     "add one, or keep other records",
-                    scene.file.filename().string()));
+                    scene.file.filename().string(), out.receivers ? "receivers" : "acceleration"));
   return out;
 }
 

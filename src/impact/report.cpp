@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <optional>
+#include <utility>
 
 #include "contact/accuracy/error_report.hpp"
 #include "src/scene/scene.hpp"
@@ -26,6 +27,17 @@ std::string episodes_of(const contact::Summary& s) {
     text += fmt::format("{}{} at {} m/s", text.empty() ? "restitution " : ", ", number(episode.restitution),
                         number(episode.approach_m_per_s));
   }
+  return text;
+}
+
+/// "mic 1234 m/s^2 (126 g) at 0.001 s; CFC 60: 12, 180: 34, 600: 56, 1000: 78"
+std::string acceleration_of(const std::string& name, const contact::AccelerationPeaks& peaks) {
+  constexpr double gravity = 9.80665;
+  std::string text = fmt::format("{} {:.4g} m/s^2 ({:.4g} g) at {:.4g} s", name, peaks.peak_m_per_s2,
+                                 peaks.peak_m_per_s2 / gravity, peaks.time_s);
+  const char* before = "; CFC ";
+  for (const auto& [channel_class, peak] : peaks.by_class)
+    if (peak) text += fmt::format("{}{}: {:.4g}", std::exchange(before, ", "), channel_class, *peak);
   return text;
 }
 
@@ -73,6 +85,7 @@ std::string report(const contact::Summary& s, const scene::Scene& scene) {
     if (s.friction_impulse_ns) line("friction impulse", fmt::format("{:.6g} N s", *s.friction_impulse_ns));
     if (s.max_slip_m) line("longest slip", fmt::format("{:.6g} m", *s.max_slip_m));
   }
+  for (const auto& [name, peaks] : s.acceleration) line("acceleration", acceleration_of(name, peaks));
   if (s.error_estimate) line("error estimate", contact::formatted(*s.error_estimate));
   if (s.energy_drift) line("energy drift", fmt::format("{:.2g}", *s.energy_drift));
   line("deepest penetration", fmt::format("{:.3g} m", s.max_penetration_m));

@@ -111,6 +111,7 @@ class Rods(ReportTest):
         )
         self.assertNotIn("audio", [e[0] for e in found.found])
         self.assertIn("ricochet report out/", found.one(id="repeat")[2])
+        self.accelerations_are_those_of_the_summary(found, run["accelerations"], summary["acceleration"])
         self.pictures_are_drawn()
         self.scene_repeats_the_run(found.one(id="scene")[2], summary)
         self.motion_is_that_of_the_modes_and_the_static_part(run["motion"])
@@ -156,6 +157,19 @@ class Rods(ReportTest):
             self.assertLess(
                 np.abs(np.frombuffer(data[44:], "<i2") - 32767 * velocity / np.abs(velocity).max()).max(), 1
             )
+
+    def accelerations_are_those_of_the_summary(self, found, charts, summary):
+        self.assertEqual(set(summary), {"mic", RECEIVER})
+        shown = {e[1].get("data-key") for e in found.found}
+        for name, peaks in summary.items():
+            path = f"acceleration.{name}."
+            self.assertLessEqual({path + "peak_m_per_s2", path + "cfc_peak_m_per_s2.1000"}, shown)
+            lines = {line["name"]: unpacked(line["y"]).max() for line in charts[name][0]["lines"]}
+            for of, peak in peaks["cfc_peak_m_per_s2"].items():
+                self.assertAlmostEqual(lines[f"CFC {of}"] / peak, 1, delta=1e-3)  # 16 bits
+            # A stiff oscillator follows the base; these have up to a tenth of the rate.
+            spectrum = unpacked(charts[name][1]["lines"][0]["y"])
+            self.assertGreater(spectrum[-1], peaks["cfc_peak_m_per_s2"]["1000"])
 
     def scene_repeats_the_run(self, scene, summary):
         before = {path.name for path in self.out.glob("*.kernel.h5")}

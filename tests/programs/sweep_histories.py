@@ -22,7 +22,7 @@ class Histories(SweepTest):
     def test_histories_are_those_of_the_program_alone(self):
         """To the last bit, for impacts of different steps and lengths."""
         study = self.study(
-            'keep = ["force", "receivers", "bodies", "energy"]\n[set]\n"modes.count" = 20\n'
+            'keep = ["force", "receivers", "acceleration", "bodies", "energy"]\n[set]\n"modes.count" = 20\n'
             + "".join(f'"bodies.{body}.material.young" = 100.0\n' for body in ("moving", "resting"))
             + '"output.receiver" = [{ name = "end", body = "resting", at = [10, 0, 0] }]\n'
             '[list]\n"time.rate_hz" = [200.0, 100.0, 200.0]\n"time.duration" = [3.0, 2.5, 0.2]\n'
@@ -33,7 +33,7 @@ class Histories(SweepTest):
         self.assertTrue((self.out / "rods.receivers.end.x.png").is_file())
         self.assertEqual([row["touched"] for row in self.rows()], ["1", "1", "0"])
         self.assertEqual(self.rows()[2]["restitution"], "nan")
-        same = ["time", "receivers/time", "receivers/end/velocity"]
+        same = ["time", "receivers/time", "receivers/end/velocity", "receivers/end/acceleration"]
         same += [f"bodies/{name}/velocity" for name in ("moving", "resting")]
         same += [
             f"energy/{term}" for term in ("total", "kinetic", "strain", "residual", "damping", "contact")
@@ -65,6 +65,9 @@ class Histories(SweepTest):
                     # One contact point; the force is 0 a row before and after each time of contact.
                     np.testing.assert_array_equal(force[force > 0], alone["contact/force"][:, 0])
                     step = alone["contact"].attrs["step"]
+                figures = json.loads((self.out / "alone.summary.json").read_text())["acceleration"]["end"]
+                self.assertEqual(float(row["acceleration.end.peak"]), figures["peak_m_per_s2"])
+                self.assertEqual(row["acceleration.end.cfc_60"], "nan")  # 200 samples per second
                 if k < 2:
                     self.assertEqual((force[0], force[-1]), (0, 0))
                     np.testing.assert_allclose(np.diff(time), step, rtol=1e-9)  # times are rounded

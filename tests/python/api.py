@@ -10,11 +10,14 @@ import signal
 import threading
 import time
 import unittest
+import warnings
 from unittest import mock
 from xml.etree import ElementTree
 
 import h5py
 import numpy as np
+import scipy.integrate
+import scipy.interpolate
 
 import programs
 import ricochet
@@ -55,6 +58,110 @@ class KernelsTest(ScenesTest):
         shutil.copytree(self.stored, self.scene.out)
         self.kernels = ricochet.kernels(self.scene, ranks=1)
         shutil.copytree(self.scene.out, self.stored, dirs_exist_ok=True)
+
+
+class Accelerations(KernelsTest):
+    """A rod that is struck at 300 m/s. Waves of 10 km/s pass its middle after 0.5 ms and, reflected by the free end,
+    after 1.5 ms; each of them changes the velocity there by 150 m/s."""
+
+    RATE = 44100
+
+    def setUp(self):
+        super().setUp()
+        shock = {f"bodies.{body}.material.young": 1e8 for body in ("moving", "resting")}
+        shock |= {"bodies.moving.velocity": [300, 0, 0], "time.rate_hz": self.RATE, "time.duration": 0.006}
+        self.scene.set(shock | {"output.receiver": [MIC]})
+        ricochet.kernels(self.scene, ranks=1)
+        shutil.copytree(self.scene.out, self.stored, dirs_exist_ok=True)
+
+    def struck(self, **time):
+        """The result with these keys of [time], and its figures of the receiver."""
+        with warnings.catch_warnings(action="ignore"):
+            result = ricochet.impact(
+                self.scene.changed({f"time.{key}": value for key, value in time.items()})
+            )
+        return result, result.summary["acceleration"]["mic"]
+
+    def test_behind_a_filter_are_those_of_the_waves(self):
+        fine, peaks = self.struck(rate_hz=8 * self.RATE)
+        _, coarse = self.struck(contact_rate_hz=8 * self.RATE)
+        time = np.linspace(0, 0.006, 60001)
+        for cfc in (60, 180, 600, 1000):
+            # The response of the filter to a change of velocity by 1: its gain is 1/(1 + (f/f_d)⁴).
+            corner = 2.0775 * cfc
+            wanted = 0
+            for arrival in (0.5e-3, 1.5e-3):
+                turn = np.sqrt(2) * np.pi * corner * np.abs(time - arrival)
+                response = np.exp(-turn) * (np.cos(turn) + np.sin(turn))
+                wanted = wanted + 150 * np.pi * corner / np.sqrt(2) * response
+            # 0.005: frequencies of the grid of output samples, and of elements
+            self.assertAlmostEqual(
+                peaks["cfc_peak_m_per_s2"][str(cfc)], wanted.max(), delta=0.006 * wanted.max()
+            )
+            # A wave front changes the velocity within one output sample, the largest of which misses the top.
+            least = 1 - 0.015 - (np.sqrt(2) * np.pi * corner / self.RATE) ** 2 / 3
+            share = coarse["cfc_peak_m_per_s2"][str(cfc)] / wanted.max()
+            self.assertTrue(least < share < 1.006, (cfc, share))
+        means = fine.receivers["mic"].mean_acceleration
+        filtered = ricochet.cfc_filter(means, 8 * self.RATE, 600, rest=0)
+        self.assertAlmostEqual(
+            np.abs(filtered[:, 0]).max() / peaks["cfc_peak_m_per_s2"]["600"], 1, delta=1e-6
+        )  # single precision
+
+    def test_are_those_of_every_step_whatever_is_stored(self):
+        every, peaks = self.struck(rate_hz=8 * self.RATE)
+        size = np.abs(every.receivers["mic"].acceleration[:, 0])
+        self.assertEqual(peaks["peak_m_per_s2"], size.max())
+        self.assertEqual(peaks["time_s"], every.receiver_time[size.argmax()])
+        self.scene.set({"output.every": 50, "output.receivers_rate_hz": self.RATE / 10})
+        some, same = self.struck(contact_rate_hz=8 * self.RATE)
+        self.assertLess(
+            np.abs(some.receivers["mic"].acceleration).max(), 0.95 * peaks["peak_m_per_s2"]
+        )  # between its rows
+        self.assertAlmostEqual(same["peak_m_per_s2"] / peaks["peak_m_per_s2"], 1, delta=1e-9)
+
+    def test_have_no_class_for_which_samples_are_too_few(self):
+        _, peaks = self.struck(rate_hz=1800)
+        self.assertEqual(
+            [cfc for cfc, peak in peaks["cfc_peak_m_per_s2"].items() if peak is None], ["600", "1000"]
+        )
+
+    def test_of_other_programs_are_filtered_and_have_spectra(self):
+        rate, q = 20e3, 25
+        shock = np.zeros((2000, 2))
+        shock[100:121, 0] = 500 * np.sin(np.linspace(0, np.pi, 21))
+        shock[:, 1] = 9.81
+        self.assertEqual(ricochet.cfc_filter(shock, rate, 60).shape, shock.shape)
+        np.testing.assert_allclose(ricochet.cfc_filter(shock, rate, 60)[:, 1], 9.81)
+        spectrum = ricochet.shock_response_spectrum(shock, rate, q=q)
+        self.assertEqual(spectrum.acceleration.shape, (len(spectrum.frequency_hz), 2))
+        self.assertEqual(spectrum.frequency_hz[0], 10)
+        self.assertTrue(1800 < spectrum.frequency_hz[-1] <= 2000)
+        np.testing.assert_allclose(spectrum.acceleration[:, 1], 9.81)
+        k = np.abs(spectrum.frequency_hz - 400).argmin()
+        turn = 2 * np.pi * spectrum.frequency_hz[k]
+        base = scipy.interpolate.interp1d(np.arange(2000) / rate, shock[:, 0])
+        moved = scipy.integrate.solve_ivp(
+            lambda t, z: [z[1], -turn / q * z[1] - turn**2 * z[0] - base(t)],
+            (0, 0.02),
+            [0, 0],
+            max_step=0.5 / rate,
+            rtol=1e-9,
+            atol=1e-12,
+            t_eval=np.arange(400) / rate,
+        )
+        felt = np.abs(turn / q * moved.y[1] + turn**2 * moved.y[0])
+        self.assertAlmostEqual(spectrum.acceleration[k, 0] / felt.max(), 1, delta=1e-4)
+        for refused, message in {
+            (lambda: ricochet.cfc_filter(shock, 599, 60)): "CFC 60 needs at least 600 samples",
+            (lambda: ricochet.cfc_filter([], rate, 60)): "at least one sample",
+            (lambda: ricochet.cfc_filter([np.nan], rate, 60)): "finite",
+            (lambda: ricochet.shock_response_spectrum(shock, rate, [0])): "frequency_hz: must be above 0",
+            (lambda: ricochet.shock_response_spectrum(shock, rate, q=0.5)): "critical damping",
+            (lambda: ricochet.shock_response_spectrum(shock, -1)): "rate_hz = -1",
+        }.items():
+            with self.assertRaisesRegex(ricochet.InputError, message):
+                refused()
 
 
 class Scene(ScenesTest):

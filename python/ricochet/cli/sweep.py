@@ -8,7 +8,7 @@
 study.toml:
 
     scene = "two-disks.toml"
-    keep = ["force"]                                    # records: also "receivers", "bodies", "energy"
+    keep = ["force"]                                    # records: also "receivers", "acceleration", "bodies", "energy"
     [grid]                                              # every combination
     "bodies.upper.velocity[1]" = [-1.0, -2.0, -4.0]
     "contact.spacing" = { from = 5e-3, to = 2e-2, steps = 3 }

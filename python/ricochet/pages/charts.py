@@ -10,6 +10,7 @@ from ricochet.pictures.friction import bounds, parts
 from ricochet.pictures.grid import Grid
 from ricochet.pictures.loaded_result import Curves, LoadedResult
 from ricochet.result import OPEN, SLIP, STICK
+from ricochet.shock import CHANNEL_CLASSES, cfc_filter, shock_response_spectrum
 
 Axis = dict[str, Any]
 Chart = dict[str, Any]
@@ -50,6 +51,7 @@ def axis(label: str, unit: str, **more: Any) -> Axis:
 STATES = {OPEN: "open", STICK: "stick", SLIP: "slip"}  # colours
 TOLD = {OPEN: "open", STICK: "sticks", SLIP: "slips"}
 TIME, FREQUENCY = axis("time", "s"), axis("frequency", "Hz", log=True)
+NATURAL = axis("natural frequency", "Hz", log=True)
 
 
 def chart(
@@ -240,6 +242,37 @@ def energy_charts(result: LoadedResult) -> list[Chart]:
         change = axis("relative change", "", log=True, whole=True)
         title, window = "What the ledger fails to account for", (result.time[0], result.time[-1])
         out.append(chart("ledger", title, TIME, change, lines, cursor=True, window=window))
+    return out
+
+
+def acceleration_charts(result: LoadedResult) -> dict[str, list[Chart]]:
+    """The magnitude of the acceleration of each receiver, unfiltered and by class, and its shock response spectrum."""
+    out = {}
+    time = result.receiver_time
+    if len(time) < 3:
+        return {}
+    rate, middle = 1 / (time[1] - time[0]), (time[1:] + time[:-1]) / 2
+    for number, (name, receiver) in enumerate(result.receivers.items()):
+        means, start = receiver.mean_acceleration, receiver.acceleration[0]
+        size = np.linalg.norm(receiver.acceleration, axis=1)
+        lines = [line("unfiltered, at output samples", "still", time, size)]
+        for k, cfc in enumerate(CHANNEL_CLASSES):
+            if rate >= 10 * cfc:
+                filtered = np.linalg.norm(cfc_filter(means, rate, cfc, start), axis=1)
+                lines.append(line(f"CFC {cfc}", k, middle, filtered))
+        spectra = shock_response_spectrum(means, rate, rest=start)
+        responses = [
+            line("xyz"[k], k, spectra.frequency_hz, a)
+            for k, a in enumerate(spectra.acceleration.T)
+            if a.any()
+        ]
+        key, unit = f"acceleration-{number}", axis("acceleration", "m/s²", zero=True)
+        note = "Largest absolute acceleration of oscillators with Q = 10, during the run and afterwards."
+        response = axis("acceleration", "m/s²", log=True, decades=6)
+        out[name] = [
+            chart(key, "Acceleration", TIME, unit, lines, "Magnitude of the vector.", cursor=True),
+            chart(f"{key}-shock", "Shock response spectrum", NATURAL, response, responses, note),
+        ]
     return out
 
 

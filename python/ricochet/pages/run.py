@@ -187,6 +187,7 @@ def run_of(path: Path, kernels: Path | None = None) -> dict[str, Any]:
         "episodes": result.spans()[:2000],
         "sounds": sounds,
         "receivers": charts.receiver_charts(result),
+        "accelerations": charts.acceleration_charts(result) if result.receivers else {},
         "points": len(result.initial_gap),
         "commands": commands_of(result, scene, bodies),
         "file": {

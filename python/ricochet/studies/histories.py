@@ -142,14 +142,18 @@ class Record(NamedTuple):
 
 def names_in(group: h5py.Group) -> dict[str, tuple[str, str]]:
     """The records of an impact by name, each as the names of its values and of its times: "force",
-    "receivers.NAME", "bodies.NAME", "energy.TERM"."""
+    "receivers.NAME", "acceleration.NAME", "bodies.NAME", "energy.TERM"."""
     found = {}
     if "contact" in group:
         found["force"] = "contact/total_force", "contact/time"
-    for kind, time in (("receivers", "receivers/time"), ("bodies", "time")):
-        for name, member in group.get(kind, {}).items():
-            if isinstance(member, h5py.Group):
-                found[f"{kind}.{name}"] = f"{kind}/{name}/velocity", time
+    for kind, place, values, time in (
+        ("receivers", "receivers", "velocity", "receivers/time"),
+        ("acceleration", "receivers", "acceleration", "receivers/time"),
+        ("bodies", "bodies", "velocity", "time"),
+    ):
+        for name, member in group.get(place, {}).items():
+            if isinstance(member, h5py.Group) and values in member:
+                found[f"{kind}.{name}"] = f"{place}/{name}/{values}", time
     for name in group.get("energy", {}):
         found[f"energy.{name}"] = f"energy/{name}", "time"
     return found

@@ -21,7 +21,13 @@ from ricochet.studies.histories import Record
 from ricochet.studies.table import Table
 
 MOST = 400  # maximum number of impacts; of more, some at equal distances are drawn
-WORDS = {"force": "contact force", "receivers": "velocity of", "bodies": "velocity of", "energy": "energy,"}
+WORDS = {
+    "force": "contact force",
+    "receivers": "velocity of",
+    "acceleration": "acceleration of",
+    "bodies": "velocity of",
+    "energy": "energy,",
+}
 
 
 def draw(table: Table, results: Path, name: str, against: str, path: Path, units: dict[str, str]) -> None:

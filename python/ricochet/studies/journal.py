@@ -129,14 +129,21 @@ def storable(text: Any) -> bool:
 
 
 def outputs(summary: dict[str, Any]) -> dict[str, float]:
-    """The numbers of a summary by name: "restitution", "exit_velocity.upper.y", "episodes" (number of
-    episodes), "finite_rotation" and "touched" (1 or 0)."""
+    """The numbers of a summary by name: "restitution", "exit_velocity.upper.y", "acceleration.mic.cfc_1000" (the
+    filtered peak), "episodes" (number of episodes), "finite_rotation" and "touched" (1 or 0)."""
     found: dict[str, Any] = {}
     for name, value in summary.items():
         if name in ("episodes", "warnings"):
             found[name] = len(value)
         elif name == "rotation":  # a run may have decided it
             found["finite_rotation"] = int(value == "finite")
+        elif name == "acceleration":
+            for receiver, peaks in value.items():
+                filtered = {f"cfc_{of}": peak for of, peak in peaks["cfc_peak_m_per_s2"].items()}
+                for key, item in (
+                    {"peak": peaks["peak_m_per_s2"], "time_s": peaks["time_s"]} | filtered
+                ).items():
+                    found[f"{name}.{receiver}.{key}"] = math.nan if item is None else item
         elif name == "pairs":
             found |= {f"pairs.{k}.{key}": item for k, pair in enumerate(value) for key, item in pair.items()}
         elif isinstance(value, dict):

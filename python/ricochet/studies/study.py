@@ -19,6 +19,7 @@ KNOWN = ("scene", "title", "keep", "set", "grid", "list", "random")
 WORDS = {
     "force": ("contact",),
     "receivers": ("receivers",),
+    "acceleration": ("receivers",),
     "bodies": ("time", "bodies"),
     "energy": ("time", "energy"),
 }

@@ -93,6 +93,11 @@ function highlights() {
     card("Duration of contact", quantity(s.contact_end_s - s.contact_start_s, "s"), plural(s.episodes.length, "episode"));
   for (const [name, v] of Object.entries(s.exit_velocity ?? {}))
     card(`Exit velocity of ${name}`, keyed(`exit_velocity.${name}`, v, quantity(Math.hypot(...v), "m/s")), vector(v, "m/s"));
+  for (const [name, peaks] of Object.entries(s.acceleration ?? {})) {
+    const filtered = Object.entries(peaks.cfc_peak_m_per_s2).filter(([, peak]) => peak !== null).reverse();
+    card(`Peak acceleration of ${name}`, figure(`acceleration.${name}.peak_m_per_s2`, peaks.peak_m_per_s2, "m/s²"),
+         filtered.map(([of, peak]) => `CFC ${of}: ${quantity(peak, "m/s²", 3)}`).join(", "));
+  }
   if (s.error_estimate) card("Estimated error", percent(s.error_estimate.total), `of the ${spaced(s.error_estimate.quantity)}`);
   if (has("energy_lost_friction"))
     card("Heat of friction", keyed("energy_lost_friction", s.energy_lost_friction, percent(s.energy_lost_friction)),
@@ -152,6 +157,24 @@ function contactSection() {
   });
   if (rows.length)
     at.append(make("h3", {}, "Velocities, mean of the mass"), table(["", "before", "when contact last ended"], rows));
+}
+
+const gravity = 9.80665;  // [m/s²]
+
+/** The peaks of each receiver, unfiltered and by class, and their charts. */
+function accelerationSection() {
+  const at = section("acceleration"), all = Object.entries(summary.acceleration ?? {});
+  if (!all.length) return at.remove();
+  const peak = (label, key, value, when) => row(label, figure(key, value, "m/s²"), value === null ? "" : `${digits(value / gravity)} g`, when);
+  for (const [name, peaks] of all) {
+    const path = `acceleration.${name}`, filtered = Object.entries(peaks.cfc_peak_m_per_s2).reverse();
+    at.append(make("h3", {}, name), table(["peak", "", "", ""], [
+      peak("unfiltered", `${path}.peak_m_per_s2`, peaks.peak_m_per_s2, `at ${quantity(peaks.time_s, "s")}`),
+      ...filtered.map(([of, value]) => peak(`CFC ${of}`, `${path}.cfc_peak_m_per_s2.${of}`, value, ""))]));
+    at.append(...(run.accelerations[name] ?? []).filter(spec => spec.lines.length).map(spec => new Chart(spec).element));
+  }
+  at.append(note("Peaks are magnitudes of vectors: unfiltered of each step, and behind the low-pass filters of SAE J211-1. " +
+                 "An accelerometer measures the acceleration minus gravity."));
 }
 
 const audible = 0.1;  // [s]
@@ -316,6 +339,7 @@ checks();
 const warned = section("warnings").childElementCount;
 if (warned) section("warned").append(make("a", {href: "#warnings"}, `${plural(warned, "warning")}, below`));
 contactSection();
+accelerationSection();
 soundSection();
 energySection();
 errorsSection();
