@@ -5,7 +5,9 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <mutex>
 #include <optional>
+#include <stdexcept>
 
 #include "contact/api/scene_model.hpp"
 #include "python/bindings/arrays.hpp"
@@ -48,6 +50,51 @@ Scene scene_of(const scene::Scene& scene, const std::vector<Kernel>& kernels,
   return out;
 }
 
+/// Lets one thread at a time change a simulation, and others read it between its blocks of steps. Members
+/// that say so need the GIL, which makes the flag exclusive; the mutex is taken without it only, so that no
+/// thread waits for the mutex while another one waits for the GIL.
+class Turns {
+ public:
+  /// A change, from here to the end of its life. Needs the GIL. Throws std::runtime_error if another thread
+  /// makes one.
+  class Change {
+   public:
+    explicit Change(Turns& turns) : turns_(turns) {
+      if (turns_.changes_) throw std::runtime_error("another thread is stepping this Simulation");
+      turns_.changes_ = true;
+    }
+    ~Change() { turns_.changes_ = false; }
+    Change(const Change&) = delete;
+    Change& operator=(const Change&) = delete;
+
+   private:
+    Turns& turns_;
+  };
+
+  /// Runs `work` without the GIL, and keeps readers out. Needs the GIL and a Change.
+  template <class Work>
+  auto unlocked(Work&& work) {
+    const py::gil_scoped_release released;
+    const std::lock_guard alone(mutex_);
+    return work();
+  }
+
+  /// Runs `work` with the GIL while no thread steps. Needs the GIL.
+  template <class Work>
+  auto settled(Work&& work) {
+    std::unique_lock alone(mutex_, std::defer_lock);
+    {
+      const py::gil_scoped_release released;
+      alone.lock();
+    }
+    return work();
+  }
+
+ private:
+  bool changes_ = false;
+  std::mutex mutex_;
+};
+
 class Stepper {
  public:
   Stepper(scene::Scene scene, const std::vector<Kernel>& kernels, const std::vector<Pickup>& pickups)
@@ -55,25 +102,31 @@ class Stepper {
         simulation_(
             store::in_file(scene_.file, [&] { return Simulation(scene_of(scene_, kernels, pickups)); })) {}
 
-  Simulation& simulation() { return simulation_; }
+  /// What `read` returns of the simulation between two blocks of steps.
+  template <class Read>
+  auto read(Read&& read) {
+    return turns_.settled([&] { return read(simulation_); });
+  }
+  /// What `change` returns. Throws std::runtime_error while another thread steps.
+  template <class Do>
+  auto change(Do&& change) {
+    const Turns::Change own(turns_);
+    return turns_.settled([&] { return change(simulation_); });
+  }
 
   /// Makes the steps and writes a row for each into the requested arrays. Throws the error of a step that
   /// fails.
   void step_block(std::int64_t steps, std::optional<Rows>& velocity, std::optional<Rows>& total_force,
                   std::optional<Rows>& force, std::optional<Rows>& displacement,
                   std::optional<Rows>& tangential_force) {
+    const Turns::Change own(turns_);
     const auto data = [](std::optional<Rows>& rows) { return rows ? rows->mutable_data() : nullptr; };
     Block out{data(velocity), data(total_force), data(force), data(displacement), data(tangential_force)};
     const auto points = static_cast<std::int64_t>(simulation_.points().size()),
                pickups = static_cast<std::int64_t>(simulation_.pickups());
     for (std::int64_t made = 0; made < steps; made += longest_block) {
       const std::int64_t count = std::min(steps - made, longest_block);
-      BlockResult done;
-      {
-        const py::gil_scoped_release unlocked;
-        done = simulation_.step_block(count, out);
-      }
-      check(done.status);
+      check(turns_.unlocked([&] { return simulation_.step_block(count, out).status; }));
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
       const auto advance = [count](double*& rows, std::int64_t columns) {
         if (rows != nullptr) rows += count * columns;
@@ -86,7 +139,10 @@ class Stepper {
     }
   }
 
-  void step() { check(simulation_.step()); }
+  void step() {
+    const Turns::Change own(turns_);
+    check(turns_.unlocked([&] { return simulation_.step(); }));
+  }
 
   /// @param friction  null, or its three numbers
   void add(const std::string& name, const Kernel& kernel, const Vector3& position,
@@ -94,14 +150,18 @@ class Stepper {
            const std::optional<std::array<double, 3>>& friction) {
     std::optional<Friction> rubs;
     if (friction) rubs = {(*friction)[0], (*friction)[1], (*friction)[2]};
-    store::in_file(scene_.file, [&] {
-      return simulation_.add(name, kernel, {position, attitude, velocity, spin}, rubs);
+    change([&](Simulation& simulation) {
+      store::in_file(scene_.file, [&] {
+        return simulation.add(name, kernel, {position, attitude, velocity, spin}, rubs);
+      });
     });
   }
   void remove(const std::string& name) {
-    store::in_file(scene_.file, [&] {
-      simulation_.remove(number_of(name));
-      return 0;
+    change([&](Simulation& simulation) {
+      store::in_file(scene_.file, [&] {
+        simulation.remove(number_of(name));
+        return 0;
+      });
     });
   }
 
@@ -114,20 +174,24 @@ class Stepper {
     throw InputError(fmt::format("{}: there is no body \"{}\": there are {}.",
                                  scene_.file.filename().string(), name, names.empty() ? "none" : names));
   }
-  std::vector<std::string> bodies() const {
-    std::vector<std::string> out;
-    for (const std::size_t body : simulation_.bodies()) out.emplace_back(simulation_.name(body));
-    return out;
+  std::vector<std::string> bodies() {
+    return read([](const Simulation& simulation) {
+      std::vector<std::string> out;
+      for (const std::size_t body : simulation.bodies()) out.emplace_back(simulation.name(body));
+      return out;
+    });
   }
 
   /// Names, number of the point, place, normal and force of each point that touches.
   py::list contacts() {
-    py::list out;
-    for (const Touching& one : simulation_.contacts()) {
-      out.append(py::make_tuple(one.between[0], one.between[1], one.point, copy(one.place), copy(one.normal),
-                                copy(one.force)));
-    }
-    return out;
+    return read([](Simulation& simulation) {
+      py::list out;
+      for (const Touching& one : simulation.contacts()) {
+        out.append(py::make_tuple(one.between[0], one.between[1], one.point, copy(one.place),
+                                  copy(one.normal), copy(one.force)));
+      }
+      return out;
+    });
   }
 
  private:
@@ -135,6 +199,7 @@ class Stepper {
 
   scene::Scene scene_;
   Simulation simulation_;
+  Turns turns_;
 };
 
 /// A vector of every contact point as an array (m,3).
@@ -223,14 +288,18 @@ void bind_simulation(py::module_& module) {
   module.def("contact_system", &contact_system);
   py::class_<Stepper> stepper(module, "Simulation");
   stepper.def(py::init<scene::Scene, const std::vector<Kernel>&, const std::vector<Pickup>&>())
-      .def("step", &Stepper::step, py::call_guard<py::gil_scoped_release>())
+      .def("step", &Stepper::step)
       .def("step_block", &Stepper::step_block)
       .def("save",
-           [](Stepper& self) { return std::make_shared<Simulation::State>(self.simulation().save()); })
-      .def("restore",
-           [](Stepper& self, const Simulation::State& state) { return self.simulation().restore(state); });
+           [](Stepper& self) {
+             return self.change(
+                 [](const Simulation& s) { return std::make_shared<Simulation::State>(s.save()); });
+           })
+      .def("restore", [](Stepper& self, const Simulation::State& state) {
+        return self.change([&](Simulation& s) { return s.restore(state); });
+      });
   const auto property = [&](const char* name, auto get) {
-    stepper.def_property_readonly(name, [get](Stepper& self) { return get(self.simulation()); });
+    stepper.def_property_readonly(name, [get](Stepper& self) { return self.read(get); });
   };
   property("steps", [](const Simulation& s) { return s.steps(); });
   property("time", [](const Simulation& s) { return s.time(); });
@@ -257,17 +326,18 @@ void bind_simulation(py::module_& module) {
       .def("remove", &Stepper::remove)
       .def_property_readonly("bodies", &Stepper::bodies);
   stepper.def("body_motion", [](Stepper& self, const std::string& body) {
-    const BodyMotion motion = self.simulation().body_motion(self.number_of(body));
+    const BodyMotion motion =
+        self.read([&](const Simulation& s) { return s.body_motion(self.number_of(body)); });
     return py::make_tuple(copy(motion.position), copy(motion.attitude), copy(motion.velocity),
                           copy(motion.spin));
   });
   stepper.def("contacts", &Stepper::contacts);
-  stepper.def("push",
-              [](Stepper& self, const std::string& body, const Vector3& force, const Vector3& torque) {
-                return self.simulation().push(self.number_of(body), force, torque);
-              });
+  stepper.def(
+      "push", [](Stepper& self, const std::string& body, const Vector3& force, const Vector3& torque) {
+        return self.change([&](Simulation& s) { return s.push(self.number_of(body), force, torque); });
+      });
   stepper.def("mean_velocity", [](Stepper& self, const std::string& body) {
-    return copy(self.simulation().mean_velocity(self.number_of(body)));
+    return self.read([&](const Simulation& s) { return copy(s.mean_velocity(self.number_of(body))); });
   });
 }
 

@@ -89,8 +89,9 @@ class State:
 class Simulation:
     """Bodies in motion, from t = 0. m contact points, p pickups; SI units, world axes.
 
-    The steps are those of `impact`. Only one thread at a time may use a simulation. Different simulations
-    share only kernels, which do not change.
+    The steps are those of `impact`. One thread at a time may step, save, restore or change a simulation; in any
+    other thread, these raise RuntimeError. Reading waits for the end of a step, or of up to 1024 of them in a
+    block. Different simulations share only kernels, which do not change.
     """
 
     def __init__(

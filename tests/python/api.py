@@ -538,6 +538,46 @@ class Simulation(KernelsTest):
         self.assertIsNone(simulation.step_block(1).tangential_force)
         self.assertEqual(simulation.energy.friction, 0)
 
+    def test_is_stepped_by_one_thread_and_read_by_others(self):
+        simulation = ricochet.Simulation(self.scene, self.kernels, [ricochet.Pickup("moving", [1, 0, 0])])
+        saved = simulation.save()
+        alone = simulation.step_block(3000)
+        simulation.restore(saved)
+        started, ended = threading.Event(), threading.Event()
+        read, refused = [], []
+
+        def step():
+            started.set()
+            blocks.append(simulation.step_block(3000).velocity)
+            ended.set()
+
+        def disturb():
+            started.wait()
+            while not ended.is_set():
+                for change in (
+                    simulation.save,
+                    lambda: simulation.restore(saved),
+                    lambda: simulation.push("moving"),
+                ):
+                    try:
+                        change()
+                    except (RuntimeError, ricochet.InputError) as error:
+                        refused.append(str(error))
+                read.append((simulation.steps, simulation.time, simulation.force[0], simulation.energy.total))
+
+        blocks = []
+        others = [threading.Thread(target=disturb) for _ in range(3)]
+        stepping = threading.Thread(target=step)
+        for thread in [*others, stepping]:
+            thread.start()
+        for thread in [stepping, *others]:
+            thread.join()
+        np.testing.assert_array_equal(blocks[0], alone.velocity)
+        self.assertGreater(refused.count("another thread is stepping this Simulation"), 0)
+        self.assertTrue(all(steps % 1024 == 0 or steps == 3000 for steps, _, _, _ in read))
+        total = simulation.energy.total
+        self.assertTrue(all(abs(energy / total - 1) < 1e-12 for _, _, _, energy in read))
+
     def test_is_interrupted_between_blocks(self):
         simulation = ricochet.Simulation(self.scene)
         threading.Timer(0.2, _thread.interrupt_main).start()
