@@ -49,7 +49,7 @@ Meshes coarsest_meshes(const scene::Scene& scene) {
   for (const scene::Body& body : scene.bodies) {
     if (!body.meshable()) continue;
     MeshSettings& mesh = out[body.name];
-    mesh.order = body.order_open || body.order == 1 ? lowest_order : body.order - 1;
+    mesh.order = body.order_open ? lowest_order : body.order;
     mesh.size_factor = body.order_open && body.size_open ? sizes.front() : body.size_factor;
   }
   return out;

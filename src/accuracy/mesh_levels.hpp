@@ -14,7 +14,7 @@ namespace ricochet::accuracy {
 using Meshes = std::map<std::string, MeshSettings>;
 
 /// The elements with which a search starts. A body whose order is open has order 2; if its size is open too,
-/// it has elements of twice their size. A body of a given order has the next lower order.
+/// it has elements of twice their size.
 Meshes coarsest_meshes(const scene::Scene& scene);
 
 /// The next finer elements of each body, with the same balls. An open order rises to 4; then elements of open

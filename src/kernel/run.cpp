@@ -117,7 +117,9 @@ class Kernels {
     std::string found;
     if (first())
       for (const store::KernelFile& file : store::kernel_files(folder_, requests_[k]))
-        if (found.empty() && file.holds(needs_[k].points, needs_[k].normals)) found = file.path.string();
+        if (found.empty() && file.holds(needs_[k].points, needs_[k].normals) &&
+            (file.mesh_error || !requests_[k].mesh_error))
+          found = file.path.string();
     parallel::broadcast(comm_, found);
     return found;
   }

@@ -121,22 +121,23 @@ std::vector<KernelFile> kernel_files(const fs::path& folder, const scene::Kernel
     const auto header = kernels::read_header(entry.path());
     if (!header) continue;
     if (header->normal_residual && !scene::may_be_normal(whole)) continue;
-    if (whole.mesh_error && !header->mesh_error) continue;
     for (scene::KernelRequest request : with_substitutes(whole)) {
       request.points = header->held;
       request.within_reach = header->held.has_value();
       request.normal_residual = header->normal_residual;
       scene::seal(request);
       if (request.hash == header->hash && entry.path() == scene::kernel_path(folder, request))
-        out.push_back({entry.path(), header->hash, header->held, header->normal_residual});
+        out.push_back(
+            {entry.path(), header->hash, header->held, header->normal_residual, header->mesh_error});
     }
   }
   const auto candidates = [](const KernelFile& file) {
     return file.held ? file.held->size() : std::numeric_limits<std::size_t>::max();
   };
   std::ranges::sort(out, [&](const KernelFile& a, const KernelFile& b) {
-    return std::tuple(candidates(a), !a.normal_residual, a.path) <
-           std::tuple(candidates(b), !b.normal_residual, b.path);
+    const auto lacks = [&](const KernelFile& file) { return whole.mesh_error && !file.mesh_error; };
+    return std::tuple(lacks(a), candidates(a), !a.normal_residual, a.path) <
+           std::tuple(lacks(b), candidates(b), !b.normal_residual, b.path);
   });
   return out;
 }

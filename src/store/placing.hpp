@@ -80,6 +80,7 @@ struct KernelFile {
   std::string hash;
   Points held{};
   bool normal_residual = false;
+  bool mesh_error = false;  ///< whether errors by the mesh are estimated
   /// Whether the kernel serves a scene that needs these points, and for which normals suffice or not.
   bool holds(const Points& points, bool normals_suffice) const;
 };

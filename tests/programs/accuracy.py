@@ -135,10 +135,14 @@ class Accuracy(ProgramTest):
         )
         self.assertIn(warning, self.warned)
 
-    def test_a_coarse_mesh_of_linear_elements_is_named(self):
-        summary = self.collide(accuracy=1e-3, order=1)
+    def test_a_coarse_mesh_is_named_and_that_of_linear_elements_is_unknown(self):
+        elements = [f"bodies.{body}.geometry={{elements=20}}" for body in ("moving", "resting")]
+        summary = self.collide(*elements, "modes.count=20", accuracy=1e-3, order=2)
         self.assertGreater(summary["error_estimate"]["mesh"], 1e-3)
         self.assertTrue(any("that of the mesh" in warning for warning in summary["warnings"]))
+        summary = self.collide(accuracy=1e-3, order=1)
+        self.assertIsNone(summary["error_estimate"]["mesh"])
+        self.assertTrue(any("leaves out: mesh" in warning for warning in summary["warnings"]))
 
     def test_balls_are_run_with_fewer_points_where_that_hardly_matters(self):
         scene, out = MESHES / "hertz" / "two-balls.toml", self.folder / "balls"
@@ -155,15 +159,11 @@ class Accuracy(ProgramTest):
         self.assertAlmostEqual(lasted[1] / lasted[0], 1, delta=0.1)
         self.assertAlmostEqual(fewer["impulse_ns"] / all_points["impulse_ns"], 1, delta=0.01)
 
-    def test_without_kernels_of_another_mesh_its_error_is_unknown(self):
+    def test_kernels_without_accuracy_leave_the_error_of_the_mesh_unknown(self):
         given = ["modes.count=20", "time.rate_hz=100"]
         summary = self.collide(*given, "accuracy=1e-1", accuracy=None, computed=given)
         self.assertIsNone(summary["error_estimate"]["mesh"])
         self.assertTrue(any("leaves out: mesh" in warning for warning in summary["warnings"]))
-
-    def test_a_mesh_too_coarse_to_be_made_coarser_is_no_error(self):
-        summary = self.collide("modes.count=150", "time.rate_hz=100")  # of 181 of order 3 and 121 of order 2
-        self.assertIsNone(summary["error_estimate"]["mesh"])
 
     def test_nothing_is_estimated_unless_it_is_asked_for_or_something_touches(self):
         given = ["modes.count=5", "time.rate_hz=100"]

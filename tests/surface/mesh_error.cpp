@@ -71,7 +71,7 @@ Pressed pressed(const std::filesystem::path& file, int order, const std::string&
 TEST(MeshError, of_the_flexibility_under_a_pad) {
   const mesh::GmshSession gmsh;
   for (const auto& [width, support] : {std::pair(0.2, ""), std::pair(0.1, "xyz")}) {
-    const test::SharedFile file(".geo", cube_with_pad(width, 0.5));
+    const test::SharedFile file(".geo", cube_with_pad(width, 1));
     const double truth = pressed(file.path(), 5, support).flexibility;
     for (const int order : {2, 3}) {
       const Pressed found = pressed(file.path(), order, support);
