@@ -109,6 +109,25 @@ void ElementPoints::gradients(const Functions& functions, ElementMatrix& out) co
   }
 }
 
+Eigen::Matrix3d own_stiffness(const Material& material, int components, const ElementMatrix& gradient, int a,
+                              const Eigen::VectorXd& measure) {
+  Eigen::Matrix3d out = Eigen::Matrix3d::Zero();
+  if (components == 1) {
+    for (Eigen::Index q = 0; q < measure.size(); ++q)
+      out(0, 0) += measure[q] * material.lambda * gradient(a, q) * gradient(a, q);
+    out(1, 1) = out(2, 2) = 1;
+    return out;
+  }
+  double square = 0;
+  for (Eigen::Index q = 0; q < measure.size(); ++q) {
+    const Eigen::Vector3d g(gradient(3 * a, q), gradient(3 * a + 1, q), gradient(3 * a + 2, q));
+    out += measure[q] * (material.lambda + material.mu) * g * g.transpose();
+    square += measure[q] * g.squaredNorm();
+  }
+  out.diagonal().array() += material.mu * square;
+  return out;
+}
+
 void to_stiffness(const Material& material, int components, ElementMatrix& product) {
   if (components == 1) {
     product *= material.lambda;

@@ -63,6 +63,12 @@ class ElementPoints {
   Eigen::Matrix<double, Eigen::Dynamic, 3> position_;
 };
 
+/// The block K_aa of functions v_a with these gradients. Rods use its first entry alone, and have 1 on the
+/// rest of its diagonal.
+/// @param gradient  (c n, q), @param measure  (q)
+Eigen::Matrix3d own_stiffness(const Material& material, int components, const ElementMatrix& gradient, int a,
+                              const Eigen::VectorXd& measure);
+
 /// K_ab = ∫ λ ∇v_a ∇u_bᵀ + μ ∇u_b ∇v_aᵀ + μ (∇v_a·∇u_b) I from ∫ ∂_i v_a ∂_j u_b at (ca + i, cb + j).
 /// @param product  replaced by K. It has one row for each component of each function v.
 void to_stiffness(const Material& material, int components, ElementMatrix& product);

@@ -185,21 +185,20 @@ Neighbourhood neighbourhood(const Mesh& mesh, const PatchLoad& load, const Vecto
   return out;
 }
 
-/// K' e = r on the elements around a patch, with e = 0 on their common boundary with others.
+/// K' e = r on the elements around a patch, with e = 0 on their common boundary with others. Solids only.
 class LocalProblem {
  public:
   /// @param raise  1 or 2
   LocalProblem(const Neighbourhood& part, const std::vector<scene::Material>& materials,
-               const PatchLoad& load, int raise)
-      : c_(part.mesh.components()) {
+               const PatchLoad& load, int raise) {
     for (const Block& block : part.mesh.blocks) add(part, block, materials, raise);
-    const Index rows = c_ * std::ssize(number_);
-    residual_.conservativeResize(rows);
+    residual_.conservativeResize(3 * std::ssize(number_));
+    for (Eigen::Matrix3d& block : inverse_) block = block.inverse().eval();
     const Eigen::Map<const Eigen::Vector3d> force(load.force.data());
     for (const auto& [key, share] : load.share[static_cast<std::size_t>(raise - 1)])
       if (const auto node = number_.find(key); node != number_.end())
-        residual_.segment(c_ * node->second, c_) += share * force;
-    free_ = VectorXd::Ones(rows);
+        residual_.segment<3>(3 * node->second) += share * force;
+    free_ = VectorXd::Ones(residual_.size());
     clamp(part.outside);
     for (const Index row : fixed_) free_[row] = 0;
     residual_ = residual_.cwiseProduct(free_);
@@ -207,14 +206,7 @@ class LocalProblem {
 
   /// eᵀ r by conjugate gradients, which approach it from below.
   double gain() const {
-    const std::vector<MatrixXd> inverse = inverse_diagonal();
-    const auto precondition = [&](const VectorXd& r) {
-      VectorXd z(r.size());
-      for (Index a = 0; a < std::ssize(inverse); ++a)
-        z.segment(c_ * a, c_) = inverse[static_cast<std::size_t>(a)] * r.segment(c_ * a, c_);
-      return z.cwiseProduct(free_).eval();
-    };
-    VectorXd r = residual_, z = precondition(r), d = z;
+    VectorXd r = residual_, z = preconditioned(r), d = z;
     double rz = r.dot(z), sum = 0, last = 0;
     for (int k = 0; k < most_iterations && rz > 0; ++k) {
       const VectorXd q = product(d);
@@ -223,7 +215,7 @@ class LocalProblem {
       if (added + last < enough * sum) break;
       last = added;
       r -= step * q;
-      z = precondition(r);
+      z = preconditioned(r);
       const double next = r.dot(z);
       d = z + next / rz * d;
       rz = next;
@@ -240,6 +232,16 @@ class LocalProblem {
     MatrixXd K;
   };
 
+  Index number_of(const mesh::NodeKey& key) {
+    const auto [known, is_new] = number_.try_emplace(key, std::ssize(number_));
+    if (is_new) {
+      inverse_.push_back(Eigen::Matrix3d::Zero());
+      if (residual_.size() < 3 * std::ssize(number_))
+        residual_.conservativeResizeLike(VectorXd::Zero(6 * std::ssize(number_)));
+    }
+    return known->second;
+  }
+
   void add(const Neighbourhood& part, const Block& block, const std::vector<scene::Material>& materials,
            int raise) {
     const Mesh& mesh = part.mesh;
@@ -249,38 +251,39 @@ class LocalProblem {
     ElementPoints points(mesh, block, 2 * (order + raise) - 1);
     const Enriched high(points, raise);
     const int low_nodes = block.nodes_per_element, corners = points.reference().corners;
-    ElementMatrix gradient, K;
+    ElementMatrix gradient, scaled, K;
     Corners corner(static_cast<std::size_t>(corners));
     for (std::size_t e = 0; e < block.size(); ++e) {
       const std::int64_t* nodes = &block.node[e * static_cast<std::size_t>(low_nodes)];
       points.move_to(nodes);
       const Material material = material_of(materials[static_cast<std::size_t>(block.label[e])], mesh.dim);
       points.gradients(high.shapes(), gradient);
-      K.noalias() = gradient * points.measure().asDiagonal() * gradient.transpose();
-      to_stiffness(material, static_cast<int>(c_), K);
-      MatrixXd u(low_nodes, c_), acceleration(low_nodes, c_);
-      for (int b = 0; b < low_nodes; ++b) {
-        u.row(b) = part.solution.segment(c_ * nodes[b], c_);
-        acceleration.row(b) = part.inertia.segment(c_ * nodes[b], c_);
-      }
-      const MatrixXd raised = (high.prolongation() * u).transpose();  // (c, nodes)
-      const MatrixXd inertia = (material.density * high.shapes().value.transpose() *
-                                points.measure().asDiagonal() * (points.shapes().value * acceleration))
-                                   .transpose();
-      const VectorXd force = -K * raised.reshaped() - inertia.reshaped();
+      scaled.noalias() = gradient * points.measure().asDiagonal();
+      K.noalias() = scaled * gradient.transpose();
+      to_stiffness(material, mesh.components(), K);
       for (int k = 0; k < corners; ++k) corner[static_cast<std::size_t>(k)] = mesh.node[nodes[k]];
       Element element{{}, K};
+      VectorXd raised = VectorXd::Zero(3 * high.nodes());
       for (int a = 0; a < high.nodes(); ++a) {
-        const Index node =
-            number_.try_emplace(high.keys().of(a, corner.data()), std::ssize(number_)).first->second;
-        element.node.push_back(node);
-        if (residual_.size() < c_ * std::ssize(number_))
-          residual_.conservativeResizeLike(VectorXd::Zero(2 * c_ * std::ssize(number_)));
-        residual_.segment(c_ * node, c_) += force.segment(c_ * a, c_);
-        for (int k = 0; k < c_; ++k)
+        element.node.push_back(number_of(high.keys().of(a, corner.data())));
+        inverse_[static_cast<std::size_t>(element.node.back())] += K.block<3, 3>(3 * a, 3 * a);
+        for (int b = 0; b < low_nodes; ++b)
+          raised.segment<3>(3 * a) += high.prolongation()(a, b) * part.solution.segment<3>(3 * nodes[b]);
+        for (int k = 0; k < 3; ++k)
           if (high.all_around(a, [&](int b) { return mesh.is_fixed(static_cast<std::size_t>(nodes[b]), k); }))
-            fixed_.push_back(c_ * node + k);
+            fixed_.push_back(3 * element.node.back() + k);
       }
+      VectorXd force = -(element.K * raised);
+      for (Index q = 0; q < points.measure().size(); ++q) {
+        Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();
+        for (int b = 0; b < low_nodes; ++b)
+          acceleration += points.shapes().value(q, b) * part.inertia.segment<3>(3 * nodes[b]);
+        acceleration *= material.density * points.measure()[q];
+        for (int a = 0; a < high.nodes(); ++a)
+          force.segment<3>(3 * a) -= high.shapes().value(q, a) * acceleration;
+      }
+      for (int a = 0; a < high.nodes(); ++a)
+        residual_.segment<3>(3 * element.node[static_cast<std::size_t>(a)]) += force.segment<3>(3 * a);
       elements_.push_back(std::move(element));
     }
   }
@@ -298,8 +301,15 @@ class LocalProblem {
         return std::all_of(key.corner.begin(), end,
                            [&](std::int64_t c) { return std::ranges::binary_search(*element, c); });
       });
-      for (Index k = 0; shared && k < c_; ++k) fixed_.push_back(c_ * node + k);
+      for (Index k = 0; shared && k < 3; ++k) fixed_.push_back(3 * node + k);
     }
+  }
+
+  VectorXd preconditioned(const VectorXd& r) const {
+    VectorXd z(r.size());
+    for (Index a = 0; a < std::ssize(inverse_); ++a)
+      z.segment<3>(3 * a) = inverse_[static_cast<std::size_t>(a)] * r.segment<3>(3 * a);
+    return z.cwiseProduct(free_);
   }
 
   VectorXd product(const VectorXd& d) const {
@@ -308,27 +318,17 @@ class LocalProblem {
     for (const Element& element : elements_) {
       local.resize(element.K.rows());
       for (std::size_t a = 0; a < element.node.size(); ++a)
-        local.segment(c_ * static_cast<Index>(a), c_) = d.segment(c_ * element.node[a], c_);
+        local.segment<3>(3 * static_cast<Index>(a)) = d.segment<3>(3 * element.node[a]);
       forces.noalias() = element.K * local;
       for (std::size_t a = 0; a < element.node.size(); ++a)
-        out.segment(c_ * element.node[a], c_) += forces.segment(c_ * static_cast<Index>(a), c_);
+        out.segment<3>(3 * element.node[a]) += forces.segment<3>(3 * static_cast<Index>(a));
     }
     return out.cwiseProduct(free_);
   }
 
-  std::vector<MatrixXd> inverse_diagonal() const {
-    std::vector<MatrixXd> out(number_.size(), MatrixXd::Zero(c_, c_));
-    for (const Element& element : elements_)
-      for (std::size_t a = 0; a < element.node.size(); ++a)
-        out[static_cast<std::size_t>(element.node[a])] +=
-            element.K.block(c_ * static_cast<Index>(a), c_ * static_cast<Index>(a), c_, c_);
-    for (MatrixXd& block : out) block = block.inverse().eval();
-    return out;
-  }
-
-  Index c_;
   std::map<mesh::NodeKey, Index> number_;
   std::vector<Element> elements_;
+  std::vector<Eigen::Matrix3d> inverse_;  ///< of the block of each node
   std::vector<Index> fixed_;
   VectorXd residual_, free_;  ///< by row
 };

@@ -27,7 +27,7 @@ struct PatchLoad {
 /// it is, are extrapolated: a + (b − a)/(1 − (b − a)/a), with the ratio (b − a)/a at most 0.8. A surplus of
 /// the next order alone misses most of the error if the patch is narrower than half an element.
 ///
-/// Collective on the ranks of the mesh. Needs a GmshSession.
+/// Of solids. Collective on the ranks of the mesh. Needs a GmshSession.
 /// @param solution  (local rows) displacement under the force on this mesh [m]
 /// @param inertia   (local rows) acceleration by the force of the body as a rigid one [m/s²]
 /// @return work of the force on the growth [J], the same on every rank

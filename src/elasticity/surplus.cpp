@@ -74,18 +74,15 @@ void number_nodes(const Mesh& mesh, EnrichedBlock& of, FinerNodes& nodes) {
   }
 }
 
-/// Adds D, and marks fixed components. @param diagonal  (c, c · nodes), @param fixed  (c · nodes)
+/// Adds D, and marks fixed components. @param diagonal  by node, @param fixed  (c · nodes)
 void add_diagonal(const Mesh& mesh, EnrichedBlock& of, std::size_t e, const Material& material,
-                  MatrixXd& diagonal, std::vector<char>& fixed) {
-  const Index c = mesh.components();
+                  std::vector<Eigen::Matrix3d>& diagonal, std::vector<char>& fixed) {
+  const int c = mesh.components();
   of.points.gradients(c == 1 ? of.next.surplus() : of.next.shapes(), of.high);
   for (int a = 0; a < of.next.nodes(); ++a) {
     const Index node = of.node[e * static_cast<std::size_t>(of.next.nodes()) + static_cast<std::size_t>(a)];
     if (node < 0) continue;
-    const auto rows = of.high.middleRows(c * a, c);
-    ElementMatrix block = rows * of.points.measure().asDiagonal() * rows.transpose();
-    to_stiffness(material, static_cast<int>(c), block);
-    diagonal.middleCols(c * node, c) += block;
+    diagonal[static_cast<std::size_t>(node)] += own_stiffness(material, c, of.high, a, of.points.measure());
     for (int k = 0; k < c; ++k)
       if (of.next.all_around(
               a, [&](int b) { return mesh.is_fixed(static_cast<std::size_t>(of.nodes(e)[b]), k); }))
@@ -112,13 +109,12 @@ Eigen::VectorXd eigenvalue_errors(const Mesh& mesh, const std::vector<scene::Mat
       }
   };
 
-  MatrixXd diagonal = MatrixXd::Zero(c, c * nodes.size());
+  std::vector<Eigen::Matrix3d> diagonal(static_cast<std::size_t>(nodes.size()), Eigen::Matrix3d::Zero());
   std::vector<char> fixed(static_cast<std::size_t>(c * nodes.size()), 0);
   for_each_element([&](EnrichedBlock& of, std::size_t e, const Material& material) {
     add_diagonal(mesh, of, e, material, diagonal, fixed);
   });
-  for (Index a = 0; a < nodes.size(); ++a)
-    diagonal.middleCols(c * a, c) = diagonal.middleCols(c * a, c).inverse().eval();
+  for (Eigen::Matrix3d& block : diagonal) block = block.inverse().eval();
 
   const mesh::Halo halo(mesh);
   Eigen::VectorXd out = Eigen::VectorXd::Zero(modes);
@@ -127,7 +123,6 @@ Eigen::VectorXd eigenvalue_errors(const Mesh& mesh, const std::vector<scene::Mat
     if (progress) progress(from, modes);
     const Index n = std::min(at_once, modes - from);
     const MatrixXd local = halo(shape.middleCols(from, n));
-    const auto of_modes = lambda.segment(from, n).asDiagonal();
     MatrixXd residual = MatrixXd::Zero(c * nodes.size(), n);
     for_each_element([&](EnrichedBlock& of, std::size_t e, const Material& material) {
       of.points.gradients(of.points.shapes(), of.low);
@@ -140,12 +135,12 @@ Eigen::VectorXd eigenvalue_errors(const Mesh& mesh, const std::vector<scene::Mat
       const Index low = of.points.shapes().size();
       MatrixXd u(c * low, n);
       for (Index b = 0; b < low; ++b) u.middleRows(c * b, c) = local.middleRows(c * of.nodes(e)[b], c);
-      MatrixXd r = of.K * u;
-      u = (u * of_modes).eval();
-      for (Index k = 0; k < c; ++k) {
-        const MatrixXd component = u(Eigen::seqN(k, low, c), Eigen::all);
-        r(Eigen::seqN(k, of.next.nodes(), c), Eigen::all) -= of.M * component;
-      }
+      MatrixXd r(c * of.next.nodes(), n);
+      r.noalias() = of.K * u;
+      for (Index m = 0; m < n; ++m)
+        for (Index a = 0; a < of.next.nodes(); ++a)
+          for (Index b = 0; b < low; ++b)
+            for (Index k = 0; k < c; ++k) r(c * a + k, m) -= lambda[from + m] * of.M(a, b) * u(c * b + k, m);
       for (Index a = 0; a < of.next.nodes(); ++a) {
         const Index node =
             of.node[e * static_cast<std::size_t>(of.next.nodes()) + static_cast<std::size_t>(a)];
@@ -154,11 +149,12 @@ Eigen::VectorXd eigenvalue_errors(const Mesh& mesh, const std::vector<scene::Mat
     });
     for (Index row = 0; row < residual.rows(); ++row)
       if (fixed[static_cast<std::size_t>(row)] != 0) residual.row(row).setZero();
-    for (Index a = 0; a < nodes.size(); ++a) {
-      const auto r = residual.middleRows(c * a, c);
-      out.segment(from, n) +=
-          (r.array() * (diagonal.middleCols(c * a, c) * r).array()).colwise().sum().matrix();
-    }
+    for (Index m = 0; m < n; ++m)
+      for (Index a = 0; a < nodes.size(); ++a) {
+        Eigen::Vector3d r = Eigen::Vector3d::Zero();
+        for (Index k = 0; k < c; ++k) r[k] = residual(c * a + k, m);
+        out[from + m] += r.dot(diagonal[static_cast<std::size_t>(a)] * r);
+      }
   }
   parallel::sum(mesh.comm, out);
   return (c == 1 ? 1 : of_compact_elements) * out;

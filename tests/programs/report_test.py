@@ -169,4 +169,5 @@ class ReportTest(ProgramTest):
                     if "× 10" in text or values[key] == 0:
                         self.assertEqual(decade, 1, f"{key}: {text}")
                 else:
-                    self.assertEqual(text, "–" if values[key] is None else str(values[key]), key)
+                    none = "not known" if key.startswith("error_estimate.") else "–"
+                    self.assertEqual(text, none if values[key] is None else str(values[key]), key)

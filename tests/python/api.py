@@ -2,6 +2,7 @@
 """The Python interface: scenes, kernels, impacts, steps, studies, and the texts shown in notebooks."""
 
 import _thread
+import contextlib
 import gc
 import pathlib
 import shutil
@@ -548,8 +549,12 @@ class Simulation(KernelsTest):
 
         def step():
             started.set()
-            blocks.append(simulation.step_block(3000).velocity)
-            ended.set()
+            try:
+                while not blocks:
+                    with contextlib.suppress(RuntimeError):  # another thread saves
+                        blocks.append(simulation.step_block(3000).velocity)
+            finally:
+                ended.set()
 
         def disturb():
             started.wait()
