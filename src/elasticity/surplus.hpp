@@ -20,7 +20,7 @@ namespace ricochet::elasticity {
 /// mesh, r_a is K(N'_a, φ) − λ M(N'_a, φ). Of Ritz vectors, it leaves out what another vector on the same
 /// mesh could add.
 ///
-/// The factor holds for elements that are stretched by less than about 1:3; the error of others is
+/// The factor is that of compact elements; the error of those that are stretched by 1:3 or more is
 /// underestimated. Elements of order 1 give no usable estimate: their error is not small.
 ///
 /// Collective on the ranks of the mesh. Needs a GmshSession.

@@ -161,10 +161,10 @@ class Presses {
   MatrixXd rigid_;
 };
 
-/// κ of the errors d_i and −κ d_i of candidates and their neighbours that give n like ones the error of a
-/// force that is spread over all of them.
-/// @param inside  number of pairs of neighbours among them, @param around  largest number of neighbours of
-/// one
+/// The coupling κ with which n like candidates, each with the error d and −κ d to its neighbours, have the
+/// error found under a force that is spread over all of them.
+/// @param alone  d, @param together  the error under the spread force [m/N], @param count  n
+/// @param inside  number of pairs of neighbours among them, @param around  number of neighbours of one
 double coupling_of(double alone, double together, std::size_t count, std::size_t inside, std::size_t around) {
   if (inside == 0 || !(alone > 0)) return 0;
   const auto n = static_cast<double>(count);
