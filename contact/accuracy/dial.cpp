@@ -119,30 +119,34 @@ Dialled dial(const Subject& subject, Model model, DialRequest request) {
     out.model = std::move(*estimator).take_model();
     return std::move(out);
   };
-  StepOptions& options = request.options;
-  if (request.choose_rate) {
-    out.rate = chosen_rate(*estimator, request, subject.duration, subject.requested);
-    options = with_step(options, 1 / out.rate->value);
-  }
-  const auto all = estimator->quantities(options);
-  if (request.choose_precision) out.precision = Precision::float64;
-  if (!all || !all->touched()) {
-    out.quantities = all;
-    return with_model();
-  }
+  try {
+    StepOptions& options = request.options;
+    if (request.choose_rate) {
+      out.rate = chosen_rate(*estimator, request, subject.duration, subject.requested);
+      options = with_step(options, 1 / out.rate->value);
+    }
+    const auto all = estimator->quantities(options);
+    if (request.choose_precision) out.precision = Precision::float64;
+    if (!all || !all->touched()) {
+      out.quantities = all;
+      return with_model();
+    }
 
-  while (request.choose_points) {
-    Estimator* const coarser = estimator->coarser();
-    const auto fewer = coarser != nullptr ? coarser->quantities(options) : std::nullopt;
-    if (!fewer || !alike(*all, *fewer, subject, request.accuracy)) break;
-    estimator = coarser;
+    while (request.choose_points) {
+      Estimator* const coarser = estimator->coarser();
+      const auto fewer = coarser != nullptr ? coarser->quantities(options) : std::nullopt;
+      if (!fewer || !alike(*all, *fewer, subject, request.accuracy)) break;
+      estimator = coarser;
+    }
+    if (request.choose_precision)
+      options.precision = *(out.precision = chosen_precision(*estimator, request, subject.requested));
+    out.estimate = estimator->estimate(options);
+    out.mesh_near_contact = estimator->mesh_near_contact();
+    out.quantities = estimator->quantities(options);
+    refuse_growing_changes(*out.estimate, estimator->growing_change(), request.accuracy);
+  } catch (TurnsTooFar& turned) {
+    out.quantities = std::move(turned.run);
   }
-  if (request.choose_precision)
-    options.precision = *(out.precision = chosen_precision(*estimator, request, subject.requested));
-  out.estimate = estimator->estimate(options);
-  out.mesh_near_contact = estimator->mesh_near_contact();
-  out.quantities = estimator->quantities(options);
-  refuse_growing_changes(*out.estimate, estimator->growing_change(), request.accuracy);
   return with_model();
 }
 

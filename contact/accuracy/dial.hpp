@@ -20,7 +20,7 @@ struct Dialled {
   Model model;                                ///< with coarsened points if that hardly changes results
   std::optional<Hertz> rate{};                ///< if it was open
   std::optional<Precision> precision{};       ///< if it was open
-  std::optional<ErrorEstimate> estimate{};    ///< no value if nothing touches
+  std::optional<ErrorEstimate> estimate{};    ///< no value if nothing touches or a body turns too far
   std::optional<Errors> mesh_near_contact{};  ///< part of the share of the mesh by elements near contact
   std::optional<Quantities> quantities{};     ///< with the settings; no value if a step fails
 };

@@ -126,9 +126,10 @@ std::vector<Support> supports(const Model& model, const Quantities& run) {
       }
     Matrix at = model.point_a(pressed, Eigen::all);
     at.rowwise() -= at.colwise().mean().eval();
-    const Eigen::JacobiSVD<Matrix> spread(at);
-    for (const double width : spread.singularValues())
-      if (here.kind < 3 && width > arm * std::sqrt(here.points)) ++here.kind;
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> spread(Matrix3d(at.transpose() * at),
+                                                         Eigen::EigenvaluesOnly);
+    const Eigen::Index wide = (spread.eigenvalues().array() > arm * arm * here.points).count();
+    here.kind = static_cast<int>(std::min<Eigen::Index>(1 + wide, 3));
   }
   return out;
 }
@@ -259,8 +260,10 @@ std::optional<Quantities> Estimator::run(const std::vector<kernels::Kernel>& ker
 const std::optional<Quantities>& Estimator::quantities(const StepOptions& options) {
   const std::pair key{options.step, options.precision};
   const auto known = quantities_.find(key);
-  return known != quantities_.end() ? known->second
-                                    : quantities_.emplace(key, run(model_, options)).first->second;
+  if (known != quantities_.end()) return known->second;
+  const auto& found = quantities_.emplace(key, run(model_, options)).first->second;
+  if (found && found->turn.angle > subject_.most_turn) throw TurnsTooFar{*found};
+  return found;
 }
 
 const std::optional<Quantities>& Estimator::up_to(double share, const StepOptions& options) {

@@ -68,6 +68,12 @@ struct Subject {
   double duration = 0;  ///< [s]; unused at rest
   std::vector<Quantity> requested{Quantity::impulse, Quantity::rebound};
   std::function<void()> poll{};  ///< called after each step; may throw to end the run
+  double most_turn = std::numeric_limits<double>::infinity();  ///< of a body in a run to be estimated [rad]
+};
+
+/// A run turned a body farther than its subject allows.
+struct TurnsTooFar {
+  Quantities run;
 };
 
 /// Runs a subject again and keeps the quantities of each run.
@@ -85,7 +91,7 @@ class Estimator {
   /// coarsening removes no point.
   Estimator* coarser();
 
-  /// Quantities of the subject itself. @return no value if a step fails
+  /// Quantities of the subject itself. @return no value if a step fails. Throws TurnsTooFar.
   const std::optional<Quantities>& quantities(const StepOptions& options);
 
   std::optional<Errors> step(const StepOptions& options);

@@ -127,8 +127,12 @@ Outcome outcome_of_round(const scene::Scene& scene, Settings settings, const fs:
     const auto [kernels, dialled, sizes] = impact_of(scene, settings, folder);
     settings.rate = dialled.rate.value_or(Hertz{1 / scene.time.step()});
     if (scene.motion.rotation_open && dialled.quantities)
-      if (const auto [body, angle] = dialled.quantities->turn; angle > scene::most_linear_turn)
+      if (const auto [body, angle] = dialled.quantities->turn; angle > scene::most_linear_turn) {
         turning = scene.bodies[body].name;
+        line = turning + " turns by more than 1 degree";
+        found = to_toml(settings);
+        return;
+      }
     const Decision decision = decide(scene, settings, dialled, sizes);
     if (dialled.estimate) line = "error " + contact::formatted(*dialled.estimate);
     line += line.empty() ? "" : "; ";
@@ -239,9 +243,7 @@ class Search {
 Found search_with_finite_rotation(const Found& linear, Search& search, MPI_Comm comm,
                                   console::Console& console) {
   console.say(
-      fmt::format("accuracy: {} turns by more than 1 degree: searches with finite rotation "
-                  "(motion.rotation = \"linear\" keeps the axes of the start)",
-                  linear.turning));
+      "accuracy: searches with finite rotation (motion.rotation = \"linear\" keeps the axes of the start)");
   const scene::Scene turning = scene::with_finite_rotation(linear.scene, "");
   try {
     return search.run(turning, pilot_settings(turning, comm), false);

@@ -83,6 +83,10 @@ std::optional<std::filesystem::path> missing_settings(const scene::Scene& scene,
 
 namespace {
 
+/// A turn that ends the search with linear rotations at once. Runs with the long steps of its beginning may
+/// exceed most_linear_turn where those of its end do not.
+constexpr double clearly_turned = 2 * scene::most_linear_turn;
+
 /// Of a scene with linear rotations. @param choose_points  whether to run it with fewer points
 contact::Dialled dial_linear(const scene::Scene& scene, const store::Kernels& kernels,
                              const store::Prepared& prepared, contact::Model model, Hertz rate,
@@ -98,6 +102,7 @@ contact::Dialled dial_linear(const scene::Scene& scene, const store::Kernels& ke
       .at_rest = scene.contact.scheme == Scheme::at_rest,
       .duration = scene.time.duration,
       .poll = std::move(poll)};
+  if (scene.motion.rotation_open) subject.most_turn = clearly_turned;
   subject.requested = subject.at_rest ? std::vector{Quantity::force, Quantity::approach} : scene.accuracy_of;
   return store::in_file(scene.file, [&] {
     return contact::dial(subject, std::move(model),

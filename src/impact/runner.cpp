@@ -114,15 +114,15 @@ class OpenRotation {
 
 struct ErrorReport {
   std::optional<contact::ErrorEstimate> estimate;
-  contact::FarthestTurn turn;  ///< of the runs that were made
   std::vector<std::string> warnings;
 };
 
 /// Chooses the settings of steps that a scene with an accuracy leaves open.
 /// @param settings  chosen by ricochet-kernel; no value if unknown
+/// @param open  null if rotations are decided
 ErrorReport choose(Impact& impact, Paired& paired, const std::optional<accuracy::Settings>& settings,
-                   console::Console& console) {
-  ErrorReport out{{}, {}, impact.kernels.warnings};
+                   OpenRotation* open, console::Console& console) {
+  ErrorReport out{{}, impact.kernels.warnings};
   if (!impact.scene.accuracy) return out;
   console.begin("estimates");
   std::int64_t steps = 0;
@@ -131,13 +131,22 @@ ErrorReport choose(Impact& impact, Paired& paired, const std::optional<accuracy:
   };
   // The model that comes back has fewer points, or serves the first touch of bodies that turn alone.
   const bool turns = impact.scene.motion.is_finite();
-  accuracy::Dialled dialled = accuracy::dial_of(impact.scene, impact.kernels, paired.prepared,
-                                                turns ? paired.model : std::move(paired.model),
-                                                settings ? settings->rate : Hertz{0}, poll);
-  if (!turns) paired.model = std::move(dialled.model);
+  const auto dial = [&](const scene::Scene& scene) {
+    accuracy::Dialled made = accuracy::dial_of(scene, impact.kernels, paired.prepared,
+                                               turns ? paired.model : std::move(paired.model),
+                                               settings ? settings->rate : Hertz{0}, poll);
+    if (!turns) paired.model = std::move(made.model);
+    return made;
+  };
+  accuracy::Dialled dialled = dial(impact.scene);
+  if (open != nullptr && dialled.quantities && dialled.quantities->turn.angle > scene::most_linear_turn) {
+    open->observe(dialled.quantities->turn);
+    scene::Scene linear = impact.scene;  // as it has to stay
+    linear.motion.rotation_open = false;
+    if (!dialled.estimate) dialled = dial(linear);
+  }
   impact.scene = accuracy::resolved(std::move(impact.scene), dialled);
   out.estimate = dialled.estimate;
-  if (dialled.quantities) out.turn = dialled.quantities->turn;
   if (out.estimate)
     std::ranges::copy(contact::warnings(*out.estimate, *impact.scene.accuracy),
                       std::back_inserter(out.warnings));
@@ -236,8 +245,7 @@ ImpactResult run_once(const ImpactRequest& request, const std::string& obstacle,
   Paired paired;
   if (impact.scene.contact.table.empty()) paired = pair(impact, request, store, console);
   observer.prepared(impact);
-  const ErrorReport report = choose(impact, paired, closed.settings, console);
-  if (open) open->observe(report.turn);
+  const ErrorReport report = choose(impact, paired, closed.settings, open ? &*open : nullptr, console);
   impact.options = store::step_options(impact.scene);
   if (impact.scene.contact.table.empty())
     impact.model =

@@ -2,7 +2,6 @@
 // A body of 27 masses, whose modes are exact, over a floor on which it may turn by any angle.
 #pragma once
 
-#include <Eigen/QR>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -11,6 +10,7 @@
 
 #include "contact/stepping/stepper.hpp"
 #include "tests/contact/bodies.hpp"
+#include "tests/orthonormal.hpp"
 
 namespace ricochet::contact::test {
 
@@ -103,7 +103,7 @@ struct Cloud {
         if (swirl && n == 7) field = steady_axis().cross(Vector3d(fields.block<3, 1>(3 * k, 6))) / root;
         fields.block<3, 1>(3 * k, n) = root * field;
       }
-    const Eigen::MatrixXd basis = Eigen::HouseholderQR<Eigen::MatrixXd>(fields).householderQ();
+    const Eigen::MatrixXd basis = ricochet::test::orthonormal(fields);
     shape = basis.leftCols(modes);
     for (int k = 0; k < 81; ++k) shape.row(k) /= std::sqrt(weight[static_cast<std::size_t>(k / 3)]);
     kernel.body = "cloud";

@@ -471,6 +471,33 @@ TEST(SpacingShare, is_unknown_with_a_single_point) {
   EXPECT_TRUE(share(1));
 }
 
+// A spinning plate falls for a second at 1 rad/s. Where it may turn by less, one run of the hundred steps
+// with which the search begins ends it; where it may turn by more, shorter steps and estimates follow.
+TEST(Dial, ends_with_the_first_run_that_turns_a_body_too_far) {
+  const std::vector<Kernel> kernels{rigid_plate()};
+  const auto rebuild = [](const std::vector<Kernel>& of) {
+    return build_model(
+        {{"plate", of.data(), Eigen::Matrix3d::Identity(), {0, 0, 0.5}, {0, 0, -1}, {0, 0.1, 1}}},
+        {{"floor", Vector3d::Zero(), {0, 0, 1}}}, {{"plate", "floor", {}, {}, {}}}, Vector3d::Zero());
+  };
+  std::int64_t steps = 0;
+  Subject of{.rebuild = rebuild, .kernels = kernels, .duration = 1, .poll = [&] { ++steps; }};
+  const auto dialled = [&](double most_turn) {
+    steps = 0;
+    of.most_turn = most_turn;
+    return dial(of, rebuild(kernels), {.accuracy = 0.1, .options = {.step = 1e-2}, .choose_rate = true});
+  };
+  const Dialled ended = dialled(0.5);
+  EXPECT_LE(steps, 100);
+  EXPECT_FALSE(ended.estimate);
+  EXPECT_GT(ended.model.gap.size(), 0);
+  ASSERT_TRUE(ended.quantities);
+  EXPECT_GT(ended.quantities->turn.angle, 0.9);
+  EXPECT_LT(ended.quantities->turn.angle, 3);  // after its impact, it spins faster
+  EXPECT_TRUE(dialled(3).estimate);
+  EXPECT_GT(steps, 1000);
+}
+
 // Three candidates on the edge of a tilted plate are coarsened to one, around which the plate would turn
 // freely. Flat, it stands on several before and after.
 TEST(SpacingShare, is_unknown_where_fewer_points_would_let_the_body_turn) {

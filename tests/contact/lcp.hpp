@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "tests/orthonormal.hpp"
+
 namespace lcp {
 
 using Eigen::Index;
@@ -118,7 +120,7 @@ inline MatrixXd normal_matrix(Random& random, Index n, Index m) {
 
 /// Q D Qᵀ with D logarithmically spaced from 1 to 1/condition.
 inline MatrixXd with_condition(Random& random, Index n, double condition) {
-  const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(normal_matrix(random, n, n)).householderQ();
+  const MatrixXd Q = ricochet::test::orthonormal(normal_matrix(random, n, n));
   const VectorXd D = VectorXd::NullaryExpr(n, [&](Index k) {
     return std::pow(condition, -static_cast<double>(k) / static_cast<double>(std::max<Index>(n - 1, 1)));
   });
