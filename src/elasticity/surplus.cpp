@@ -130,17 +130,18 @@ Eigen::VectorXd eigenvalue_errors(const Mesh& mesh, const std::vector<scene::Mat
       of.scaled.noalias() = of.surplus * of.points.measure().asDiagonal();
       of.K.noalias() = of.scaled * of.low.transpose();
       to_stiffness(material, static_cast<int>(c), of.K);
-      of.M.noalias() = material.density * (of.next.surplus().value.transpose() *
-                                           of.points.measure().asDiagonal() * of.points.shapes().value);
       const Index low = of.points.shapes().size();
+      const MatrixXd M = material.density * (of.next.surplus().value.transpose() *
+                                             of.points.measure().asDiagonal() * of.points.shapes().value);
+      of.M.setZero(c * of.next.nodes(), c * low);
+      for (Index b = 0; b < low; ++b)
+        for (Index a = 0; a < of.next.nodes(); ++a)
+          of.M.block(c * a, c * b, c, c).diagonal().setConstant(M(a, b));
       MatrixXd u(c * low, n);
       for (Index b = 0; b < low; ++b) u.middleRows(c * b, c) = local.middleRows(c * of.nodes(e)[b], c);
       MatrixXd r(c * of.next.nodes(), n);
       r.noalias() = of.K * u;
-      for (Index m = 0; m < n; ++m)
-        for (Index a = 0; a < of.next.nodes(); ++a)
-          for (Index b = 0; b < low; ++b)
-            for (Index k = 0; k < c; ++k) r(c * a + k, m) -= lambda[from + m] * of.M(a, b) * u(c * b + k, m);
+      r.noalias() -= of.M * (u * lambda.segment(from, n).asDiagonal());  // of all components, as one product
       for (Index a = 0; a < of.next.nodes(); ++a) {
         const Index node =
             of.node[e * static_cast<std::size_t>(of.next.nodes()) + static_cast<std::size_t>(a)];

@@ -14,17 +14,35 @@ void openblas_set_num_threads(int threads);
 
 namespace ricochet::parallel {
 
+namespace {
+
+/// Whether the routines in use are one of these.
+template <class... Names>
+bool uses(Names... names) {
+  return ((std::strcmp(openblas_get_corename(), names) == 0) || ...);
+}
+
+/// Routines for more of the processor's instructions than those in use; null: there are none. OpenBLAS knows
+/// processors by their models, and takes for a newer one what suits the oldest of its family.
+const char* better_routines() {
+  const bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+                      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"),
+             avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+  const bool wide = uses("SkylakeX", "Cooperlake", "SapphireRapids");
+  if (avx512 && !wide) return "SkylakeX";
+  if (avx2 && !wide && !uses("Haswell", "Zen")) return "Haswell";
+  return nullptr;
+}
+
+}  // namespace
+
 void prepare_blas() {
   if (std::getenv("OPENBLAS_NUM_THREADS") == nullptr && std::getenv("OMP_NUM_THREADS") == nullptr)
     openblas_set_num_threads(1);
-  if (std::getenv("OPENBLAS_CORETYPE") != nullptr || std::strcmp(openblas_get_corename(), "Prescott") != 0 ||
-      gotoblas_dynamic_quit == nullptr || gotoblas_dynamic_init == nullptr)
+  if (std::getenv("OPENBLAS_CORETYPE") != nullptr || gotoblas_dynamic_quit == nullptr ||
+      gotoblas_dynamic_init == nullptr)
     return;
-  const char* better = nullptr;
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) better = "Haswell";
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
-    better = "SkylakeX";
+  const char* const better = better_routines();
   if (better == nullptr) return;
   // OpenBLAS chooses its routines when it is loaded. These are the functions by which it does so.
   setenv("OPENBLAS_CORETYPE", better, 1);
