@@ -6,6 +6,7 @@ set(share ${CMAKE_INSTALL_DATADIR}/ricochet)
 install(TARGETS ricochet-contact ricochet-recast COMPONENT programs)
 if(RICOCHET_PREPROCESSOR)
   install(TARGETS ricochet-kernel COMPONENT programs)
+  install(TARGETS ricochet-mesh DESTINATION ${CMAKE_INSTALL_BINDIR}/../libexec/ricochet COMPONENT programs)  # where ricochet-kernel looks for it
 endif()
 install(DIRECTORY meshes DESTINATION ${share} COMPONENT programs
   PATTERN out EXCLUDE PATTERN *-surfaces.png EXCLUDE)

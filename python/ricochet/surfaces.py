@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The surfaces of a drawing or mesh that gmsh can read: triangles, groups, a table and a picture."""
+import multiprocessing
+import os
+import signal
+import tempfile
 from collections.abc import Iterator
+from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
@@ -53,25 +58,65 @@ def groups() -> dict[int, list[str]]:
     return found
 
 
-def read(path: Path) -> tuple[Triangles, dict[int, list[str]]]:
-    """Reads triangles and names of groups, by surface. A drawing is meshed coarsely. Raises InputError."""
+def read_here(path: Path) -> tuple[Triangles, dict[int, list[str]]]:
+    """`read` in this process. Raises whatever gmsh raises."""
+    gmsh.initialize()
+    gmsh.open(str(path))
+    if not gmsh.model.mesh.getElements(2)[0].size:
+        gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 24)  # fine enough for a picture
+        gmsh.model.mesh.generate(2)
+    return {tag: triangles(tag) for _, tag in gmsh.model.getEntities(2)}, groups()
+
+
+def answer(path: Path, to: Connection, log: int) -> None:
+    """Sends what `read_here` returns, or the message of its error. What gmsh prints goes to `log`."""
+    os.dup2(log, 1), os.dup2(log, 2)
+    try:
+        to.send(read_here(path))
+    except Exception as problem:  # gmsh raises Exception itself
+        to.send(" ".join(str(problem).split()))
+    to.close()
+    os._exit(0)  # gmsh crashes when it deletes some models
+
+
+def read(path: Path, seconds: float = 600) -> tuple[Triangles, dict[int, list[str]]]:
+    """Reads triangles and names of groups, by surface. A drawing is meshed coarsely. gmsh runs in a process of
+    its own, which may crash, end or take too long. Raises InputError."""
     if gmsh is None:
         raise InputError("needs the Debian package python3-gmsh: run scripts/setup")
     if not path.is_file():
         raise InputError(f"{path}: there is no such file: name a .step, .brep, .geo or .msh")
-    try:
-        gmsh.initialize()
-        gmsh.option.setNumber("General.Terminal", 0)
-        gmsh.open(str(path))
-        if not gmsh.model.mesh.getElements(2)[0].size:
-            gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 24)  # fine enough for a picture
-            gmsh.model.mesh.generate(2)
-        found = {tag: triangles(tag) for _, tag in gmsh.model.getEntities(2)}
-    except Exception as problem:  # gmsh raises Exception itself
-        raise InputError(f"{path}: {' '.join(str(problem).split())}") from None
-    if not any(len(corners) for corners in found.values()):
+    context = multiprocessing.get_context("fork")
+    with tempfile.TemporaryFile() as log:
+        mine, its = context.Pipe(duplex=False)
+        process = context.Process(target=answer, args=(path, its, log.fileno()), daemon=True)
+        process.start()
+        its.close()
+        late = not mine.poll(seconds)
+        if late:
+            process.kill()
+        try:
+            found = mine.recv()
+        except EOFError:
+            found = None
+        process.join()
+        log.seek(0)
+        lines = log.read().decode(errors="replace").split("\n")
+    if isinstance(found, str):
+        raise InputError(f"{path}: {found}")
+    if found is None:
+        ended = f"took more than {seconds:g} s" if late else "ended"
+        if not late and process.exitcode and process.exitcode < 0:
+            ended = f"crashed ({signal.Signals(-process.exitcode).name})"
+        said = [line for line in lines if line.startswith("Error")] or [
+            line for line in lines if line.strip()
+        ]
+        last = f"; its last message: {' '.join(said[-1].split())}" if said else ""
+        raise InputError(f"{path}: gmsh {ended} before it had read the surfaces{last}: repair the drawing")
+    surfaces, named = found
+    if not any(len(corners) for corners in surfaces.values()):
         raise InputError(f"{path}: has no surfaces: name a drawing or mesh of a solid")
-    return found, groups()
+    return surfaces, named
 
 
 def table(surfaces: Triangles, named: dict[int, list[str]]) -> str:

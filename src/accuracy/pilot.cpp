@@ -10,8 +10,8 @@
 #include "src/accuracy/contact_zone.hpp"
 #include "src/accuracy/decision.hpp"
 #include "src/accuracy/mesh_levels.hpp"
+#include "src/mesh/apart.hpp"
 #include "src/mesh/gmsh_session.hpp"
-#include "src/mesh/open.hpp"
 #include "src/parallel/parallel.hpp"
 #include "src/scene/parts.hpp"
 #include "src/scene/scene.hpp"
@@ -34,8 +34,7 @@ Waves waves(const scene::Scene& scene, const scene::Body& body) {
   scene::Body opened = body;
   if (const auto parts = scene::part_files(body.mesh); !parts.empty()) opened.mesh = parts.front();
   const mesh::GmshSession gmsh;
-  mesh::Extent extent;
-  mesh::with_gmsh_errors(body.mesh.filename().string(), [&] { extent = mesh::extent_of(opened); });
+  const mesh::Extent extent = mesh::extent_apart(opened);
   double speed = 0;
   for (const scene::Material& material : body.materials)
     speed = std::max(speed, std::sqrt(material.young / material.density));

@@ -7,11 +7,11 @@
 #include <iterator>
 
 #include "kernels/read.hpp"
+#include "src/mesh/apart.hpp"
 #include "src/mesh/body_file.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/partition.hpp"
 #include "src/mesh/parts.hpp"
-#include "src/mesh/read.hpp"
 #include "src/scene/derive.hpp"
 #include "src/scene/parts.hpp"
 #include "src/scene/scene.hpp"
@@ -39,7 +39,7 @@ Source OpenedMeshes::open(const scene::KernelRequest& request) {
       source.whole = mesh::read_body_file(body, asked);
       return;
     }
-    source.whole = mesh::read_mesh(
+    source.whole = mesh::read_mesh_apart(
         body, [&](std::int64_t done, std::int64_t total) { console_.advance(done, total); }, asked);
     mesh::forget_meshes();
     if (!source.whole.warning.empty()) console_.warn(source.whole.warning);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <exception>
 #include <string>
 
 #include "ricochet/error.hpp"
@@ -34,19 +33,19 @@ inline InputError gmsh_error(const std::string& where, std::string message) {
   return InputError(where + ": gmsh: " + message);
 }
 
-/// Calls `task` and converts any exception of gmsh to an InputError "`where`: gmsh: message".
+/// Describes the exception that is being handled, of any type.
+std::string text_of_current_exception();
+
+/// Calls `task` and converts any exception of gmsh to an InputError "`where`: gmsh: message". Besides
+/// std::exception, gmsh throws strings and numbers, and its reader of drawings throws classes of its own.
 template <class Task>
 void with_gmsh_errors(const std::string& where, Task&& task) {
   try {
     task();
   } catch (const InputError&) {
     throw;
-  } catch (const std::exception& error) {
-    throw gmsh_error(where, error.what());
-  } catch (const std::string& message) {
-    throw gmsh_error(where, message);
-  } catch (int code) {
-    throw gmsh_error(where, "error " + std::to_string(code));
+  } catch (...) {
+    throw gmsh_error(where, text_of_current_exception());
   }
 }
 

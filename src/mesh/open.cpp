@@ -4,13 +4,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <gmsh.h>
-#include <stdlib.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <limits>
 #include <sstream>
@@ -87,31 +86,25 @@ void check_parameters(const scene::Body& body) {
                       defined.empty() ? "none" : fmt::format("{}", fmt::join(defined, ", "))));
 }
 
-/// A temporary file that sets the parameters of a .geo file and then merges that file. Parameters on the
+/// A file in memory that sets the parameters of a .geo file and then merges that file. Parameters on the
 /// command line of gmsh (-setnumber) would apply to all later bodies too.
 class Parameters {
  public:
-  explicit Parameters(const scene::Body& body) {
-    std::string name = (std::filesystem::temp_directory_path() / "ricochet-XXXXXX.geo").string();
-    const int handle = mkstemps(name.data(), 4);
-    path_ = name;
+  explicit Parameters(const scene::Body& body) : file_(memfd_create("ricochet", MFD_CLOEXEC)) {
     std::string text;
     for (const auto& [parameter, value] : body.geometry) text += fmt::format("{} = {};\n", parameter, value);
     text += fmt::format("Merge \"{}\";\n", std::filesystem::absolute(body.mesh).string());
-    const bool written = handle >= 0 && write(handle, text.data(), text.size()) == std::ssize(text);
-    if (handle >= 0) close(handle);
-    if (!written) {
-      std::remove(name.c_str());
-      throw InputError(fmt::format("{}: cannot be written: free some space there, or set TMPDIR", name));
-    }
+    if (file_ < 0 || write(file_, text.data(), text.size()) != std::ssize(text))
+      throw InputError(fmt::format("{}: its parameters cannot be stored: free some memory",
+                                   body.mesh.filename().string()));
   }
   Parameters(const Parameters&) = delete;
   Parameters& operator=(const Parameters&) = delete;
-  ~Parameters() { std::remove(path_.c_str()); }
-  const std::string& path() const { return path_; }
+  ~Parameters() { close(file_); }
+  std::string path() const { return fmt::format("/proc/self/fd/{}", file_); }
 
  private:
-  std::string path_;
+  int file_;
 };
 
 bool holds_elements() {
