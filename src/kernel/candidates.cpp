@@ -42,7 +42,7 @@ Source OpenedMeshes::open(const scene::KernelRequest& request) {
     source.whole = mesh::read_mesh_apart(
         body, [&](std::int64_t done, std::int64_t total) { console_.advance(done, total); }, asked);
     mesh::forget_meshes();
-    if (!source.whole.warning.empty()) console_.warn(source.whole.warning);
+    for (const std::string& warning : source.whole.warnings) console_.warn(warning);
   });
   source.in_parts = parallel::of_rank(comm_, 0, source.in_parts);
   return source;

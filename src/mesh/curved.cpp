@@ -45,10 +45,10 @@ void repair_curved(GlobalMesh& mesh, const std::string& file,
   for (const Block& block : mesh.blocks) elements += block.size();
   if (elements <= most_optimised) bend(mesh, inverted, index, scale);
   if (const Straightened done = straighten_inverted(mesh); done.elements > 0)
-    mesh.warning = fmt::format(
+    mesh.warnings.push_back(fmt::format(
         "{}: {} curved elements were inverted, and {} were straightened to repair them: nodes are up to "
         "{:.2g} m from the surface; a smaller size_factor brings them closer",
-        file, inverted, done.elements, done.distance);
+        file, inverted, done.elements, done.distance));
 }
 
 }  // namespace ricochet::mesh

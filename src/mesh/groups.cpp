@@ -59,17 +59,6 @@ std::map<int, std::string> entity_names(int dim) {
   return names;
 }
 
-/// Returns the names in quotes. If there are more than `most`, "…" replaces the names between the first ones
-/// and the last.
-std::string list_of(std::vector<std::string> names, std::size_t most) {
-  for (std::string& name : names) name = '"' + name + '"';
-  if (names.size() > most) {
-    names[most - 2] = "…";
-    names.erase(names.begin() + static_cast<std::ptrdiff_t>(most) - 1, names.end() - 1);
-  }
-  return fmt::format("{}", fmt::join(names, ", "));
-}
-
 /// Returns `entities` and their partitions.
 std::vector<int> with_partitions(int dim, const std::vector<int>& entities) {
   std::set<int> all(entities.begin(), entities.end());
@@ -83,12 +72,36 @@ std::vector<int> with_partitions(int dim, const std::vector<int>& entities) {
 
 }  // namespace
 
+std::string list_of(std::vector<std::string> names, std::size_t most) {
+  for (std::string& name : names) name = '"' + name + '"';
+  if (names.size() > most) {
+    names[most - 2] = "…";
+    names.erase(names.begin() + static_cast<std::ptrdiff_t>(most) - 1, names.end() - 1);
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
 Choice choice_of(int dim) {
   Choice choice;
   for (const auto& [name, entities] : groups_of(dim)) choice.groups.push_back(name);
   if (choice.groups.empty())
     for (const auto& [tag, name] : entity_names(dim)) choice.entities.push_back(name);
   return choice;
+}
+
+Grouped grouped_entities(int dim) {
+  Grouped out;
+  std::vector<int> whole;
+  std::set<int> named;
+  for (const auto& [name, entities] : groups_of(dim)) named.insert(entities.begin(), entities.end());
+  for (const auto& [tag, name] : entity_names(dim))
+    if (named.empty() || named.contains(tag))
+      whole.push_back(tag);
+    else
+      out.left_out.push_back(name);
+  whole.insert(whole.end(), named.begin(), named.end());  // partitions have groups too
+  out.entities = with_partitions(dim, whole);
+  return out;
 }
 
 InputError no_group(int dim, const std::string& name, const Choice& choice, const std::string& file,

@@ -61,7 +61,7 @@ struct GlobalMesh {
   /// Surfaces. Block::node: indices into `position`; Block::label of `loaded`: index into
   /// RequestedGroups::loaded.
   FacetMesh contact, loaded, visualisation;
-  std::string warning{};  ///< of the reader, for the user
+  std::vector<std::string> warnings{};  ///< of the reader, for the user
 };
 
 /// One rank's part of a mesh. Each rank holds every element that touches a node it owns, so that assembly

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "ricochet/error.hpp"
+#include "src/mesh/file_kinds.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/msh_check.hpp"
 
@@ -213,6 +214,7 @@ namespace {
 
 void open_file(const scene::Body& body) {
   const std::string file = body.mesh.filename().string();
+  check_kind(body.mesh);
   if (!std::filesystem::is_regular_file(body.mesh) || !std::ifstream(body.mesh))
     throw InputError(fmt::format("{}: no such file, or not readable: check bodies.{}.mesh = \"{}\"", file,
                                  body.name, body.mesh.string()));

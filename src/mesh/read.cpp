@@ -14,6 +14,7 @@
 #include "src/mesh/faces.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/groups.hpp"
+#include "src/mesh/node_order.hpp"
 #include "src/mesh/open.hpp"
 #include "src/mesh/rod.hpp"
 
@@ -39,7 +40,10 @@ class MeshReader {
       mesh_.dim = dimension();
       collect_nodes();
       collect_elements();
-      if (!meshed_before_) repair_curved(mesh_, file_, index_, body_.scale);
+      if (!meshed_before_)
+        repair_curved(mesh_, file_, index_, body_.scale);
+      else if (body_.mesh.extension() != ".msh")
+        correct_order();
       reached(2);
       if (mesh_.dim == 1)
         find_axis(mesh_, file_);
@@ -155,6 +159,17 @@ class MeshReader {
     }
   }
 
+  /// Appends the elements of the whole body.
+  void append_body(std::int64_t label) {
+    const Grouped body = grouped_entities(mesh_.dim);
+    for (int entity : body.entities) append(mesh_.blocks, mesh_.dim, entity, label);
+    if (!body.left_out.empty())
+      mesh_.warnings.push_back(fmt::format(
+          "{}: {} of {} belongs to no physical group and is left out, as gmsh does when it saves a "
+          "mesh: add it to a group if it is part of the body",
+          file_, list_of(body.left_out, 8), body_.name));
+  }
+
   ReferenceElement checked_reference(int type) const {
     try {
       return reference_element(type);
@@ -168,7 +183,7 @@ class MeshReader {
     for (std::size_t m = 0; m < body_.materials.size(); ++m) {
       const std::string& group = body_.materials[m].group;
       if (group.empty()) {
-        append(mesh_.blocks, mesh_.dim, -1, static_cast<std::int64_t>(m));
+        append_body(static_cast<std::int64_t>(m));
         continue;
       }
       for (int entity : entities(mesh_.dim, group, key_of("material")))
@@ -214,6 +229,14 @@ class MeshReader {
       all += count;
     }
     if (static_cast<double>(listed) != all) throw mixed_orders(body_);
+  }
+
+  void correct_order() {
+    if (const std::int64_t corrected = correct_node_order(mesh_); corrected > 0)
+      mesh_.warnings.push_back(
+          fmt::format("{}: the nodes of {} elements were in an order in which they are inverted, as other "
+                      "programs write them, and were put in gmsh's order",
+                      file_, corrected));
   }
 
   void collect_visualisation() {

@@ -120,7 +120,7 @@ void pass(Stream& stream, FacetMesh& facets) {
 template <class Stream>
 void pass(Stream& stream, GlobalMesh& mesh) {
   pass_all(stream, mesh.dim, mesh.order, mesh.position, mesh.blocks, mesh.fixed, mesh.axis, mesh.contact,
-           mesh.loaded, mesh.visualisation, mesh.warning);
+           mesh.loaded, mesh.visualisation, mesh.warnings);
 }
 
 }  // namespace ricochet::mesh

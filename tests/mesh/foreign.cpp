@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Files of other programs: their kinds, the order of their nodes, and volumes that belong to no group.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "src/elasticity/assemble.hpp"
+#include "src/mesh/partition.hpp"
+#include "src/mesh/read.hpp"
+#include "tests/meshes.hpp"
+
+namespace ricochet {
+namespace foreign_test {
+
+using testing::HasSubstr;
+
+/// Corners 0 to 3 and the middles of the edges in the order of gmsh: 01, 12, 20, 30, 23, 13. The volume is 1.
+constexpr std::array<std::array<double, 3>, 10> tetrahedron{{{0, 0, 0},
+                                                             {2, 0, 0},
+                                                             {0, 3, 0},
+                                                             {0, 0, 1},
+                                                             {1, 0, 0},
+                                                             {1, 1.5, 0},
+                                                             {0, 1.5, 0},
+                                                             {0, 0, 0.5},
+                                                             {0, 1.5, 0.5},
+                                                             {1, 0, 0.5}}};
+
+/// A legacy VTK file of one element, with the points in this order.
+std::string vtk(const std::vector<int>& order) {
+  std::string text = fmt::format(
+      "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS {} double\n", order.size());
+  for (int node : order) {
+    const auto& x = tetrahedron[static_cast<std::size_t>(node)];
+    text += fmt::format("{} {} {}\n", x[0], x[1], x[2]);
+  }
+  text += fmt::format("CELLS 1 {}\n{}", order.size() + 1, order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) text += fmt::format(" {}", k);
+  return text + fmt::format("\nCELL_TYPES 1\n{}\n", order.size() == 4 ? 10 : 24);
+}
+
+double volume_of(const scene::Body& body, mesh::GlobalMesh mesh) {
+  return elasticity::assemble(mesh::distribute(std::move(mesh), PETSC_COMM_SELF), body.materials, "test")
+             .total_mass /
+         body.materials[0].density;
+}
+
+TEST(Foreign, node_orders_of_other_programs_are_corrected_with_a_warning) {
+  const mesh::GmshSession gmsh;
+  struct Case {
+    std::vector<int> order;
+    bool corrected;
+  };
+  const Case cases[] = {
+      {{0, 1, 2, 3}, false},
+      {{1, 0, 2, 3}, true},                     // the other orientation
+      {{0, 1, 2, 3, 4, 5, 6, 7, 9, 8}, false},  // of VTK
+      {{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}, true},   // of gmsh in a file of VTK
+      {{0, 2, 1, 3, 6, 5, 4, 7, 8, 9}, true},   // mirrored
+      {{0, 1, 2, 3, 9, 8, 7, 6, 5, 4}, true},   // of nobody
+  };
+  for (const Case& one : cases) {
+    const test::SharedFile file(".vtk", vtk(one.order));
+    const scene::Body body = test::body_of(file.path(), 1);
+    const mesh::GlobalMesh mesh = mesh::read_mesh(body);
+    EXPECT_EQ(mesh.order, one.order.size() == 4 ? 1 : 2);
+    ASSERT_EQ(mesh.warnings.size(), one.corrected ? 1U : 0U) << testing::PrintToString(one.order);
+    if (one.corrected) {
+      EXPECT_THAT(mesh.warnings[0], HasSubstr("the nodes of 1 elements were in an order"));
+    }
+    EXPECT_NEAR(volume_of(body, mesh), 1, 1e-12) << testing::PrintToString(one.order);
+  }
+}
+
+TEST(Foreign, an_inverted_element_is_not_hidden_by_another_order) {
+  const mesh::GmshSession gmsh;
+  // Two middles lie at one place, so that no order is right.
+  std::string text = vtk({0, 1, 2, 3, 4, 5, 6, 7, 7, 8});
+  const test::SharedFile file(".vtk", text);
+  const scene::Body body = test::body_of(file.path(), 1);
+  const mesh::GlobalMesh mesh = mesh::read_mesh(body);
+  EXPECT_TRUE(mesh.warnings.empty());
+  EXPECT_THROW(volume_of(body, mesh), InputError);
+}
+
+TEST(Foreign, volumes_without_a_group_are_left_out_if_there_are_groups) {
+  const mesh::GmshSession gmsh;
+  const std::string boxes =
+      "SetFactory(\"OpenCASCADE\");\nBox(1) = {0, 0, 0, 1, 1, 1};\nBox(2) = {1, 0, 0, 2, 1, "
+      "1};\nCoherence;\n";
+  const auto read = [](const std::string& text) {
+    const test::SharedFile file(".geo", text);
+    const scene::Body body = test::body_of(file.path(), 1);
+    const mesh::GlobalMesh mesh = mesh::read_mesh(body);
+    return std::pair{volume_of(body, mesh), mesh.warnings};
+  };
+  const auto [first, warnings] = read(boxes + "Physical Volume(\"a\") = {1};\n");
+  EXPECT_NEAR(first, 1, 1e-12);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_THAT(warnings[0], HasSubstr("\"volume 2\" of body belongs to no physical group and is left out"));
+  for (const char* groups : {"", "Physical Volume(\"a\") = {1};\nPhysical Volume(7) = {2};\n",
+                             "Physical Surface(\"s\") = {1};\n"}) {
+    const auto [both, none] = read(boxes + groups);
+    EXPECT_NEAR(both, 3, 1e-12) << groups;
+    EXPECT_TRUE(none.empty()) << groups;
+  }
+}
+
+TEST(Foreign, kinds_that_gmsh_does_not_read_are_named_before_the_file_is_opened) {
+  const mesh::GmshSession gmsh;
+  const auto complaint = [](const char* path) -> std::string {
+    try {
+      mesh::read_mesh(test::body_of(path, 1));
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_THAT(complaint("/nowhere/part.inp"), HasSubstr("part.inp: is a mesh of Abaqus or CalculiX"));
+  EXPECT_THAT(complaint("/nowhere/PART.MED"), HasSubstr("is a mesh of Salome or code_aster"));
+  EXPECT_THAT(complaint("/nowhere/part.SLDPRT"), HasSubstr("SolidWorks, which gmsh does not read: export"));
+  EXPECT_THAT(complaint("/nowhere/part.zip"), HasSubstr("\".zip\" is no kind of mesh or drawing"));
+  EXPECT_THAT(complaint("/nowhere/part"), HasSubstr("\"\" is no kind"));
+  for (const char* known : {"/nowhere/part.STEP", "/nowhere/part.bdf", "/nowhere/part.igs"})
+    EXPECT_THAT(complaint(known), HasSubstr("no such file"));
+}
+
+}  // namespace foreign_test
+}  // namespace ricochet
