@@ -58,6 +58,28 @@ std::size_t count_of(const Shape& shape) {
   return count;
 }
 
+/// Creation properties of a dataset whose values have a checksum: few values are stored in the object header,
+/// which has one; many values in chunks, each with one. HDF5 verifies them when it reads.
+Id checked_properties(const Shape& shape, std::size_t element) {
+  constexpr std::size_t kInHeader = 8 * 1024, kChunkBytes = 1 << 20;
+  Id list = properties(H5P_DATASET_CREATE);
+  const std::size_t bytes = count_of(shape) * element;
+  if (bytes <= kInHeader) {
+    H5Pset_layout(list.get(), H5D_COMPACT);
+    return list;
+  }
+  std::vector<hsize_t> chunk(shape.begin(), shape.end());
+  // As many entries along the first dimensions as fill a chunk.
+  std::size_t below = bytes;
+  for (std::size_t d = 0; d < shape.size(); ++d) {
+    below /= shape[d];
+    chunk[d] = std::clamp<std::size_t>(kChunkBytes / std::max<std::size_t>(below, 1), 1, shape[d]);
+  }
+  H5Pset_chunk(list.get(), static_cast<int>(chunk.size()), chunk.data());
+  H5Pset_fletcher32(list.get());
+  return list;
+}
+
 }  // namespace
 
 Rows::Rows(Id dataset, std::string file, std::string name, Shape row, std::size_t block)
@@ -100,8 +122,9 @@ Writer::Writer(std::filesystem::path path)
     : path_(std::move(path)), temporary_(std::make_unique<AtomicFile>(path_)) {
   silence();
   const Id access = unlocked_access();
-  // The file format of HDF5 1.8 adds checksums to metadata.
-  H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18);
+  // The file format of HDF5 1.8 adds checksums to metadata, and that of 1.10 to the index of chunks, which
+  // also takes less space.
+  H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110);
   create(temporary_->path().string(), access);
 }
 
@@ -171,8 +194,8 @@ void Writer::write(const std::string& dataset, std::span<const T> values, const 
   if (values.size() != count_of(shape)) throw std::logic_error(dataset + ": values do not fill the shape");
   {
     silence();
-    const Id target =
-        make_dataset(dataset, element_type<T>().file, simple_space(shape), properties(H5P_DATASET_CREATE));
+    const Id target = make_dataset(dataset, element_type<T>().file, simple_space(shape),
+                                   checked_properties(shape, sizeof(T)));
     errno = 0;
     if (!values.empty() &&
         H5Dwrite(target.get(), element_type<T>().memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
@@ -192,8 +215,8 @@ void Writer::write_strings(const std::string& dataset, const std::vector<std::st
   std::string padded;
   for (const std::string& value : values) padded += value + std::string(longest - value.size(), '\0');
   const Id type = utf8_type(longest);
-  const Id target =
-      make_dataset(dataset, type.get(), simple_space({values.size()}), properties(H5P_DATASET_CREATE));
+  const Id target = make_dataset(dataset, type.get(), simple_space({values.size()}),
+                                 checked_properties({values.size()}, longest));
   errno = 0;
   if (!values.empty() && H5Dwrite(target.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0)
     fail_to_write(path_, dataset);
@@ -220,6 +243,7 @@ Rows& Writer::rows(const std::string& dataset, const Shape& row, const std::stri
       H5Pset_shuffle(creation.get());
       H5Pset_deflate(creation.get(), kDeflate);
     }
+    H5Pset_fletcher32(creation.get());
     rows_.push_back(std::make_unique<Rows>(make_dataset(dataset, H5T_IEEE_F64LE, space, creation),
                                            path_.string(), dataset, row, block));
   }

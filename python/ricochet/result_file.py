@@ -79,7 +79,11 @@ class File:
         return value if isinstance(value, str) else None
 
     def attribute(self, where: str, name: str) -> Any:
-        return self.file[where].attrs.get(name) if where in self.file else None
+        try:
+            return self.file[where].attrs.get(name) if where in self.file else None
+        except (KeyError, OSError, RuntimeError):
+            what = f'attribute "{name}" of "{where}"'
+            raise InputError(f"{self.path}: {what} is damaged. Compute it again.") from None
 
     def has(self, name: str) -> bool:
         try:
@@ -99,7 +103,10 @@ class File:
         data = self._dataset(name, (None,))
         if data.dtype.kind != "S":
             raise InputError(f'{self.path}: dataset "{name}" holds other than texts. Compute it again.')
-        return [value.decode(errors="replace") for value in data[:]]
+        try:
+            return [value.decode(errors="replace") for value in data[:]]
+        except OSError:
+            raise InputError(f'{self.path}: dataset "{name}" is damaged. Compute it again.') from None
 
     def array(self, name: str, *shape: int | None) -> NDArray[Any]:
         """The values of a dataset, floats or integers. None in `shape` stands for a dimension of any

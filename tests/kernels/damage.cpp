@@ -111,6 +111,31 @@ TEST_F(Damage, a_file_with_a_wrong_byte_is_refused_or_read_but_never_a_crash) {
   }
 }
 
+// Few values are stored in object headers and many in chunks; both have checksums, and so has the rest of the
+// file but its unused bytes.
+TEST_F(Damage, a_flipped_bit_is_refused_or_changes_nothing) {
+  write(sample_kernel(3, 40, 30), path_);
+  const std::string whole = bytes_of(path_);
+  const auto again = folder_ / "again.kernel.h5";
+  write(read(path_), again);
+  ASSERT_EQ(bytes_of(again), whole);
+  std::mt19937_64 random(7);
+  int refused = 0;
+  for (int i = 0; i < 300; ++i) {
+    std::string spoilt = whole;
+    spoilt[random() % spoilt.size()] ^= static_cast<char>(1U << (random() % 8));
+    put_bytes(path_, spoilt);
+    try {
+      write(read(path_), again);
+    } catch (const InputError&) {
+      ++refused;
+      continue;
+    }
+    ASSERT_EQ(bytes_of(again), whole) << "flip " << i;
+  }
+  EXPECT_GT(refused, 250);
+}
+
 TEST_F(Damage, files_that_are_not_kernels_are_recognised) {
   put_bytes(path_, "title = \"Two disks\"\n");
   expect_refused({"is not an HDF5 file"});

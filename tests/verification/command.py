@@ -13,6 +13,7 @@ OTHERS = {
     "--bodies": "random_bodies",
     "--bracket": "explicit_bracket",
     "--estimates": "true_errors",
+    "--flips": "flips",
     "--friction": "friction_energy",
     "--geometries": "gmsh_demos",
     "--random": "random_scenes",
