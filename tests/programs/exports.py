@@ -10,7 +10,10 @@ import numpy as np
 
 from box_test import BoxTest
 from boxes import dense
-from programs import BIN, Command, Run, kernel, settings
+from programs import BIN, Command, ProgramTest, Run, kernel, settings
+
+import ricochet
+from ricochet.interchange.instrument import instrument_of
 
 try:
     import siconos.numerics as siconos
@@ -270,6 +273,93 @@ int main(int, char** words) {
   for (int k = 0; k < count; ++k) std::printf("%.9g %.9g\\n", left[k], right[k]);
 }
 """
+
+
+BAR = """
+SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 0.35, 0.05, 0.02};
+Physical Volume("body") = {1};
+Physical Surface("skin") = {1:6};
+Mesh.MeshSizeMax = 0.015;
+"""
+BALL = """
+SetFactory("OpenCASCADE");
+Sphere(1) = {0, 0, 0, 0.012};
+Physical Volume("body") = {1};
+Physical Surface("skin") = {1};
+Mesh.MeshSizeMax = 0.006;
+"""
+STRUCK_BAR = """
+[bodies.bar]
+mesh = "bar.geo"
+order = 1
+rotate_deg = [0, 0, 90]
+translate = [0.02, 0, 0]
+material = { density = 1200, young = 15e9, poisson = 0.3 }
+damping = { loss_factor = 4e-3 }
+contact = "skin"
+[bodies.ball]
+mesh = "ball.geo"
+order = 1
+translate = [0, 0.05, 0.05]
+material = { density = 1100, young = 50e6, poisson = 0.4 }
+velocity = [0, 0, -1]
+contact = "skin"
+[modes]
+up_to_hz = 20000
+[contact]
+between = ["ball", "bar"]
+direction = [0, 0, -1]
+gap = 1e-5
+reach = 2e-3
+[time]
+rate_hz = 88200
+duration = 0.02
+[output]
+receiver = [
+  { name = "mic", body = "bar", at_body = [0.08, 0.025, 0.019] },
+  { name = "own", body = "bar", at_body = [0.08, 0.025, 0.019], axes = "body" },
+]
+"""
+
+
+class Heard(ProgramTest):
+    """A free bar that a soft ball strikes, for the channels of an instrument."""
+
+    @classmethod
+    def setUpClass(cls):
+        folder = cls.shared_folder()
+        for name, text in (("bar.geo", BAR), ("ball.geo", BALL), ("bar.toml", STRUCK_BAR)):
+            (folder / name).write_text(text)
+        cls.scene = ricochet.Scene(folder / "bar.toml")
+        cls.kernels = ricochet.kernels(cls.scene)
+
+    def heard(self, **sound):
+        scene = self.scene.changed({f"output.sound.{key}": value for key, value in sound.items()})
+        return instrument_of(scene, self.kernels, most=0)
+
+    # The receiver is near a node of the lowest bending mode, which the blow excites most. High modes move it most along z if all
+    # have the same share, but the soft ball hardly excites them.
+    def test_axis_is_the_one_that_is_loudest_after_the_blow(self):
+        pickups = [ricochet.Pickup("bar", axis, "mic") for axis in np.eye(3).tolist()]
+        simulation = ricochet.Simulation(self.scene, self.kernels, pickups)
+        sound = simulation.step_block(4000).velocity[1000:]  # after the blow
+        self.assertEqual(simulation.active, 0)
+        loud = (sound - sound.mean(axis=0)).std(axis=0)  # a free body goes on
+        self.assertGreater(loud[1], 2 * loud[2])
+        self.assertEqual(self.heard().channels, ["mic y", "own x"])
+
+    def test_sound_of_the_scene_is_heard_along_its_direction(self):
+        mono = self.heard(receivers="mic", direction=[0, 0, 2])
+        self.assertEqual(mono.channels, ["mic along [0, 0, 1]"] * 2)
+        z = ricochet.Kernel(next(self.scene.out.glob("bar-*.h5"))).receivers["mic"].shape[2]
+        self.assertLess(np.abs(mono.sound - z).max(), 1e-12 * np.abs(z).max())
+
+    def test_direction_is_in_the_axes_of_the_receiver(self):
+        both = self.heard(receivers=["own", "mic"], direction=[1, 0, 0])
+        self.assertEqual(both.channels, ["own along [1, 0, 0]", "mic along [1, 0, 0]"])
+        x, y, _ = self.kernels["bar"].receivers["own"].shape  # of the mesh, which is turned from x to y
+        self.assertLess(np.abs(both.sound - [x, -y]).max(), 1e-12 * np.abs(x).max())
 
 
 if __name__ == "__main__":

@@ -23,6 +23,9 @@ VERSION = 2
 MOST_PLACES = 128
 MOST_POINTS = 8  # of a place other than that of the scene, those of smallest gap
 OWN_POINTS = 64  # of the place of the scene
+LONGEST_BLOW_S = 0.1  # from the start of the scene to the end of the contact
+BLOCK = 1024  # steps
+HEARD_FROM_HZ = 20.0
 CLEARANCE = 1e-3  # initial, from which the gap is closed, relative to the size of the mallet
 LIGHT = 0.1  # mass of the light mallet, as a multiple of the scene's
 LAYERS_S = {"medium": 2e-3, "soft": 5e-3}  # durations of a blow through a layer on the tip [s]
@@ -126,16 +129,38 @@ class Striking:
             self.modes[name] = slice(first, first + len(kernel.angular_frequency))
             first += len(kernel.angular_frequency)
 
-    def system(
-        self, mallet: dict[str, Any], gap: float | None, pickups: list[_core.Pickup]
-    ) -> dict[str, Any]:
-        """The contact system with these keys of the mallet, while the body is at rest."""
+        self.cores = [kernel._core for kernel in self.kernels.values()]
+
+    def scene(self, mallet: dict[str, Any], gap: float | None) -> Scene:
+        """The scene with these keys of the mallet, while the body is at rest."""
         blow = self.blow
         still = {"velocity": [0.0, 0.0, 0.0], "angular_velocity": [0.0, 0.0, 0.0]}
         pair = blow.pair | ({} if gap is None else {"gap": gap})
-        scene = blow.scene_with({blow.body: still, blow.mallet: still | mallet}, pair)
-        cores = [kernel._core for kernel in self.kernels.values()]
-        return _core.contact_system(scene._for_impact(), cores, pickups)
+        return blow.scene_with({blow.body: still, blow.mallet: still | mallet}, pair)
+
+    def system(
+        self, mallet: dict[str, Any], gap: float | None, pickups: list[_core.Pickup]
+    ) -> dict[str, Any]:
+        """The contact system of this scene."""
+        return _core.contact_system(self.scene(mallet, gap)._for_impact(), self.cores, pickups)
+
+    def power(self, mallet: dict[str, Any], system: dict[str, Any]) -> Array:
+        """(N) Squared velocities that the blow of the scene leaves to the modes of the body, |∫ Bᵀ λ e^{−iωt} dt|²;
+        0 for those below hearing, which include rigid motion. A long blow excites the high ones little."""
+        time = self.blow.scene.resolved["time"]
+        rate = float(time.get("contact_rate_hz") or time["rate_hz"])
+        omega = self.kernels[self.blow.body].angular_frequency
+        rows = system["B"][:, self.modes[self.blow.body]]
+        simulation = _core.Simulation(self.scene(mallet, None)._for_impact(), self.cores, [])
+        out = np.zeros(len(omega), complex)
+        for first in range(0, int(LONGEST_BLOW_S * rate), BLOCK):
+            force, total = np.empty((BLOCK, len(rows))), np.empty(BLOCK)
+            simulation.step_block(BLOCK, np.empty((BLOCK, 0)), total, force, None, None)
+            moments = (first + np.arange(BLOCK)) / rate
+            out += (np.exp(-1j * np.outer(omega, moments)) * (force @ rows).T).sum(axis=1) / rate
+            if not total.any() and out.any():
+                break
+        return np.where(omega > 2 * np.pi * HEARD_FROM_HZ, np.abs(out) ** 2, 0)
 
     def place(self, system: dict[str, Any], point: Array, normal: Array, most: int) -> Place:
         """The place of a system, with the `most` contact points of smallest gap."""
@@ -171,20 +196,22 @@ def instrument_of(
     velocities = {name: np.array(blow.bodies[name].get("velocity", [0, 0, 0]), float) for name in blow.names}
     velocity = velocities[blow.mallet] - velocities[blow.body]
     speed = float(np.linalg.norm(velocity))
-    channels, pickups = channels_of(blow, struck)
+    channels = channels_of(blow, struck)
+    pickups = [pickup for channel in channels for _, pickup in channel]
     system = striking.system({"velocity": velocity}, None, pickups)
     tip = Tip(striking, system)
     if speed == 0:
-        system, speed = striking.system({"velocity": tip.out}, None, pickups), 1.0
+        velocity, speed = tip.out, 1.0
+        system = striking.system({"velocity": velocity}, None, pickups)
     own = striking.place(system, tip.point, -tip.out, OWN_POINTS)
     own = replace(own, rate=own.rate / speed)
     places = [own, *tip.elsewhere(struck, most)]
-    sound = system["pickups"][:, striking.modes[blow.body]]
-    channels, sound = loudest(channels, sound, own.rows[:, : len(struck.angular_frequency)])
+    power = striking.power({"velocity": velocity}, system)
+    names, sound = loudest(channels, system["pickups"][:, striking.modes[blow.body]], power)
     time = scene.resolved["time"]
     return Instrument(
         body=blow.body,
-        channels=channels,
+        channels=names,
         contact_rate_hz=float(time.get("contact_rate_hz") or time["rate_hz"]),
         omega=struck.angular_frequency,
         decay=struck.decay_rate,
@@ -205,26 +232,40 @@ def mallets_of(name: str, mass: float, area: float) -> list[Mallet]:
     return [Mallet(name), *soft, Mallet(f"{name}, light", LIGHT)]
 
 
-def channels_of(blow: Blow, kernel: Kernel) -> tuple[list[str], list[_core.Pickup]]:
-    """Names and pickups of what can be heard: the axes of each receiver, otherwise the candidate farthest from
-    the middle of all candidates, along its normal."""
+def channels_of(blow: Blow, kernel: Kernel) -> list[list[tuple[str, _core.Pickup]]]:
+    """What can be heard as the left and as the right channel, by name: the receivers of the scene's sound along
+    its direction; otherwise the axes of the first two receivers; otherwise the candidate farthest from the
+    middle of all candidates, along its normal. A single channel is heard on both sides."""
+    turned = rotation_of(blow.bodies[blow.body].get("rotate_deg", [0, 0, 0]))
+
+    def heard(receiver: dict[str, Any], name: str, direction: Any) -> tuple[str, _core.Pickup]:
+        """`direction` is in the axes of the receiver."""
+        along = turned @ direction if receiver.get("axes") == "body" else direction
+        return f"{receiver['name']} {name}", _core.Pickup(blow.body, receiver["name"], 0, list(along))
+
+    sound = blow.scene.resolved["output"].get("sound")
+    if sound and (chosen := [one for one in blow.receivers if one["name"] in sound["receivers"]]):
+        chosen.sort(key=lambda one: sound["receivers"].index(one["name"]))
+        text = "along [" + ", ".join(f"{component:.6g}" for component in sound["direction"]) + "]"
+        return [[heard(one, text, sound["direction"])] for one in chosen]
     if blow.receivers:
-        wanted = [(receiver["name"], axis) for receiver in blow.receivers[:2] for axis in range(3)]
-        return (
-            [f"{name} {'xyz'[axis]}" for name, axis in wanted],
-            [_core.Pickup(blow.body, name, 0, np.eye(3)[axis].tolist()) for name, axis in wanted],
-        )
+        axes = list(zip("xyz", np.eye(3)))
+        return [[heard(one, axis, direction) for axis, direction in axes] for one in blow.receivers[:2]]
     far = int(np.argmax(np.linalg.norm(kernel.node - kernel.node.mean(axis=0), axis=1)))
-    along = kernel.normal[far] if kernel.direction is None else kernel.direction
-    return [f"point {far}"], [_core.Pickup(blow.body, "", far, along.tolist())]
+    direction = kernel.normal[far] if kernel.direction is None else kernel.direction
+    return [[(f"point {far}", _core.Pickup(blow.body, "", far, direction.tolist()))]]
 
 
-def loudest(names: list[str], sound: Array, rows: Array) -> tuple[list[str], Array]:
-    """Two channels: the loudest axis of each receiver. An impulse at the contact points gives all modes a
-    velocity, whose sum of squares measures how loud an axis is."""
-    power = ((rows**2).sum(axis=0) * sound**2).sum(axis=1)
-    step = 3 if len(names) > 1 else 1
-    chosen = [k + int(np.argmax(power[k : k + step])) for k in range(0, len(names), step)]
+def loudest(
+    channels: list[list[tuple[str, _core.Pickup]]], sound: Array, power: Array
+) -> tuple[list[str], Array]:
+    """Names and rows of the left and of the right channel: of each, the alternative that is loudest.
+
+    sound: (p,N) of all alternatives, one channel after the other.
+    power: (N) squared modal velocities after the blow."""
+    names = [name for channel in channels for name, _ in channel]
+    ends = np.cumsum([len(channel) for channel in channels])
+    chosen = [start + int(np.argmax(sound[start:end] ** 2 @ power)) for start, end in zip([0, *ends], ends)]
     chosen = (chosen * 2)[:2]
     return [names[k] for k in chosen], sound[chosen]
 
