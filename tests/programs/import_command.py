@@ -13,7 +13,7 @@ from mistakes_table import TABLE
 from programs import Command, Run, kernel
 
 from ricochet.errors import InputError
-from ricochet.interchange.body import clockwise
+from ricochet.interchange.body import wrong_edge, wrong_facet
 from ricochet.interchange.calculix import BRICK, Model
 
 
@@ -97,21 +97,52 @@ class ImportCommand(BoxTest):
             Command("import", "matrices", *files, "--out", unwritten), f"{unwritten}: cannot be written"
         )
 
-    def test_bodies_that_can_never_touch_are_warned_of(self):
+    def test_a_body_without_a_surface_is_warned_of(self):
         command = ["import", "matrices", *self.matrices, "--out", self.folder / "box.h5"]
         self.assertIn("warning: no surface", self.succeed(Command(*command)).err)
-        mixed = self.box.foot.copy()
-        mixed[:2] = mixed[:2, ::-1]
+        self.assertEqual(
+            self.succeed(Command(*command, "--surface", f"foot={self.all / 'foot.txt'}")).err, ""
+        )
+
+    def test_facets_that_are_not_on_the_outside_are_refused(self):
+        """Facets numbered from 0 are those of other nodes, some of which are none of the body."""
+        foot, top = self.box.foot + 1, self.box.top + 1
+        layer = self.box.top + 1 - len(self.box.node) // 3  # the middle one, inside the body
+        mixed = foot.copy()
+        mixed[1] = mixed[1, ::-1]
         for facets, words in (
-            (self.box.foot, ""),
-            (mixed, "2 of 6 facets run clockwise"),
-            (mixed[:, :3], "2 of 6"),
-            (self.box.top[:, ::-1], "6 of 6"),
+            (top - 1, "facet 1, of nodes 24 25 29 28, is not a face of an element"),
+            (layer, "lies inside the body: the stiffness couples it with nodes on both sides"),
+            (mixed, "facet 2, of nodes 3 7 6 2, runs clockwise seen from outside"),
+            (mixed[:, :3], "facet 2, of nodes 3 7 6, runs clockwise"),
+            (top[:, ::-1], "facet 1"),
+            (np.vstack([foot, foot[:1]]), "surface s: two facets run from node 1 to node"),
         ):
-            foot = self.write("foot.txt", listed(facets + 1))
-            err = self.succeed(Command(*command, "--surface", f"foot={foot}")).err
-            self.assertEqual(err.count("\n"), bool(words), err)
-            self.assertIn(words, err)
+            with self.subTest(words):
+                listing = self.write("s.txt", listed(facets))
+                self.refused(
+                    Command(
+                        "import",
+                        "matrices",
+                        *self.matrices,
+                        "--surface",
+                        f"s={listing}",
+                        "--out",
+                        self.folder / "no.h5",
+                    ),
+                    words,
+                )
+        self.assertFalse((self.folder / "no.h5").exists())
+
+    def test_matrices_that_are_not_symmetric_are_refused_with_their_worst_entry(self):
+        bent = self.stiffness.copy()
+        bent[3, 4] *= 1.01
+        bent[7, 0] += 1e-12 * bent[0, 0]  # the last digit
+        rows = [f"{i + 1} {j + 1} {bent[i, j]!r}" for i, j in np.argwhere(bent != 0)]
+        header = f"%%MatrixMarket matrix coordinate real general\n{len(bent)} {len(bent)} {len(rows)}\n"
+        path = self.write("bent.mtx", header + "\n".join(rows) + "\n")
+        run = Command("import", "matrices", path, *self.matrices[1:], "--out", self.folder / "no.h5")
+        self.refused(run, "bent.mtx: is not symmetric: row 4 has", "in column 5, row 5 has")
 
     def test_facets_of_a_cavity_run_right_though_they_look_at_the_middle(self):
         box = Box(cells=(3, 3, 3))
@@ -123,8 +154,10 @@ class ImportCommand(BoxTest):
         a, b, c, _ = box.node[walls].transpose(1, 0, 2)
         inner = np.einsum("fk,fk->f", np.cross(b - a, c - a), box.node[box.brick[13]].mean(axis=0) - a) > 0
         outward = np.where(inner[:, None], walls, walls[:, ::-1])  # from the shell into the cavity
-        self.assertEqual(clockwise(box.node, outward, i, j), 0)
-        self.assertEqual(clockwise(box.node, outward[:, ::-1], i, j), 6)
+        self.assertIsNone(wrong_facet(box.node, outward, i, j))
+        self.assertIsNone(wrong_edge([outward]))
+        for k in range(6):
+            self.assertIn("clockwise", wrong_facet(box.node, outward[k : k + 1, ::-1], i, j)[1])
 
     def test_lists_of_one_name_are_one_list(self):
         both = [

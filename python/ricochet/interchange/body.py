@@ -12,6 +12,8 @@ from ricochet.errors import InputError
 from ricochet.arrays import Array
 from ricochet.interchange.numbers import Entries
 
+ASYMMETRY = 1e-9  # of the diagonal, as ricochet-kernel accepts it
+
 
 @dataclass
 class Body:
@@ -73,26 +75,71 @@ def rows_of(i: Array, j: Array, value: Array, size: int) -> Entries:
     return start, j[first].astype(np.int64), value
 
 
-def clockwise(node: Array, facets: Array, i: Array, j: Array) -> int:
-    """Number of facets that run clockwise seen from outside. `facets`: (T,k) node numbers from 0.
+def corners_of(facets: Array) -> Array:
+    """(T,3) or (T,4) corners of facets of one size, which come first."""
+    return facets[:, : 3 if np.shape(facets)[1] in (3, 6, 10) else 4]
 
-    The stiffness, with entries at rows i and columns j, shows on which side the body is: a node that is
-    coupled with all corners of a facet belongs to its element, so it lies inside.
+
+def wrong_facet(node: Array, facets: Array, i: Array, j: Array) -> tuple[int, str] | None:
+    """The first facet that is not an outer face of an element, counter-clockwise seen from outside, and what it
+    is; None if all are. `facets`: (T,k) node numbers from 0.
+
+    The stiffness, with entries at rows i and columns j, shows where elements are: it couples all nodes of a face
+    with each other, and with nodes off the face, which belong to its elements. Those of an outer face lie on one
+    side of it. In front of a hollow surface there may be others, but these are fewer.
     """
-    corners = facets[:, : 3 if np.shape(facets)[1] in (3, 6, 10) else 4]
-    here = np.isin(i // 3, corners)
+    here = np.isin(i // 3, facets)
     pairs = np.unique((i[here] // 3) * len(node) + j[here] // 3)
     nodes, start = np.unique(pairs // len(node), return_index=True)
     coupled = {
         of: set(others.tolist()) for of, others in zip(nodes.tolist(), np.split(pairs % len(node), start[1:]))
     }
-    count = 0
-    for facet, corner in zip(facets.tolist(), corners.tolist()):
-        behind = list(set.intersection(*(coupled.get(k, set()) for k in corner)).difference(facet))
-        if behind:
-            place = node[corner]
-            inward = np.cross(place[2] - place[0], place[1] - place[-1])
-            away = node[behind].mean(axis=0) - place.mean(axis=0)
-            # A flat element has no inside.
-            count += bool(inward @ away < -1e-6 * np.linalg.norm(inward) * np.linalg.norm(away))
-    return count
+    for index, (facet, corner) in enumerate(zip(facets.tolist(), corners_of(facets).tolist())):
+        common = set.intersection(*(coupled.get(k, set()) | {k} for k in facet))
+        others = list(common.difference(facet))
+        if not common.issuperset(facet) or not others:
+            return index, "is not a face of an element: the stiffness does not couple its nodes like one"
+        place = node[corner]
+        inward = np.cross(place[2] - place[0], place[1] - place[-1])
+        depth = (node[others] - place.mean(axis=0)) @ inward
+        extent = float(np.linalg.norm(np.ptp(node[others + facet], axis=0)))
+        # A flat element has no inside. A third: most of the nodes are on one side.
+        if np.abs(depth).max() < 1e-6 * np.linalg.norm(inward) * extent:
+            continue
+        side = depth.sum() / np.abs(depth).sum()
+        if side < -1 / 3:
+            return index, "runs clockwise seen from outside: reverse the order of its nodes"
+        if side < 1 / 3:
+            return index, "lies inside the body: the stiffness couples it with nodes on both sides"
+    return None
+
+
+def wrong_edge(blocks: list[Array]) -> tuple[int, int] | None:
+    """The nodes of an edge that two facets of a surface have in the same direction, as no two neighbours of an
+    oriented surface do; None if there is none. `blocks`: facets of each size."""
+    edges = np.concatenate(
+        [
+            np.stack([corner, np.roll(corner, -1, axis=1)], axis=-1).reshape(-1, 2)
+            for corner in map(corners_of, blocks)
+        ]
+    )
+    found, count = np.unique(edges, axis=0, return_counts=True)
+    twice = found[count > 1]
+    return (int(twice[0, 0]), int(twice[0, 1])) if len(twice) else None
+
+
+def asymmetry(i: Array, j: Array, value: Array, size: int) -> tuple[int, int, float, float] | None:
+    """Row, column, entry and opposite entry where a matrix differs most from its transpose, in units of its
+    diagonal; None where it does so by the last printed digits only."""
+    start, column, entry = rows_of(i, j, value, size)
+    row = np.repeat(np.arange(size), np.diff(start))
+    key, opposite = row * size + column, column * size + row
+    place = np.minimum(np.searchsorted(key, opposite), max(key.size - 1, 0))
+    other = np.where(key[place] == opposite, entry[place], 0.0)
+    diagonal = np.zeros(size)
+    diagonal[row[row == column]] = np.abs(entry[row == column])
+    excess = np.abs(entry - other) - ASYMMETRY * (diagonal[row] + diagonal[column])
+    if not excess.size or excess.max() <= 0:
+        return None
+    worst = int(np.argmax(excess))
+    return int(row[worst]), int(column[worst]), float(entry[worst]), float(other[worst])
