@@ -24,11 +24,11 @@ from ricochet.pages import charts
 from ricochet.pages.run import run_of
 from ricochet.pictures.contact import contact_picture, state_strip
 from ricochet.pictures.energy import energy_picture
-from ricochet.pictures.friction import friction_picture, parts
+from ricochet.pictures.friction import COLUMNS, ROWS, far_apart, friction_picture, parts
 from ricochet.pictures.grid import Grid
 from ricochet.contacts import Entries
 from ricochet.pictures.loaded_result import LoadedResult
-from ricochet.pictures.style import STATE, STYLE
+from ricochet.pictures.style import DPI, STATE, STYLE, WIDTH
 from ricochet.result import OPEN, SLIP, STICK
 from ricochet.studies.journal import outputs
 
@@ -340,6 +340,62 @@ class Pictures(FrictionTest):
             shown, {to_rgb(STATE[v]): int((history.state[row] == v).sum()) for v in (STICK, SLIP)}
         )
         self.assertEqual(len(pressure.images), 1)
+
+    def test_of_every_eighth_step_are_points_and_no_area(self):
+        path, drag = friction_file.write(self.folder / "rubbed")
+        with edited(path) as file:
+            file.attrs["scene"] = np.bytes_(file.attrs["scene"].replace(b"\nevery = 1", b"\nevery = 8"))
+            file["contact"].attrs["step"] *= 8
+            rows = len(drag.rows)
+            for name, data in file["contact"].items():
+                if len(data) == rows:
+                    kept = data[drag.rows % 8 == 0]
+                    del file[f"contact/{name}"]
+                    file[f"contact/{name}"] = kept
+            for name in ("time", *(f"energy/{term}" for term in file["energy"])):
+                kept = file[name][::8]
+                del file[name]
+                file[name] = kept
+            for name in ("velocity", "momentum", "angular_momentum", "reaction"):
+                kept = file[f"bodies/block/{name}"][::8]
+                del file[f"bodies/block/{name}"]
+                file[f"bodies/block/{name}"] = kept
+        history = LoadedResult(path)
+        with matplotlib.rc_context(STYLE):
+            figures = [contact_picture(history), friction_picture(history)]
+        for figure, panel in zip(figures, (2, 0)):
+            ax = figure.axes[panel]
+            self.assertIn("every 8th step", ax.get_title(loc="left"))
+            self.assertEqual({line.get_drawstyle() for line in ax.lines}, {"default"})
+            self.assertFalse(
+                [c for c in ax.collections if "FillBetween" in type(c).__name__ or c.get_alpha()]
+            )
+        total = next(line for line in figures[0].axes[2].lines if "sum" in line.get_label())
+        stored = drag.rows[drag.rows % 8 == 0]
+        np.testing.assert_allclose(
+            total.get_ydata()[~np.isnan(total.get_ydata())], drag.force[stored].sum(axis=1), rtol=1e-6
+        )
+        force = charts.force_chart(history, history.strongest)
+        self.assertIn("the area is not the impulse", force["note"])
+        self.assertNotIn("filled", " ".join(line["style"] for line in force["lines"]))
+
+    def test_of_friction_show_episodes_that_are_shorter_than_a_pixel(self):
+        """Five touches, of one step each, in 20 000 steps: each has a column of at least two pixels."""
+        history, _ = self.history(form="point")
+        t = history.time[0] + friction_file.STEP * np.array([1, 2000, 7777, 15001, 20000])
+        history.contact_time, history.episodes = t, [(k, k + 1) for k in range(5)]
+        grid = Grid(history, history.rubbing, COLUMNS, ROWS)
+        self.assertEqual(len(set(grid.column)), 5)
+        pixels = 0.8 * WIDTH * DPI  # of the narrowest map, beside a scale of colours
+        self.assertGreaterEqual(pixels / grid.columns, 2)
+
+    def test_join_no_points_that_are_far_apart(self):
+        history, drag = self.history(form="line")
+        apart = np.abs(drag.point[:, 0]) > 3e-3  # the ends alone touch, 6 mm apart
+        ends = np.flatnonzero(apart)
+        where = drag.point[ends, 0]
+        history.area[:] = 1e-8  # patches of 0.1 mm, 0.2 mm apart
+        self.assertEqual(far_apart(history, ends, where).tolist(), [len(ends) // 2])
 
     def test_show_two_bounds_if_friction_falls_with_the_speed(self):
         history, _ = self.history(form="line", friction=STRIBECK)

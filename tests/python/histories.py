@@ -78,7 +78,7 @@ class Histories(HistoryTest):
 
     def test_hold_forces_so_that_the_area_below_them_is_the_impulse(self):
         history, drag = self.history(touches=3)
-        when, force = history.as_steps(history.force.sum(axis=1))
+        when, force = history.force_curve(history.force.sum(axis=1))
         # A force belongs to the step that ends at its time. NaN separates episodes.
         area = np.nansum(np.diff(when) * force[1:])
         self.assertAlmostEqual(area, drag.force.sum() * STEP, places=12)

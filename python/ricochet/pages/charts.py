@@ -69,14 +69,22 @@ def colour_of(result: LoadedResult, name: str) -> int | str:
     return list(result.bodies).index(name) % 6 if name in result.bodies else "still"
 
 
+def styles(result: LoadedResult) -> tuple[str, str]:
+    """Styles of a filled and of a plain line of forces: steps if each step has a row."""
+    return ("steps filled", "steps") if result.every == 1 else ("", "")
+
+
 def force_chart(result: LoadedResult, i: int) -> Chart:
     count = len(result.initial_gap)
-    total, one = (result.as_steps(force) for force in (result.forces.per_row(), result.forces.of_point(i)))
+    total, one = (result.force_curve(force) for force in (result.forces.per_row(), result.forces.of_point(i)))
     name = f"sum of {count} points" if count > 1 else "force"
-    lines = [line(name, "force", *total, style="steps filled")]
+    filled, steps = styles(result)
+    lines = [line(name, "force", *total, style=filled)]
     if count > 1:
-        lines.append(line(f"point {i + 1}", "second", *one, style="steps dashed"))
+        lines.append(line(f"point {i + 1}", "second", *one, style=f"{steps} dashed"))
     note = "" if result.episodes else "Nothing touched."
+    if result.every > 1:
+        note = f"Stored{result.every_text}: the area is not the impulse."
     force = axis("force", "N", zero=True)
     return chart("force", "Contact force", TIME, force, lines, note, cursor=True, window=result.window())
 
@@ -84,16 +92,15 @@ def force_chart(result: LoadedResult, i: int) -> Chart:
 def friction_charts(result: LoadedResult) -> list[Chart]:
     """Friction beside its bound over time, and friction against displacement at the point with most of it."""
     normal, resultant, magnitudes = result.tangential_totals()
-    when, normals = result.as_steps(normal)
-    lines = [
-        line("friction, sum as a vector", "friction", when, result.as_steps(resultant)[1], "steps filled")
-    ]
+    filled, steps = styles(result)
+    when, normals = result.force_curve(normal)
+    lines = [line("friction, sum as a vector", "friction", when, result.force_curve(resultant)[1], filled)]
     if magnitudes.max() > 1.02 * resultant.max():
-        lines.append(line("sum of magnitudes", "second", when, result.as_steps(magnitudes)[1], "steps"))
+        lines.append(line("sum of magnitudes", "second", when, result.force_curve(magnitudes)[1], steps))
     limits = bounds(result)
     for coefficient, name in limits:
-        lines.append(line(name, "still", when, coefficient * normals, "steps dashed"))
-    lines.append(line("normal force, Σ λ", "force", when, normals, "steps"))
+        lines.append(line(name, "still", when, coefficient * normals, f"{steps} dashed"))
+    lines.append(line("normal force, Σ λ", "force", when, normals, steps))
     note = "Sums over the points with friction." if limits else "Pairs have different coefficients."
     more: dict[str, Any] = {"cursor": True, "window": result.window()}
     out = [chart("friction", "Friction", TIME, axis("force", "N", zero=True), lines, note, **more)]
@@ -175,6 +182,8 @@ def spectrum_chart(result: LoadedResult) -> Chart:
     lines = [line("sum of all points", "force", *spectrum(result.total_force, step, step))]
     size = axis("|∫ F exp(−iωt) dt|", "N s", log=True, decades=7)
     note = "Its left end is the impulse of the contact."
+    if result.every > 1:
+        note = f"Of the forces that are stored{result.every_text}: its left end is near the impulse only."
     return chart("spectrum", "Spectrum of the contact force", FREQUENCY, size, lines, note)
 
 

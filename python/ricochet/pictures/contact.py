@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from ricochet.pictures.style import FRICTION, GREY, NORMAL, SHADE, STATE, WIDTH
-from ricochet.pictures.style import colour_of, largest_of, legend_below, prefixed, shade_contact
+from ricochet.pictures.style import colour_of, draw_force, largest_of, legend_below, prefixed, shade_contact
 from ricochet.pictures.loaded_result import LoadedResult
 from ricochet.result import SLIP, STICK
 
@@ -37,24 +37,27 @@ def finish(result: LoadedResult, figure: Figure, axes: Any) -> Figure:
 
 def force_panel(result: LoadedResult, ax: Axes, i: int) -> None:
     """The force at point i and the sum over all points, as steps over time. The area below them is the
-    impulse."""
+    impulse, unless only every n-th step is stored."""
     start, end = result.window()
     ms, time_unit = prefixed(end, "s")
-    when, here = result.as_steps(result.forces.of_point(i))
-    _, total = result.as_steps(result.forces.per_row())
+    when, here = result.force_curve(result.forces.of_point(i))
+    _, total = result.force_curve(result.forces.per_row())
     scale, unit = prefixed(largest_of(total), "N")
-    ax.fill_between(when * ms, here * scale, step="pre", color=NORMAL, alpha=0.25, linewidth=0)
-    ax.step(when * ms, here * scale, color=NORMAL, linewidth=1.4, label="force at the point")
+    if result.every == 1:
+        ax.fill_between(when * ms, here * scale, step="pre", color=NORMAL, alpha=0.25, linewidth=0)
+    draw_force(result, ax, ms, when, here * scale, color=NORMAL, linewidth=1.4, label="force at the point")
     if result.has_friction:
-        _, rubs = result.as_steps(np.linalg.norm(result.frictions.of_point(i), axis=1))
-        ax.step(when * ms, rubs * scale, color=FRICTION, linewidth=1.4, label="friction at the point")
+        _, rubs = result.force_curve(np.linalg.norm(result.frictions.of_point(i), axis=1))
+        draw_force(
+            result, ax, ms, when, rubs * scale, color=FRICTION, linewidth=1.4, label="friction at the point"
+        )
         state_strip(result, ax, i, ms)
         ax.margins(y=0.12)  # the forces stay below the strip
     if len(result.initial_gap) > 1:
         label = f"sum over {len(result.initial_gap)} points"
-        ax.step(when * ms, total * scale, ":", color=GREY, linewidth=1.5, label=label)
+        draw_force(result, ax, ms, when, total * scale, linestyle=":", color=GREY, linewidth=1.5, label=label)
     ax.set(xlabel=f"time ({time_unit})", xlim=(start * ms, end * ms))
-    ax.set(ylabel=f"contact force ({unit})", title=f"Contact force{below(result)}")
+    ax.set(ylabel=f"contact force ({unit})", title=f"Contact force{result.every_text}{below(result)}")
     if not result.episodes:
         ax.text(0.5, 0.5, "nothing touched", transform=ax.transAxes, ha="center", color=GREY)
 

@@ -13,10 +13,11 @@ from ricochet.arrays import Array
 from ricochet.pictures.grid import Grid
 from ricochet.pictures.loaded_result import LoadedResult
 from ricochet.pictures.style import FRICTION, GREY, NORMAL, SHADE, STATE, WIDTH
-from ricochet.pictures.style import largest_of, legend_below, prefixed, shade_contact
+from ricochet.pictures.style import draw_force, largest_of, legend_below, prefixed, shade_contact
 from ricochet.result import OPEN, SLIP, STICK
 
-COLUMNS, ROWS = 1000, 400  # maximum number of cells of a map
+# Maximum number of cells of a map. A column has at least two pixels, so that none is lost where the image is drawn.
+COLUMNS, ROWS = 400, 400
 NAMES = {OPEN: "open", STICK: "sticks", SLIP: "slips"}
 
 
@@ -64,24 +65,24 @@ def forces_panel(result: LoadedResult, ax: Axes) -> None:
     ms, _ = prefixed(end, "s")
     normal, resultant, magnitudes = result.tangential_totals()
     factor, unit = prefixed(largest_of(normal), "N")
-    when, steps = result.as_steps(normal)
-    ax.fill_between(when * ms, steps * factor, step="pre", color=NORMAL, alpha=0.18, linewidth=0)
-    ax.step(when * ms, steps * factor, color=NORMAL, linewidth=1.2, label="normal force, Σ λ")
+    when, steps = result.force_curve(normal)
+    if result.every == 1:
+        ax.fill_between(when * ms, steps * factor, step="pre", color=NORMAL, alpha=0.18, linewidth=0)
+    draw_force(result, ax, ms, when, steps * factor, color=NORMAL, linewidth=1.2, label="normal force, Σ λ")
     for (coefficient, name), dashes in zip(bounds(result), [(4, 1.5), (1, 1.2)]):
         style: dict[str, Any] = {"linestyle": (0, dashes), "color": "black", "linewidth": 1}
-        ax.step(when * ms, coefficient * steps * factor, label=name, **style)
+        draw_force(result, ax, ms, when, coefficient * steps * factor, label=name, **style)
     if largest_of(magnitudes) > 1.02 * largest_of(resultant):
-        _, steps = result.as_steps(magnitudes)
-        ax.step(
-            when * ms, steps * factor, color=FRICTION, linewidth=0.9, alpha=0.6, label="Σ |τ| of the points"
-        )
-    _, steps = result.as_steps(resultant)
-    ax.step(when * ms, steps * factor, color=FRICTION, linewidth=1.7, label="friction, |Σ τ|")
+        _, steps = result.force_curve(magnitudes)
+        style = {"color": FRICTION, "linewidth": 0.9, "alpha": 0.6}
+        draw_force(result, ax, ms, when, steps * factor, label="Σ |τ| of the points", **style)
+    _, steps = result.force_curve(resultant)
+    draw_force(result, ax, ms, when, steps * factor, color=FRICTION, linewidth=1.7, label="friction, |Σ τ|")
     ax.set(
         ylabel=f"force ({unit})",
         xlim=(start * ms, end * ms),
         ylim=(0, None),
-        title="Normal force and friction",
+        title=f"Normal force and friction{result.every_text}",
     )
     shade_contact(result, ax, ms)
 
@@ -191,6 +192,13 @@ def dots(ax: Axes, x: Array, y: Array, state: Array, size: float) -> None:
         ax.scatter(x[here], y[here], s=size, color=colour, **outline)
 
 
+def far_apart(result: LoadedResult, order: Array, where: Array) -> Array:
+    """Indices of the points whose distance from the one before is more than three times the size of their
+    patches, so that they are no neighbours."""
+    size = np.sqrt(result.area[order])
+    return np.flatnonzero(np.diff(where) > 3 * np.maximum(size[1:], size[:-1])) + 1
+
+
 def profile(result: LoadedResult, ax: Axes, row: int, order: Array, where: Array, at: str, what: str) -> None:
     """A contact along a line: friction of each point and its bound, over the position."""
     force = np.linalg.norm(result.frictions.of_row(row)[order], axis=1)
@@ -198,9 +206,11 @@ def profile(result: LoadedResult, ax: Axes, row: int, order: Array, where: Array
     m, place_unit = prefixed(largest_of(where), "m")
     limits = [coefficient * normal for coefficient, _ in bounds(result)]
     n, unit = prefixed(largest_of(force, *limits), "N")
+    apart = far_apart(result, order, where)
+    line = np.insert(where, apart, np.nan) * m
     for limit, dashes in zip(limits, [(4, 1.5), (1, 1.2)]):
-        ax.plot(where * m, limit * n, color="black", linewidth=1, linestyle=(0, dashes))
-    ax.plot(where * m, force * n, color=FRICTION, linewidth=1.2)
+        ax.plot(line, np.insert(limit, apart, np.nan) * n, color="black", linewidth=1, linestyle=(0, dashes))
+    ax.plot(line, np.insert(force, apart, np.nan) * n, color=FRICTION, linewidth=1.2)
     dots(ax, where * m, force * n, result.states.of_row(row)[order], 14)
     ax.set(xlabel=f"{what} ({place_unit})", ylabel=f"friction |τ| ({unit})", ylim=(0, None))
     ax.set_title(f"Friction by point {at}", fontsize=9.5)

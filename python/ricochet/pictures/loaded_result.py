@@ -223,14 +223,31 @@ class LoadedResult(Result):
             parts += [values[first:stop], [np.nan]]
         return np.concatenate([*times, []]), np.concatenate([*parts, []])
 
-    def as_steps(self, values: Array) -> Curve:
-        """Contact rows of forces, which are constant between rows, for drawing as steps that end at these
-        times. Forces start from 0 and return to 0, so the area below them is the impulse."""
+    @cached_property
+    def every(self) -> int:
+        """Steps from one contact row to the next. Above 1, a row holds the force of one step, and those of the
+        others are not known."""
+        every = self.scene.get("output", {}).get("every", 1)
+        return every if isinstance(every, int) and not self.static else 1
+
+    def force_curve(self, values: Array) -> Curve:
+        """Contact rows of forces for drawing. If every step has a row, forces are constant between rows: draw
+        steps that end at these times; they start from 0 and return to 0, so the area below them is the
+        impulse. Otherwise draw the rows as points of a curve, whose area is none."""
+        if self.every > 1:
+            return self.broken(values)
         times, parts = list[Any](), list[Any]()
         for (first, stop), (start, end) in zip(self.episodes, self.spans()):
             times += [[start], self.contact_time[first:stop], [end, np.nan]]
             parts += [[0.0], values[first:stop], [0.0, np.nan]]
         return np.concatenate([*times, []]), np.concatenate([*parts, []])
+
+    @property
+    def every_text(self) -> str:
+        """ ", every 8th step" for titles; empty if every step has a row"""
+        if self.every == 1:
+            return ""
+        return f", every {self.every}{ {2: 'nd', 3: 'rd'}.get(self.every, 'th')} step"
 
     def along_normal(self, i: int) -> tuple[Curves, Curves, Curves, Curves]:
         """Motion along the axis of point i: position and velocity of the two sides there, by name, then of

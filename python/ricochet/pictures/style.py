@@ -78,3 +78,13 @@ def legend_below(figure: Figure, handles: Iterable[Any], names: Iterable[str], c
 def shade_contact(result: LoadedResult, ax: Axes, scale: float) -> None:
     for start, end in result.spans():
         ax.axvspan(start * scale, end * scale, **SHADE)
+
+
+def draw_force(
+    result: LoadedResult, ax: Axes, scale: float, when: Array, values: Array, **style: Any
+) -> None:
+    """Draws a curve of `force_curve` over time times `scale`: as steps, or as points and lines between them."""
+    form: dict[str, Any] = (
+        {"drawstyle": "steps-pre"} if result.every == 1 else {"marker": ".", "markersize": 3}
+    )
+    ax.plot(when * scale, values, **form | style)
