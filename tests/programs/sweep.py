@@ -20,9 +20,11 @@ import numpy as np
 
 from programs import BIN, MESHES, Command, ProgramTest, Run, contact, kernel
 
+import ricochet
 from ricochet import scene_keys
 from ricochet.studies import chart
 from ricochet.studies.study import Study
+from ricochet.studies.table import Table
 
 
 class SweepTest(ProgramTest):
@@ -118,11 +120,51 @@ class Pictures(unittest.TestCase):
             ["bodies.b.velocity[0]"],
             force,
         )
-        self.assertEqual((ax.get_xlabel(), ax.get_ylabel()), ("bodies.b.velocity[0] (m/s)", "peak force (N)"))
+        self.assertEqual((ax.get_xlabel(), ax.get_ylabel()), ("velocity of b, x (m/s)", "peak force (N)"))
         self.assertEqual([list(line.get_ydata()) for line in ax.lines], [[3, 6], [5, 10], [4, 8]])
         legend = ax.get_legend()
-        self.assertEqual(legend.get_title().get_text(), "bodies.b.material.density (kg/m³)")
+        self.assertEqual(legend.get_title().get_text(), "density of b (kg/m³)")
         self.assertEqual([part.get_text() for part in legend.get_texts()], ["2700", "7850", "11340"])
+
+    def test_over_a_speed_axes_are_logarithmic_and_estimated_errors_are_bars(self):
+        """The absolute value of a component, or the length of a vector; other inputs remain lines."""
+        fall = [-1.0, -4.0, -16.0, -64.0] * 2
+        inputs = {
+            "bodies.b.velocity[1]": fall,
+            "bodies.b.velocity": [[3 * v, 0.0, 4 * v] for v in fall],
+        }
+        table = Table.__new__(Table)
+        table.title = "t"
+        table.outputs = {
+            "restitution": [0.5] * 8,
+            "error_estimate.quantities.rebound.total": [0.01] * 8,
+            "peak_force_n": [10.0] * 8,
+            "error_estimate.quantities.peak_force.total": [0.02] * 8,
+        }
+        units = scene_keys.units(Run([BIN / "ricochet-contact", "--keys"]).out)
+        for name, label, speeds, output, error in (
+            (
+                "bodies.b.velocity[1]",
+                "|velocity of b, y| (m/s)",
+                [1, 4, 16, 64],
+                "restitution",
+                0.01 * 2**0.5,
+            ),
+            ("bodies.b.velocity", "|velocity of b| (m/s)", [5, 20, 80, 320], "peak_force_n", 0.2),
+        ):
+            table.inputs = {name: inputs[name], "contact.gap": [0.0] * 4 + [1.0] * 4}
+            with mock.patch.object(chart, "save_picture") as saved:
+                chart.draw(table, output, [f"abs({name})"], Path("picture.png"), units)
+            (ax,) = saved.call_args.args[0].axes
+            self.assertEqual((ax.get_xlabel(), ax.get_xscale()), (label, "log"))
+            self.assertEqual(ax.lines[0].get_xdata().tolist(), speeds)
+            bars = [bar for bar in ax.collections if len(bar.get_segments()) == 4]
+            self.assertEqual(len(bars), 2)
+            for (_, low), (_, high) in bars[0].get_segments():
+                self.assertAlmostEqual(high - low, 2 * error, delta=1e-12)
+        with self.assertRaisesRegex(ricochet.InputError, "neither a number nor a vector"):
+            table.inputs = {"body": ["a"]}
+            table.column("abs(body)")
 
     def test_units_are_those_of_the_reference(self):
         units = scene_keys.units(Run([BIN / "ricochet-contact", "--keys"]).out)
@@ -137,6 +179,20 @@ class Pictures(unittest.TestCase):
             "modes.up_to_hz": "Hz",
         }.items():
             self.assertEqual(scene_keys.unit(key, units), unit, key)
+
+    def test_keys_have_words(self):
+        for key, words in {
+            "bodies.b.velocity[0]": "velocity of b, x",
+            "bodies.b.material.steel.young": "Young's modulus of b",
+            "bodies.b.damping.loss_factor": "loss factor of damping of b",
+            "bodies.b.geometry.radius": "radius of b",
+            "contact.gap": "gap",
+            "contact.pair[1].gap": "gap of pair 2",
+            "loads.point[0].vector[1]": "vector of point 1, y",
+            "loads.gravity[2]": "gravity, z",
+            "time.contact_rate_hz": "rate of contact steps",
+        }.items():
+            self.assertEqual(scene_keys.words(key), words, key)
 
     def test_over_two_inputs_each_pair_that_was_run_has_a_cell_with_its_values_as_labels(self):
         x, y = [1.0, 10.0, 11.0] * 2, ["a"] * 3 + ["b"] * 3

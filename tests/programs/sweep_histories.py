@@ -135,7 +135,7 @@ class Histories(SweepTest):
 class Pictures(unittest.TestCase):
     def drawn(self, values):
         """The matplotlib axes of the histories of impacts, each 0, 1, … at 0, 1 and 2 ms."""
-        table = SimpleNamespace(title="t", inputs={"contact.gap": values})
+        table = SimpleNamespace(title="t", column={"contact.gap": values}.get)
         with tempfile.TemporaryDirectory() as folder, mock.patch.object(
             history_chart, "save_picture"
         ) as saved:
@@ -160,7 +160,7 @@ class Pictures(unittest.TestCase):
         self.assertEqual(lines[1].get_color(), lines[3].get_color())
         self.assertNotEqual(lines[1].get_color(), lines[2].get_color())
         legend = ax.get_legend()
-        self.assertEqual(legend.get_title().get_text(), "contact.gap (m)")
+        self.assertEqual(legend.get_title().get_text(), "gap (m)")
         self.assertEqual([part.get_text() for part in legend.get_texts()], ["2", "3"])
         handle = legend.get_lines()[0]
         self.assertEqual(handle.get_color(), lines[1].get_color())
@@ -168,7 +168,7 @@ class Pictures(unittest.TestCase):
     def test_many_values_have_a_colour_bar_and_of_many_impacts_some_are_drawn(self):
         figure = self.drawn([float(k) for k in range(1002)])
         ax, bar = figure.axes
-        self.assertEqual((len(ax.lines), bar.get_ylabel()), (334, "contact.gap (m)"))
+        self.assertEqual((len(ax.lines), bar.get_ylabel()), (334, "gap (m)"))
         self.assertEqual(ax.get_title(), "t (334 of 1001 impacts)")
 
 

@@ -3,6 +3,7 @@
 
     ricochet sweep study.toml
     ricochet sweep study.toml --plot restitution --against 'bodies.upper.velocity[1]'
+    ricochet sweep study.toml --plot restitution --against 'abs(bodies.upper.velocity[1])'
     ricochet sweep study.toml --plot force
 
 study.toml:
@@ -35,7 +36,7 @@ from ricochet.studies.journal import outputs
 from ricochet.studies.records import Row
 from ricochet.studies.study import WORDS, Study, meant
 from ricochet.studies.sweep import Sweep
-from ricochet.studies.table import Table
+from ricochet.studies.table import Table, of_magnitude
 
 FAILED, INCOMPLETE = 1, 3  # exit status if impacts failed, and if others were refused or have not run
 
@@ -77,7 +78,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--against",
         nargs="+",
         metavar="INPUT",
-        help="over one or two columns, or the colours of records (default: the first one that is varied)",
+        help="over one or two columns, or the colours of records (default: the first one that is varied); abs(INPUT): its "
+        "absolute value, or the length of a vector, such as the speed of a velocity",
     )
 
 
@@ -103,7 +105,7 @@ class Drawn:
         self.record = word in WORDS and options.plot not in study.keys
         if self.record:
             self._check_record(study, word)
-        self.unknown = set(self.names[self.record :]) - set(self.inputs)
+        self.unknown = set(map(of_magnitude, self.names[self.record :])) - set(self.inputs)
         # If one of these keys is varied, the columns of the summaries differ.
         self.alike = not {"accuracy", "contact.scheme", "contact.kernel"} & set(study.keys)
 
@@ -112,7 +114,7 @@ class Drawn:
         if word not in study.keep:
             raise not_kept(study.path, name)
         for key in against:
-            if key not in study.keys:
+            if of_magnitude(key) not in study.keys:
                 raise InputError(
                     f'--against {key}: is not varied{meant(key, study.keys, "the study varies")}'
                 )

@@ -4,6 +4,7 @@ as cells."""
 from collections.abc import Callable, Sequence
 import functools
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +16,9 @@ from numpy.typing import NDArray
 
 from ricochet.arrays import Array
 from ricochet.errors import InputError
-from ricochet.scene_keys import unit
+from ricochet.scene_keys import unit, words
 from ricochet.files import save_picture
-from ricochet.studies.table import Table, is_number
+from ricochet.studies.table import Table, is_number, of_magnitude
 
 FEW = 12  # maximum number of ticks on an axis
 LINES = 8  # maximum number of lines
@@ -26,6 +27,7 @@ WRITTEN = 64  # maximum number of cells that show their value as text
 WORDS = {
     "contact_start_s": "first touch (s)",
     "contact_end_s": "last touch (s)",
+    "parted_s": "bodies have parted, beyond the run (s)",
     "contact_steps": "steps with contact",
     "episodes": "episodes",
     "peak_force_n": "peak force (N)",
@@ -37,6 +39,7 @@ WORDS = {
     "friction_impulse_ns": "impulse of friction (N s)",
     "max_slip_m": "longest slip (m)",
     "ambiguous_steps": "steps with several solutions",
+    "ambiguous_increments": "increments with several solutions",
     "max_penetration_m": "deepest penetration (m)",
     "candidates": "contact points",
     "unpaired": "points that face nothing",
@@ -58,6 +61,9 @@ WORDS = {
 def label(name: str, units: dict[str, str]) -> str:
     """The label of an output or a scene key, with its unit. `units`: units of scene keys
     (scene_keys.units)."""
+    if (inner := of_magnitude(name)) != name:
+        text, bracket, rest = label(inner, units).partition(" (")
+        return f"|{text}|{bracket}{rest}"
     path = name.split(".")
     if name in WORDS:
         return WORDS[name]
@@ -70,8 +76,33 @@ def label(name: str, units: dict[str, str]) -> str:
         return f"estimated error{of}, " + (
             "relative" if path[-1] == "total" else f"{path[-1]} alone, relative"
         )
+    if path[0] == "acceleration":
+        what, of = path[-1], ".".join(path[1:-1])
+        if what == "time_s":
+            return f"time of the largest acceleration of {of} (s)"
+        behind = "" if what == "peak" else f" behind {what.replace('_', ' ').upper()}"
+        return f"largest acceleration of {of}{behind} (m/s²)"
     found = unit(name, units)
-    return f"{name} ({found})" if found else name
+    return f"{words(name)} ({found})" if found else words(name)
+
+
+#: quantity whose estimated error is that of an output, and a factor: both bodies may rebound
+ERRORS = {
+    "peak_force_n": ("peak_force", 1.0),
+    "impulse_ns": ("impulse", 1.0),
+    "restitution": ("rebound", math.sqrt(2)),
+}
+
+
+def errors_of(table: Table, output: str, values: Array) -> Array | None:
+    """The estimated errors of an output, in its unit: those of peak force and impulse are relative to
+    themselves, those of the rebound to the speed of approach. None if there are none."""
+    quantity, factor = ERRORS.get(output, ("", 1.0))
+    columns = getattr(table, "outputs", {})
+    if (name := f"error_estimate.quantities.{quantity}.total") not in columns:
+        return None
+    relative = factor * np.array(columns[name], dtype=float)
+    return relative if quantity == "rebound" else relative * np.abs(values)
 
 
 def axis(values: Sequence[Any]) -> tuple[Array, list[str] | None]:
@@ -114,7 +145,9 @@ def others(
     """Returns the title of the lines, the name of the line to which each setting belongs (None if there are
     too many), and whether all other inputs are constant along a line."""
     columns = {
-        key: [text(value) for value in column] for key, column in table.inputs.items() if key not in against
+        key: [text(value) for value in column]
+        for key, column in table.inputs.items()
+        if key not in map(of_magnitude, against)
     }
     columns = {key: column for key, column in columns.items() if len(set(column)) > 1}
     settings = list(zip(*columns.values()))
@@ -139,7 +172,7 @@ def draw(table: Table, output: str, against: Sequence[str], path: Path, units: d
     fig = Figure(figsize=(6.4, 4.4), layout="constrained")
     ax = fig.subplots()
     if len(places) == 1:
-        lines(ax, z, there, places[0][0], *others(table, against, labelled))
+        lines(ax, z, there, places[0][0], *others(table, against, labelled), errors_of(table, output, z))
         ax.set_ylabel(labelled(output))
         ax.grid(lw=0.3)
     elif all(len(np.unique(p)) <= FEW or names or is_even(np.unique(p)) for p, names in places) and len(
@@ -162,9 +195,16 @@ def draw(table: Table, output: str, against: Sequence[str], path: Path, units: d
 
 
 def lines(
-    ax: Axes, z: Array, there: NDArray[np.bool_], x: Array, what: str | None, names: Any, joined: bool
+    ax: Axes,
+    z: Array,
+    there: NDArray[np.bool_],
+    x: Array,
+    what: str | None,
+    names: Any,
+    joined: bool,
+    errors: Array | None = None,
 ) -> None:
-    """Draws a line for each name, or only points if other inputs vary along it."""
+    """Draws a line for each name, or only points if other inputs vary along it, with bars of their errors."""
     names = np.array(names if names else [""] * len(z))
     found = list(dict.fromkeys(names))
     colours = matplotlib.colormaps["viridis"](np.linspace(0, 0.85, len(found)))
@@ -173,6 +213,10 @@ def lines(
         of = of[np.argsort(x[of], kind="stable")]
         form, alpha = ("o-", 1.0) if joined else (".", 0.7)
         ax.plot(x[of], z[of], form, ms=4, lw=1, color=colour, alpha=alpha, label=name)
+        if errors is not None:
+            ax.errorbar(
+                x[of], z[of], errors[of], fmt="none", color=colour, alpha=alpha, elinewidth=0.8, capsize=2
+            )
     if what:
         ax.legend(title=what, fontsize=8, title_fontsize=8)
 

@@ -41,7 +41,8 @@ def draw(table: Table, results: Path, name: str, against: str, path: Path, units
         lines = [histories.read(file, row, name) for row in rows]
     if lines[0].values.ndim == 2:
         raise InputError(f'"{name}" has three components: draw {name}.x, {name}.y or {name}.z')
-    values, names = axis([table.inputs[against][row] for row in rows])
+    column = table.column(against)
+    values, names = axis([column[row] for row in rows])
     fig = Figure(figsize=(6.4, 4.4), layout="constrained")
     ax = fig.subplots()
     colour_lines(ax, lines, values, names, label(against, units))

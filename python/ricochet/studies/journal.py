@@ -144,6 +144,10 @@ def outputs(summary: dict[str, Any]) -> dict[str, float]:
                     {"peak": peaks["peak_m_per_s2"], "time_s": peaks["time_s"]} | filtered
                 ).items():
                     found[f"{name}.{receiver}.{key}"] = math.nan if item is None else item
+        elif name == "error_estimate" and value:
+            for quantity, shares in value.get("quantities", {}).items():
+                found[f"{name}.quantities.{quantity}.total"] = shares["total"]
+            found |= {f"{name}.{key}": item for key, item in value.items() if isinstance(item, (int, float))}
         elif name == "pairs":
             found |= {f"pairs.{k}.{key}": item for k, pair in enumerate(value) for key, item in pair.items()}
         elif isinstance(value, dict):

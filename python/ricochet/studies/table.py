@@ -110,6 +110,10 @@ class Table:
         return self.status.count(status)
 
     def column(self, name: str) -> list[Any]:
+        """The values of an input or an output. "abs(NAME)": their absolute values, or the lengths of vectors.
+        Raises InputError if there is no such column, or if it has values without a length."""
+        if (inner := of_magnitude(name)) != name:
+            return [magnitude(inner, value) for value in self.column(inner)]
         columns = self.inputs | self.outputs
         if name not in columns:
             raise InputError(f"\"{name}\" is not a column of this sweep, which has {', '.join(columns)}")
@@ -139,3 +143,17 @@ def as_array(column: list[Any]) -> NDArray[Any]:
         return np.array(column, dtype=float)
     texts = [value if isinstance(value, str) else json.dumps(value) for value in column]
     return np.array(texts, dtype=h5py.string_dtype())
+
+
+def of_magnitude(name: str) -> str:
+    """NAME of "abs(NAME)"; another name as it is."""
+    return name[4:-1] if name.startswith("abs(") and name.endswith(")") else name
+
+
+def magnitude(name: str, value: Any) -> float:
+    parts = value if isinstance(value, list) else [value]
+    if not all(map(is_number, parts)):
+        raise InputError(
+            f'abs({name}): "{value}" is neither a number nor a vector. Name the column without abs'
+        )
+    return math.hypot(*parts)
