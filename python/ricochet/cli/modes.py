@@ -13,6 +13,7 @@ contains participation factors and effective masses in SI units.
 import argparse
 import sys
 import tomllib
+from collections.abc import Container
 from pathlib import Path
 from typing import Any
 
@@ -54,20 +55,25 @@ def verify(options: argparse.Namespace) -> None:
     )
 
 
-def kernels(options: argparse.Namespace) -> tuple[list[Path], dict[str, Any]]:
-    """Computes missing kernels. Returns the kernel files of all bodies, in the order of the scene, and the resolved
-    scene."""
-    options.set = [*options.set, *(["output.view=true"] if options.plot or options.page else [])]
-    words = words_for_programs(options)
-    program = programs.BIN / "ricochet-kernel"
-    scene = tomllib.loads(programs.resolved(options.scene, words, program.name))
-    bodies = scene.get("bodies", {})
-    if not bodies:
-        raise InputError(
-            f"{options.scene}: takes its responses from contact.table: there are no bodies with modes"
-        )
+def stored(options: argparse.Namespace) -> dict[str, Path]:
+    """The kernels of all bodies that are stored, by body; empty if one is missing, or if the accuracy of the scene
+    asks for settings that nothing has chosen yet."""
+    from ricochet.scene import Scene
+
+    scene = Scene(options.scene)
+    accuracy = [f"accuracy={options.accuracy}"] if options.accuracy else []
+    if changes := [*options.set, *accuracy]:
+        scene._load(changes)
+    found = scene._core.kernel_files(programs.out_folder(options.scene, options.out))
+    return {body: path for body, path, _ in found} if all(there for *_, there in found) else {}
+
+
+def computed(
+    options: argparse.Namespace, words: list[programs.Word], bodies: Container[str]
+) -> dict[str, Path]:
+    """The kernels that ricochet-kernel leaves, by body."""
     launcher = programs.mpirun(options.ranks) if options.ranks > 1 else []
-    report = programs.call([*launcher, program, options.scene, *words], capture=True)
+    report = programs.call([*launcher, programs.BIN / "ricochet-kernel", options.scene, *words], capture=True)
     out = programs.out_folder(options.scene, options.out)
     found: dict[str, Path] = {}
     for line in report.splitlines():
@@ -76,7 +82,22 @@ def kernels(options: argparse.Namespace) -> tuple[list[Path], dict[str, Any]]:
         # With an accuracy, lines of several rounds: the last kernel that was kept is the one of the settings.
         if body in bodies and path.name.endswith(".kernel.h5") and path.is_file():
             found[body] = path
-    return list(found.values()), scene
+    return found
+
+
+def kernels(options: argparse.Namespace) -> tuple[list[Path], dict[str, Any]]:
+    """Computes missing kernels. Returns the kernel files of all bodies, in the order of the scene, and the resolved
+    scene."""
+    options.set = [*options.set, *(["output.view=true"] if options.plot or options.page else [])]
+    words = words_for_programs(options)
+    scene = tomllib.loads(programs.resolved(options.scene, words, "ricochet-kernel"))
+    bodies = scene.get("bodies", {})
+    if not bodies:
+        raise InputError(
+            f"{options.scene}: takes its responses from contact.table: there are no bodies with modes"
+        )
+    found = stored(options) or computed(options, words, bodies)
+    return [found[body] for body in bodies if body in found], scene
 
 
 def run(options: argparse.Namespace) -> None:
