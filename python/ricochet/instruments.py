@@ -12,9 +12,9 @@ import numpy as np
 from ricochet import programs, runs
 from ricochet.errors import InputError
 from ricochet.interchange.instrument import Blow, Instrument, instrument_of
-from ricochet.interchange.lv2 import write_bundle
+from ricochet.interchange.lv2 import library, write_bundle
 from ricochet.kernel import Kernel
-from ricochet.pages.instrument import of_result, run_of_instrument
+from ricochet.pages.instrument import module, of_result, run_of_instrument
 from ricochet.pages.page import INSTRUMENT, save_page
 from ricochet.result import Result
 from ricochet.scene import Scene
@@ -43,8 +43,10 @@ def write_instrument(
     kernels: folder of the kernels; default: `out` beside the scene, or the folder of the result.
     ranks: MPI ranks of ricochet-kernel, which computes missing kernels of a scene.
 
-    Raises InputError, one line, for scenes without two bodies that meet, and as ricochet.kernels does.
+    Raises InputError, one line, for scenes without two bodies that meet, and as ricochet.kernels does; before any
+    work if the player that the form needs is not there.
     """
+    library() if form == "lv2" else module()
     if source.suffix == ".h5":
         if spacing is not None or settings:
             raise InputError(

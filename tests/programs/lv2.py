@@ -16,7 +16,9 @@ import h5py
 import numpy as np
 
 from programs import DEADLOCK_S, MESHES, Command, ProgramTest, Run, settings
-from ricochet import instruments
+from ricochet import instruments, programs
+from ricochet.interchange.lv2 import _range
+from ricochet.pages import instrument
 
 # Finding the places that the clapper reaches takes most of the time: they are 10 cm apart, and a coarse clapper has few points.
 COARSE = [
@@ -72,6 +74,19 @@ class Lv2(ProgramTest):
         symbols = ["left", "right", "events", "place", "mallet", "speed", "damping", "level", "force"]
         self.assertEqual(re.findall(r"Symbol: +(\w+)", info), symbols)
         self.assertIn('0 = "clapper"', re.sub(r"\s+", " ", info))
+
+    def test_numbers_are_valid_and_a_speed_of_1_is_0_dB(self):
+        text = (self.bundle / "instrument.ttl").read_text()
+        self.assertNotIn("-0.0", text)
+        self.assertEqual(_range(-0.0, -60, 60)[0], "lv2:default 0.0")
+
+    def test_player_that_is_missing_is_refused_before_any_work(self):
+        nowhere = self.folder / "nowhere"
+        self.enterContext(mock.patch.object(instruments, "of_scene", side_effect=AssertionError("work")))
+        self.enterContext(mock.patch.object(programs, "BIN", nowhere / "bin"))
+        self.enterContext(mock.patch.object(instrument, "FOLDER", nowhere))
+        for form, name in (("--lv2", "ricochet-lv2.so"), ("--web", "player.wasm")):
+            self.refused(Command("export", form, self.scene), name)
 
     def test_bundle_is_replaced_but_nothing_else_is(self):
         self.enterContext(mock.patch.object(instruments, "of_scene", return_value=self.found))

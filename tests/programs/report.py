@@ -357,6 +357,9 @@ class Others(ReportTest):
         impact(self.folder / "two-rods-analytic.toml", out)
         path, _, _ = self.page(*out.glob("*.result.h5"))
         found = self.opened(path, "table")
+        titles = [e[2] for e in found.found if e[0] == "h2"]
+        self.assertIn("The contact", titles)
+        self.assertNotIn("Strike it", titles)  # sampled responses know no bodies to strike
         self.numbers_agree(found, self.summary(out))
         self.assertIn("know no bodies", found.one(id="motion")[2])
 

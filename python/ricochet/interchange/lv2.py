@@ -145,7 +145,7 @@ def _named(symbol: str, name: str) -> list[str]:
 
 def _range(default: float, least: float, most: float) -> list[str]:
     values = {"default": default, "minimum": least, "maximum": most}
-    return [f"lv2:{key} {float(value)!r}" for key, value in values.items()]
+    return [f"lv2:{key} {float(value) + 0.0!r}" for key, value in values.items()]
 
 
 def _unit(symbol: str) -> str:

@@ -6,7 +6,6 @@ const bytesOf = text => Uint8Array.from(atob(text), letter => letter.charCodeAt(
 
 /** Fills the section with the instrument. */
 function instrument(section, data) {
-  if (data.missing) return section.append(make("p", {class: "note"}, `No instrument to play: ${data.missing}.`));
   const text = `${data.body}, to strike. Click or tap a place. Arrow keys choose a place, Space or Enter strikes it, plus and ` +
     "minus change the size, Shift with arrow keys turns the view.";
   const canvas = make("canvas", {tabindex: 0, role: "application", "aria-label": text});

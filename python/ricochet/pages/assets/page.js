@@ -349,11 +349,12 @@ figuresSection();
 timingSection();
 repeatSection();
 if (!run.modes.length) section("modes").remove();
+if (run.instrument.missing) section("play").remove();
 for (const part of document.querySelectorAll("section"))
   section("contents").append(make("a", {href: `#${part.id}`}, part.querySelector("h2").textContent));
 section("footer").append(`${run.title} · ${run.file.created_by ?? "Ricochet"} · this page is one file and loads nothing.`);
 charts.forEach(chart => chart.redraw());
 const shown = player(section("motion"), run.motion, time => charts.forEach(chart => chart.mark(time)));
 if (run.modes.length) new Modes(section("modes"), run.modes, shown);
-instrument(section("play"), run.instrument);
+if (!run.instrument.missing) instrument(section("play"), run.instrument);
 document.documentElement.dataset.ready = "yes";
