@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Every source has its licence line; C++ is formatted; rooms do not include each other in a circle; no tracked file
-is large, a fuzzing artefact or names a machine's folder.
+"""Every source has its licence line; C++ is formatted; what is cited has the version of the project; rooms
+do not include each other in a circle; no tracked file is large, a fuzzing artefact or names a machine's folder.
 
     python3 tests/hygiene.py [FOLDER]          # status 1 and one line per finding; 77 without a git checkout
     python3 tests/hygiene.py [FOLDER] --all    # the format of all C++ files, not only of those that changed lately
@@ -105,6 +105,20 @@ def circles(root, names):
         yield f"{' ← '.join(error.args[1])}: rooms include each other in a circle"
 
 
+def versions(root):
+    """What is cited has the version of the project, and its authors."""
+    version = re.search(r"project\(Ricochet VERSION ([\d.]+)", (root / "CMakeLists.txt").read_text())
+    cited = root / "CITATION.cff"
+    if not version or not cited.is_file():
+        return
+    lines = cited.read_text().splitlines()
+    for wanted in (f"version: {version[1]}", "  - name: the Ricochet developers", "license: BSD-2-Clause"):
+        if wanted not in lines:
+            yield f"CITATION.cff: has no line {wanted.strip()}"
+    if f"version {version[1]}," not in (root / "docs/results.md").read_text():
+        yield f"docs/results.md: Citing: does not name version {version[1]}"
+
+
 def main(root, every):
     done = subprocess.run(["git", "-C", root, "ls-files", "-z"], capture_output=True, text=True)
     if done.returncode != 0:
@@ -113,7 +127,7 @@ def main(root, every):
     names = list(filter(None, done.stdout.split("\0")))
     changed = changed_lately(root)
     formatted = names if every or ".clang-format" in changed else [name for name in names if name in changed]
-    found = [*findings(root, names), *circles(root, names), *unformatted(root, formatted)]
+    found = [*findings(root, names), *versions(root), *circles(root, names), *unformatted(root, formatted)]
     print("\n".join(found))
     return 1 if found else 0
 
