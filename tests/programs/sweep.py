@@ -122,6 +122,8 @@ class Pictures(unittest.TestCase):
         )
         self.assertEqual((ax.get_xlabel(), ax.get_ylabel()), ("velocity of b, x (m/s)", "peak force (N)"))
         self.assertEqual([list(line.get_ydata()) for line in ax.lines], [[3, 6], [5, 10], [4, 8]])
+        self.assertEqual(ax.get_title(loc="left"), "t")  # in the style of all pictures
+        self.assertFalse(ax.spines["top"].get_visible())
         legend = ax.get_legend()
         self.assertEqual(legend.get_title().get_text(), "density of b (kg/m³)")
         self.assertEqual([part.get_text() for part in legend.get_texts()], ["2700", "7850", "11340"])

@@ -169,7 +169,7 @@ class Pictures(unittest.TestCase):
         figure = self.drawn([float(k) for k in range(1002)])
         ax, bar = figure.axes
         self.assertEqual((len(ax.lines), bar.get_ylabel()), (334, "gap (m)"))
-        self.assertEqual(ax.get_title(), "t (334 of 1001 impacts)")
+        self.assertEqual(ax.get_title(loc="left"), "t (334 of 1001 impacts)")
 
 
 if __name__ == "__main__":

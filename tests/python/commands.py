@@ -230,7 +230,7 @@ class Tradeoffs(unittest.TestCase):
             )
             np.testing.assert_allclose(drawn["cheapest for 0.06"], [(costs[1], 0.05)], rtol=1e-9)
         bottom, top = kernels.get_ylim()
-        np.testing.assert_allclose((bottom, top), (0.7e-4, 1.4 * 0.2), rtol=1e-9)
+        np.testing.assert_allclose((bottom, top), (0.5 * 0.01, 1.4 * 0.2), rtol=1e-9)  # the points fill it
 
     def test_are_printed_with_their_files(self):
         options = argparse.Namespace(impacts=3, error=0.06)

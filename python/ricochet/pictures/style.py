@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The style of pictures: colours, units, legends. Draw within matplotlib.rc_context(STYLE)."""
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Callable, Iterable
+import functools
+from typing import Any, ParamSpec, TypeVar
 
+import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 import numpy as np
@@ -32,6 +34,21 @@ STYLE = {
     "legend.frameon": False,
     "agg.path.chunksize": 20000,
 }
+
+
+Drawing = ParamSpec("Drawing")
+Drawn = TypeVar("Drawn")
+
+
+def in_style(draw: Callable[Drawing, Drawn]) -> Callable[Drawing, Drawn]:
+    """A function that draws, in the style of all pictures."""
+
+    @functools.wraps(draw)
+    def drawn(*words: Drawing.args, **named: Drawing.kwargs) -> Drawn:
+        with matplotlib.rc_context(STYLE):
+            return draw(*words, **named)
+
+    return drawn
 
 
 def colour_of(result: LoadedResult, name: str) -> str:

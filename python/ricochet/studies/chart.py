@@ -18,6 +18,7 @@ from ricochet.arrays import Array
 from ricochet.errors import InputError
 from ricochet.scene_keys import unit, words
 from ricochet.files import save_picture
+from ricochet.pictures.style import DPI, WIDTH, in_style
 from ricochet.studies.table import Table, is_number, of_magnitude
 
 FEW = 12  # maximum number of ticks on an axis
@@ -160,6 +161,7 @@ def others(
     return (label(few[0]), columns[few[0]], False) if few else (None, None, not columns)
 
 
+@in_style
 def draw(table: Table, output: str, against: Sequence[str], path: Path, units: dict[str, str]) -> None:
     """Draws the column `output` over one or two columns as a PNG file. Raises InputError if it has no finite
     value."""
@@ -169,12 +171,11 @@ def draw(table: Table, output: str, against: Sequence[str], path: Path, units: d
     there = np.isfinite(z)
     if not there.any():
         raise InputError(f'no finished impact has a value of "{output}": there is nothing to draw')
-    fig = Figure(figsize=(6.4, 4.4), layout="constrained")
+    fig = Figure(figsize=(WIDTH, 5.2), layout="constrained")
     ax = fig.subplots()
     if len(places) == 1:
         lines(ax, z, there, places[0][0], *others(table, against, labelled), errors_of(table, output, z))
         ax.set_ylabel(labelled(output))
-        ax.grid(lw=0.3)
     elif all(len(np.unique(p)) <= FEW or names or is_even(np.unique(p)) for p, names in places) and len(
         np.unique(places[0][0])
     ) * len(np.unique(places[1][0])) <= 4 * len(z):
@@ -191,7 +192,7 @@ def draw(table: Table, output: str, against: Sequence[str], path: Path, units: d
     if len(places) == 2:
         ax.set_ylabel(labelled(against[1]))
     ax.set(xlabel=labelled(against[0]), title=table.title)
-    save_picture(fig, path, dpi=120)
+    save_picture(fig, path, dpi=DPI)
 
 
 def lines(
@@ -236,6 +237,7 @@ def cells(
     np.add.at(total, at, z[there])
     np.add.at(count, at, 1)
     mean = np.divide(total, count, out=np.full_like(total, np.nan), where=count > 0)
+    ax.grid(False)
     image = ax.imshow(mean, origin="lower", aspect="auto", interpolation="nearest")
     fig.colorbar(image, label=f"mean of {what}" if count.max() > 1 else what)
     for set_ticks, v, (_, names) in zip((ax.set_xticks, ax.set_yticks), values, places):

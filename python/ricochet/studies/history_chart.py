@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from ricochet.arrays import Array
 from ricochet.errors import InputError
 from ricochet.files import save_picture
-from ricochet.pictures.style import prefixed
+from ricochet.pictures.style import DPI, WIDTH, in_style, prefixed
 from ricochet.studies import histories
 from ricochet.studies.chart import LINES, axis, label, looks_logarithmic, text
 from ricochet.studies.histories import Record
@@ -30,6 +30,7 @@ WORDS = {
 }
 
 
+@in_style
 def draw(table: Table, results: Path, name: str, against: str, path: Path, units: dict[str, str]) -> None:
     """Draws the record `name` of all finished impacts, from <title>.sweep.h5, as a PNG file. Lines have the
     colour of the value of the input `against`. Raises InputError if there is no such record."""
@@ -43,13 +44,12 @@ def draw(table: Table, results: Path, name: str, against: str, path: Path, units
         raise InputError(f'"{name}" has three components: draw {name}.x, {name}.y or {name}.z')
     column = table.column(against)
     values, names = axis([column[row] for row in rows])
-    fig = Figure(figsize=(6.4, 4.4), layout="constrained")
+    fig = Figure(figsize=(WIDTH, 5.2), layout="constrained")
     ax = fig.subplots()
     colour_lines(ax, lines, values, names, label(against, units))
     some = f" ({len(rows)} of {len(kept)} impacts)" if len(rows) < len(kept) else ""
     ax.set(ylabel=f"{words(name)} ({lines[0].unit})", title=table.title + some)
-    ax.grid(lw=0.3)
-    save_picture(fig, path, dpi=120)
+    save_picture(fig, path, dpi=DPI)
 
 
 def words(name: str) -> str:

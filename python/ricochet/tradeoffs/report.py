@@ -57,6 +57,12 @@ def scheme_lines(points: Sequence[Point], error: float) -> str:
 
 
 def draw(points: Sequence[Point], floor: float, error: float, impacts: int, title: str, path: Path) -> None:
+    from ricochet.pictures.style import in_style  # matplotlib takes long to import
+
+    in_style(_draw)(points, floor, error, impacts, title, path)
+
+
+def _draw(points: Sequence[Point], floor: float, error: float, impacts: int, title: str, path: Path) -> None:
     from matplotlib.figure import Figure
 
     fig = Figure(figsize=(11, 4.6), layout="constrained")
@@ -96,11 +102,10 @@ def draw(points: Sequence[Point], floor: float, error: float, impacts: int, titl
         ax.axhline(error, color="0.5", lw=0.8, ls="--")
         ax.axhspan(1e-12, floor, color="0.9", lw=0)
         ax.set(xscale="log", yscale="log", xlabel=label)
-        ax.grid(True, which="major", lw=0.3)
     errors_shown = np.array([p.error for p in shown])
     axes[0].set(
         ylabel="relative error",
-        ylim=(min(errors_shown.min(), floor) * 0.7, min(errors_shown.max(), 10) * 1.4),
+        ylim=(errors_shown.min() * 0.5, min(errors_shown.max(), 10) * 1.4),
     )
     best = cheapest(points, error, lambda p: p.cost(impacts))
     if best:
