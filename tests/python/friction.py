@@ -24,7 +24,7 @@ from ricochet.pages import charts
 from ricochet.pages.run import run_of
 from ricochet.pictures.contact import contact_picture, state_strip
 from ricochet.pictures.energy import energy_picture
-from ricochet.pictures.friction import COLUMNS, ROWS, far_apart, friction_picture, parts
+from ricochet.pictures.friction import COLUMNS, ROWS, far_apart, friction_picture, parts, place_axis
 from ricochet.pictures.grid import Grid
 from ricochet.contacts import Entries
 from ricochet.pictures.loaded_result import LoadedResult
@@ -388,6 +388,15 @@ class Pictures(FrictionTest):
         self.assertEqual(len(set(grid.column)), 5)
         pixels = 0.8 * WIDTH * DPI  # of the narrowest map, beside a scale of colours
         self.assertGreaterEqual(pixels / grid.columns, 2)
+
+    def test_label_a_place_that_is_round_off_as_0(self):
+        history, _ = self.history(form="line")
+        grid = Grid(history, history.rubbing, COLUMNS, ROWS)
+        grid.where = np.array([-4e-3, -2e-3, -3.42e-18, 2e-3, 4e-3])
+        grid.order = grid.order[:5]
+        ax = Figure().subplots()
+        place_axis(grid, ax)
+        self.assertEqual([label.get_text() for label in ax.get_yticklabels()], ["−4", "−2", "0", "2", "4"])
 
     def test_join_no_points_that_are_far_apart(self):
         history, drag = self.history(form="line")

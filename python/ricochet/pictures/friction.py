@@ -91,7 +91,8 @@ def place_axis(grid: Grid, ax: Axes) -> None:
     """Labels the rows of a map with the places of their points."""
     factor, unit = prefixed(largest_of(grid.where), "m")
     rows = np.unique(np.linspace(0, len(grid.order) - 1, 5).astype(int))
-    ax.set_yticks(rows + 0.5, [f"{grid.where[row] * factor:.3g}".replace("-", "−") for row in rows])
+    shown = np.round(grid.where[rows] * factor, 6) + 0.0  # round-off of a place is 0, without a sign
+    ax.set_yticks(rows + 0.5, [f"{place:.3g}".replace("-", "−") for place in shown])
     first, second = grid.what.split(" ", 1)  # "distance from …", "position along …"
     ax.set_ylabel(f"{first}\n{second} ({unit})")
     ax.grid(False)
