@@ -16,8 +16,10 @@ from matplotlib.figure import Figure
 import friction_file
 from friction_file import AREA, MU, STEP, STEPS
 from programs import ProgramTest
+from ricochet.errors import InputError
 from ricochet.pages import charts
 from ricochet.pictures import snapshots, why_unseen
+from ricochet.pictures.comparison import blow, compared, law_of, reduced_mass
 from ricochet.pictures.friction import moment_panel, pressure_map
 from ricochet.pictures.grid import Grid
 from ricochet.pictures.loaded_result import LoadedResult
@@ -568,6 +570,54 @@ class Cells(unittest.TestCase):
             {(t.get_position(), t.get_text()) for t in ax.texts},
             {((0, 0), "1"), ((1, 0), "4"), ((0, 1), "2"), ((2, 1), "7")},
         )
+
+
+class Laws(unittest.TestCase):
+    """Johnson, Contact Mechanics, 11.4: Hertz's blow lasts 2.9432 δ/v with δ = (5 m v²/(4 k))^(2/5) and gives back all momentum."""
+
+    def test_of_hertz_have_the_peak_the_duration_and_the_impulse_of_the_closed_form(self):
+        m, v, k = 0.3, 2.0, 1e9
+        depth = (5 * m * v**2 / (4 * k)) ** 0.4
+        when, force = blow(m, v, k, 0)
+        # 1e-3: two steps of 2000; the peak lies between steps
+        self.assertAlmostEqual(when[-1] * v / depth, 2.9432, delta=3e-3)
+        self.assertAlmostEqual(force.max() / (k * depth**1.5), 1, delta=1e-6)
+        self.assertAlmostEqual(force.sum() * when[1] / (2 * m * v), 1, delta=1e-6)
+
+    def test_of_hunt_and_crossley_lose_what_the_restitution_says(self):
+        """1e-2: their formula for χ is of first order in 1 − e."""
+        m, v = 0.3, 2.0
+        for e in (0.98, 0.95, 0.9):
+            when, force = blow(m, v, 1e9, 1.5 * (1 - e) / v)
+            self.assertAlmostEqual(force.sum() * when[1] / (m * v) - 1, e, delta=(1 - e) ** 2 + 1e-5)
+
+    def test_have_the_mass_and_the_peak_of_the_impact(self):
+        bodies = {"a": types.SimpleNamespace(mass=2.0), "b": types.SimpleNamespace(mass=3.0)}
+        summary = {
+            "episodes": [{"approach_m_per_s": 2.0}],
+            "restitution": 0.9,
+            "peak_force_n": 500.0,
+            "contact_start_s": 0.25,
+        }
+        result = types.SimpleNamespace(
+            bodies=bodies, scene={}, strongest=0, sides_names=lambda i: ("a", "b"), summary=summary, path="r"
+        )
+        self.assertAlmostEqual(reduced_mass(result), 1.2, delta=1e-12)
+        name, when, force = compared(result, law_of("hertz"))
+        self.assertEqual((name, when[0]), ("Hertz, same peak", 0.25))
+        self.assertAlmostEqual(force.max(), 500, delta=1e-3)
+        self.assertAlmostEqual(force.sum() * (when[1] - when[0]), 2 * 1.2 * 2.0, delta=1e-4)
+        _, _, lossy = compared(result, law_of("hunt-crossley"))
+        self.assertAlmostEqual(lossy.max(), 500, delta=1e-3)
+        _, _, given = compared(result, law_of("hertz=1e9"))
+        self.assertAlmostEqual(given.max(), 1e9 * (5 * 1.2 * 4 / 4e9) ** 0.6, delta=1)
+        result.scene = {"bodies": {"b": {"support": {"foot": "xyz"}}}}
+        self.assertAlmostEqual(reduced_mass(result), 2.0, delta=1e-12)
+        summary["restitution"] = None
+        with self.assertRaisesRegex(InputError, "--compare hertz needs a pair that approaches and parts"):
+            compared(result, law_of("hertz"))
+        for text in ("maxwell", "hertz=-1", "hertz=stiff"):
+            self.assertRaises(ValueError, law_of, text)
 
 
 class Friction(HistoryTest):

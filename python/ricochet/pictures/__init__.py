@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Pictures of results (contact, friction, snapshots, energy) and of modes, as matplotlib figures and as files."""
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import matplotlib
@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from ricochet.arrays import Array
 from ricochet.errors import InputError
 from ricochet.files import save_picture, writing
+from ricochet.pictures.comparison import Law
 from ricochet.pictures.contact import contact_picture, table_picture
 from ricochet.pictures.energy import energy_picture
 from ricochet.pictures.friction import friction_picture
@@ -23,12 +24,15 @@ from ricochet.result_file import File, expected
 DRAWN_MODES = 6
 
 
-def figures(result: LoadedResult, kernels: Path, note: Callable[[str], None]) -> Iterator[tuple[str, Figure]]:
+def figures(
+    result: LoadedResult, kernels: Path, note: Callable[[str], None], laws: Sequence[Law] = ()
+) -> Iterator[tuple[str, Figure]]:
     """Yields the figures of a result with their names: "contact", "friction", "snapshots",
     "energy".
 
     @param kernels  folder of the kernels
     @param note     called with the reason for each figure that is omitted
+    @param laws     whose forces are drawn beside those of the contact
     """
     if result.static:
         raise InputError(f"{result.path}: bodies at rest have no motion to draw. Use ricochet report.")
@@ -36,7 +40,7 @@ def figures(result: LoadedResult, kernels: Path, note: Callable[[str], None]) ->
         yield "contact", table_picture(result)
         note("no energies and no snapshots: runs with sampled responses have neither")
         return
-    yield "contact", contact_picture(result)
+    yield "contact", contact_picture(result, laws)
     if result.has_friction:
         if rubbed := friction_picture(result):
             yield "friction", rubbed
@@ -71,13 +75,15 @@ def draw(
     kernels: Path | None = None,
     note: Callable[[str], None] = lambda _: None,
     low_pass: float | None = None,
+    laws: Sequence[Law] = (),
 ) -> Iterator[Path]:
     """Writes the pictures of the result file `path` as <slug>-<name>.png and yields their paths. Forces are
-    drawn without vibration from the frequency `low_pass` [Hz] on. Raises InputError."""
+    drawn without vibration from the frequency `low_pass` [Hz] on, and beside those of `laws`. Raises InputError.
+    """
     folder = folder or path.parent
     with expected(path), matplotlib.rc_context(STYLE):
         result = LoadedResult(path, low_pass)
-        for name, figure in figures(result, kernels or path.parent, note):
+        for name, figure in figures(result, kernels or path.parent, note, laws):
             picture = folder / f"{result.slug}-{name}.png"
             save(figure, picture)
             yield picture

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Pictures of a contact over time: gap or place, velocity and force at the point with the largest impulse."""
+from collections.abc import Sequence
+import itertools
 from typing import Any
 
 import numpy as np
@@ -7,17 +9,18 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from ricochet.pictures.comparison import Law, compared
 from ricochet.pictures.style import FRICTION, GREY, NORMAL, SHADE, STATE, WIDTH
 from ricochet.pictures.style import colour_of, draw_force, largest_of, legend_below, prefixed, shade_contact
 from ricochet.pictures.loaded_result import LoadedResult
 from ricochet.result import SLIP, STICK
 
 
-def panels(result: LoadedResult, i: int, where: str) -> tuple[Figure, Any]:
+def panels(result: LoadedResult, i: int, where: str, laws: Sequence[Law] = ()) -> tuple[Figure, Any]:
     """A figure with three axes over time. The lowest axis shows the force at point i."""
     figure = Figure(figsize=(WIDTH, 8.2), layout="constrained")
     axes = figure.subplots(3, 1, sharex=True)
-    force_panel(result, axes[2], i)
+    force_panel(result, axes[2], i, laws)
     count = len(result.initial_gap)
     figure.suptitle(f"{result.title}: contact at point {i + 1} of {count}{where}", fontsize=11)
     return figure, axes
@@ -35,7 +38,7 @@ def finish(result: LoadedResult, figure: Figure, axes: Any) -> Figure:
     return figure
 
 
-def force_panel(result: LoadedResult, ax: Axes, i: int) -> None:
+def force_panel(result: LoadedResult, ax: Axes, i: int, laws: Sequence[Law] = ()) -> None:
     """The force at point i and the sum over all points, as steps over time. The area below them is the
     impulse, unless only every n-th step is stored."""
     start, end = result.window()
@@ -56,6 +59,9 @@ def force_panel(result: LoadedResult, ax: Axes, i: int) -> None:
     if len(result.initial_gap) > 1:
         label = f"sum over {len(result.initial_gap)} points"
         draw_force(result, ax, ms, when, total * scale, linestyle=":", color=GREY, linewidth=1.5, label=label)
+    for law, dashes in zip(laws, itertools.cycle([(6, 2), (2, 1.5), (6, 2, 1, 2)])):
+        name, moments, force = compared(result, law)
+        ax.plot(moments * ms, force * scale, color="black", linewidth=1, linestyle=(0, dashes), label=name)
     ax.set(xlabel=f"time ({time_unit})", xlim=(start * ms, end * ms))
     ax.set(ylabel=f"contact force ({unit})", title=f"Contact force{result.every_text}{below(result)}")
     if not result.episodes:
@@ -103,8 +109,9 @@ def table_picture(result: LoadedResult) -> Figure:
     return finish(result, figure, axes)
 
 
-def contact_picture(result: LoadedResult) -> Figure:
-    """Position and velocity of both sides at the point with the largest impulse, and the force there, over time."""
+def contact_picture(result: LoadedResult, laws: Sequence[Law] = ()) -> Figure:
+    """Position and velocity of both sides at the point with the largest impulse, and the force there, over time.
+    Forces of `laws` are drawn beside it."""
     i = result.strongest
     start, end = result.window()
     shown = (result.time >= start) & (result.time <= end)
@@ -112,7 +119,7 @@ def contact_picture(result: LoadedResult) -> Figure:
     t = result.time[shown] * ms
     place, speed, *means = result.along_normal(i)
     mean_place, mean_speed = ({body: values[shown] for body, (_, values) in mean.items()} for mean in means)
-    figure, axes = panels(result, i, f", at ({', '.join(f'{x:.4g}' for x in result.point_a[i])}) m")
+    figure, axes = panels(result, i, f", at ({', '.join(f'{x:.4g}' for x in result.point_a[i])}) m", laws)
     axis = result.axis(i)
     titles = (
         f"Place of the two surfaces (they touch where the lines meet; 0: {axis.zero})",
