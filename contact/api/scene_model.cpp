@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -194,7 +195,7 @@ contact::Placement placement_with(const Scene& scene, std::vector<contact::Place
 contact::Model model_of(const Scene& scene, const contact::Placement& placement) {
   for (const contact::ContactPair& pair : placement.pairs)
     for (const int body : {pair.a, pair.b})
-      if (body >= 0 && pair.request.friction && placement.bodies[body].kernel->surface.corners() == 1)
+      if (body >= 0 && pair.request.friction && is_rod(placement.bodies[body].kernel->surface))
         throw InputError(friction_on_rod(placement.bodies[body].name));
   contact::Model model = contact::build_model(placement, finite(scene.gravity, "gravity"), forcing_of(scene));
   std::vector<double> arrivals;
@@ -251,6 +252,21 @@ contact::PlacedBody placed_body(const std::string& name, const SharedKernel& ker
   out.translation = finite(motion.position, where + ".position") -
                     out.rotation * Eigen::Map<const Vector3d>(kernel->centre.data());
   return out;
+}
+
+bool is_rod(const kernels::Surface& surface) {
+  if (surface.corners() > 1) return false;
+  if (surface.components == 1) return true;
+  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();  // of the motions of all points in all modes
+  const auto modes =
+      static_cast<Eigen::Index>(surface.shape.size() / (3 * std::max<std::size_t>(surface.size(), 1)));
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    const Eigen::Map<const contact::Matrix> of_point(&surface.shape[3 * i * modes], 3, modes);
+    moments += of_point * of_point.transpose();
+  }
+  // The largest is the last. 1e-20: squares of round-off
+  const Vector3d sizes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(moments).eigenvalues();
+  return sizes(1) <= 1e-20 * sizes(2);
 }
 
 std::string friction_on_rod(const std::string& body) {

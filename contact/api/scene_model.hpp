@@ -46,6 +46,9 @@ std::optional<Friction> friction_of(const Scene& scene, const std::optional<Fric
 
 StepOptions step_options(const Scene& scene);
 
+/// Whether all points of the surface move along one line, as those of a rod do. A solid may have a single
+/// patch.
+bool is_rod(const kernels::Surface& surface);
 /// The complaint about friction on a rod.
 std::string friction_on_rod(const std::string& body);
 

@@ -143,7 +143,7 @@ std::size_t Simulation::add(const std::string& name, const SharedKernel& kernel,
     kernels::validate(*kernel, "bodies." + name + ".kernel");
   const contact::PlacedBody added = placed_body(name, kernel, motion);
   const auto rubs = friction_of(impl_->scene, friction, "bodies." + name);
-  if (rubs && kernel->surface.corners() == 1) throw InputError(friction_on_rod(name));
+  if (rubs && is_rod(kernel->surface)) throw InputError(friction_on_rod(name));
   int body = impl_->find_place(kernel, rubs);
   if (body >= 0) {
     impl_->take_place(body, added, rubs);

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <string>
 
+#include "kernels/algebra.hpp"
 #include "tests/contact/heap_counter.hpp"
 #include "tests/contact/plate.hpp"
 #include "tests/contact/rigid_plate.hpp"
@@ -355,6 +356,17 @@ TEST(Friction, does_not_separate_what_slides) {
     for (const double u : simulation.displacement()) ASSERT_NEAR(u, 0, 1e-14);
   }
   EXPECT_GT(pressed, 100);
+}
+
+// A body with one contact point, such as a stylus or a bow: the middle of the plate. Its spring is nine times
+// as soft as the nine together, so it bounces three times as fast.
+TEST(Friction, of_a_solid_with_a_single_patch_brakes_it) {
+  Scene scene = sliding({1, 0, 0}, rough);
+  scene.bodies[0].kernel = shared(kernels::restricted_to_points(*scene.bodies[0].kernel, {4}));
+  EXPECT_NEAR(mean_velocity_after(scene, 0.1, 0), 1 - 0.3 * gravity * 0.1, 3 * bounce);
+  Scene rod = rod_at_wall();
+  rod.pairs[0].friction = rough;
+  EXPECT_NE(complaint_of([&] { Simulation simulation(rod); }).find("rod is a rod"), std::string::npos);
 }
 
 // A kernel along the normal alone is enough.
