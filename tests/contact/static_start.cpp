@@ -101,6 +101,20 @@ TEST(SupportedBody, that_gravity_presses_into_another_is_refused_with_the_depth)
   EXPECT_NO_THROW(refuse_sag(hung(kernel, nullptr, -g, 0)));  // away from the wall
 }
 
+// Pulled at its tip, the bar touches the wall from the start: R answers at once, and modes take their time.
+TEST(SupportedBody, that_a_sudden_load_presses_into_another_is_refused_with_the_name_of_the_load) {
+  const Kernel kernel = pulled(bar);
+  const History begins{{0}, {1}}, rises{{0, 1e-4}, {0, 1}}, always{{-1}, {1}};
+  const std::string complaint = complaint_of([&] { refuse_sag(hung(kernel, &begins, 0, 0)); });
+  EXPECT_THAT(complaint, HasSubstr("loads: \"pull\" begins with the factor 1 at t = 0"));
+  EXPECT_THAT(complaint, Not(HasSubstr("gravity")));
+  EXPECT_NO_THROW(refuse_sag(hung(kernel, &rises, 0, 0)));
+  EXPECT_THAT(complaint_of([&] { refuse_sag(hung(kernel, &always, 0, 0)); }),
+              HasSubstr("constant loads press"));
+  EXPECT_THAT(complaint_of([&] { refuse_sag(hung(kernel, &begins, g, 0)); }),
+              HasSubstr("gravity and constant"));
+}
+
 TEST(FreeBody, falls_without_strain) {
   const Bar free{.clamped = false, .at = {1}};
   const Kernel kernel = pulled(free);
