@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/format.hpp"
 #include "contact/figures/linearity_check.hpp"
 #include "contact/figures/obstacle_check.hpp"
 
@@ -38,6 +39,12 @@ EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium,
     if (auto warning = rotation_warning(body.name, angle); warning && equilibrium.active > 0)
       out.warnings.push_back(*warning);
   }
+  if (!model.friction.empty()) out.ambiguous_increments = equilibrium.ambiguous;
+  if (equilibrium.ambiguous > 0)
+    out.warnings.push_back(base::format(
+        "{} of {} increments of the loads had more than one solution (friction too large for this contact): "
+        "these bodies have several equilibria, and this is one of them. Lower contact.friction",
+        equilibrium.ambiguous, equilibrium.increments));
   PressureCheck pressure(model, std::move(limits));
   pressure.observe(equilibrium.force, equilibrium.time);
   for (std::string& warning : pressure.warnings()) out.warnings.push_back(std::move(warning));
@@ -46,7 +53,10 @@ EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium,
   for (std::string& warning : obstacles.warnings()) out.warnings.push_back(std::move(warning));
   const auto moved = [&](int k) -> Vector3d {
     const Bodies::Block& body = model.bodies[k];
-    return body.momentum * equilibrium.q.segment(body.first_mode, body.modes) / body.mass;
+    Vector3d sum = body.momentum * equilibrium.q.segment(body.first_mode, body.modes);
+    for (const Model::Forcing& one : model.forcing)  // supports carry their body along, which q leaves out
+      if (one.support && one.body == k) sum += one.history.at(equilibrium.time) * one.lift_momentum;
+    return sum / body.mass;
   };
   for (const Model::PairBlock& pair : model.pairs) {
     EquilibriumSummary::Pair figures;

@@ -18,7 +18,7 @@ namespace ricochet::contact {
 struct EquilibriumSummary {
   struct Pair {
     double force_n = 0;          ///< |Σ λ_i n_i|
-    double approach_m = 0;       ///< of the centres of mass from the start, along Σ λ_i n_i
+    double approach_m = 0;       ///< of the centres of mass from the start, with supports, along Σ λ_i n_i
     int contact_points = 0;      ///< number of points with λ > 0
     double contact_area_m2 = 0;  ///< total area of their patches
     double peak_pressure_pa = 0;
@@ -32,6 +32,8 @@ struct EquilibriumSummary {
   std::map<std::string, int> modes;
   std::map<std::string, std::string> basis;
   int candidates = 0, unpaired = 0;
+  /// Increments with friction whose forces are known not to be the only ones; no value without friction.
+  std::optional<std::int64_t> ambiguous_increments;
   std::int64_t iterations = 0;
   std::optional<ErrorEstimate> error_estimate;  ///< set by the caller
   std::vector<std::string> warnings;

@@ -134,17 +134,19 @@ Json json_of(const EquilibriumSummary& summary) {
                      {"friction_n", number(pair.friction_n)},
                      {"sticking_points", pair.sticking_points ? Json(*pair.sticking_points) : Json()},
                      {"slipping_points", pair.slipping_points ? Json(*pair.slipping_points) : Json()}});
-  return {{"pairs", pairs},
-          {"quantities", json_of(summary.quantities())},
-          {"imbalance", summary.imbalance},
-          {"max_penetration_m", summary.max_penetration_m},
-          {"modes", summary.modes},
-          {"candidates", summary.candidates},
-          {"unpaired", summary.unpaired},
-          {"iterations", summary.iterations},
-          {"error_estimate", shares(summary.error_estimate)},
-          {"warnings", summary.warnings},
-          {"wall_s", summary.wall_s}};
+  return {
+      {"pairs", pairs},
+      {"quantities", json_of(summary.quantities())},
+      {"imbalance", summary.imbalance},
+      {"max_penetration_m", summary.max_penetration_m},
+      {"modes", summary.modes},
+      {"candidates", summary.candidates},
+      {"unpaired", summary.unpaired},
+      {"ambiguous_increments", summary.ambiguous_increments ? Json(*summary.ambiguous_increments) : Json()},
+      {"iterations", summary.iterations},
+      {"error_estimate", shares(summary.error_estimate)},
+      {"warnings", summary.warnings},
+      {"wall_s", summary.wall_s}};
 }
 
 }  // namespace

@@ -66,6 +66,7 @@ class ForceSolver {
 
   const std::vector<PatchSpring>& springs() const { return springs_; }
   std::int64_t iterations() const { return iterations_; }
+  bool several() const { return exact_.friction().several(); }
   std::span<const ContactState> states() const { return exact_.friction().states(); }
 
  private:
@@ -234,6 +235,8 @@ class Rest {
     const Vector q = now_.q, p = now_.force, u = now_.displacement, belt = to.belt - from.belt;
     settle(to, u + belt);
     const Eigen::Index m = model_.points(), t = model_.rows() - m;
+    ++now_.increments;
+    now_.ambiguous += solver_.several();
     const Vector mean = 0.5 * (now_.force + p), moved = now_.displacement - u;
     const auto slip = (moved - belt).tail(t);
     Energy& energy = now_.energy;

@@ -59,6 +59,9 @@ struct Equilibrium {
   Energy energy;
   int active = 0;        ///< points with λ > 0
   double imbalance = 0;  ///< max |f_r − B_rᵀ p|, relative to the largest sum of the magnitudes of its terms
+  /// With friction: increments so far whose forces are known not to be the only ones that meet Coulomb's law,
+  /// and their number.
+  std::int64_t ambiguous = 0, increments = 0;
   std::int64_t iterations = 0;  ///< number of complementarity problems, or of Uzawa's iterations
 };
 

@@ -353,6 +353,30 @@ TEST(Equilibrium, has_the_energies_of_a_spring_and_a_pad_and_the_work_of_the_loa
     }
 }
 
+// Two posts head to head, of flexibility L each; the foot of one moves by d towards the other. f = d/(2 L)
+// shortens both by d/2, and by half of this in the mean, so their centres come nearer by d − d/4 − d/4. 2e-3:
+// six modes lack this share of the mean.
+TEST(Equilibrium, of_posts_that_a_support_presses_together_brings_their_centres_nearer) {
+  const Kernel kernel = post(6);
+  const Matrix3d turned = Eigen::DiagonalMatrix<double, 3>(-1, -1, 1);
+  Model model = build_model({{"low", &kernel}, {"top", &kernel, turned, {2 * length, 0, 0}}}, {},
+                            {{"top", "low", Vector3d(-1, 0, 0), {}, {}}}, {0, 0, 0});
+  const double d = 1e-3;
+  Model::Forcing one;
+  one.body = 1;
+  one.support = true;
+  one.first_mode = model.bodies[1].first_mode;
+  one.force = one.lift = Vector::Zero(model.bodies[1].modes);
+  one.displacement = Vector::Constant(model.rows(), d);
+  one.displacement_a = Vector::Zero(model.rows());
+  one.lift_momentum = {-d * model.bodies[1].mass, 0, 0};
+  one.history = dead_load;
+  model.forcing.push_back(one);
+  const EquilibriumSummary figures = summarise(model, find_equilibrium(model));
+  EXPECT_NEAR(figures.pairs[0].force_n, d / (2 * length), 1e-9);
+  EXPECT_NEAR(figures.pairs[0].approach_m, d / 2, 2e-3 * d);
+}
+
 TEST(EquilibriumResult, has_rows_in_which_supports_carry_the_loads_of_their_time) {
   const Kernel low = post(6), top = rod(5, length);
   Model model = build_model({{"low", &low}, {"top", &top, Matrix3d::Identity(), {length, 0, 0}}}, {},

@@ -256,6 +256,33 @@ TEST(FrictionEquilibrium, of_a_point_on_two_springs_sticks_and_then_slips_under_
   }
 }
 
+// A point at a gap g with S_nn = S_tt = 1 is moved along the plane by −3 g in each increment, w = S p + (g, 3
+// g). It may stay open; if it touches and sticks, p = −S⁻¹ (g, 3 g), which is a pressure for S_nt > 1/3 and
+// within the cone for a large μ. So there are two equilibria at least. If μ S_nt < S_nn, friction never draws
+// a point in, and the open one is the only one.
+TEST(FrictionEquilibrium, that_is_not_the_only_one_is_counted_in_every_increment) {
+  const double gap = 1e-3;
+  for (const double mu : {1.0, 2.0}) {
+    Model model = points_on(MatrixXd::Constant(1, 1, 1), VectorXd::Zero(1), mu);
+    model.omega(0) = 1;
+    model.R(0, 1) = model.R(1, 0) = 0.8;
+    model.gap(0) = gap;
+    pull(model, 0, 1, {{0, 1}, {0, -3 * gap * 5}});
+    const Equilibrium at_rest = find_equilibrium(model, {.increments = 5});
+    EXPECT_EQ(at_rest.increments, 10);  // the first half without any load
+    if (mu == 1) {
+      EXPECT_EQ(at_rest.ambiguous, 0);
+      EXPECT_EQ(at_rest.active, 0);
+    } else {
+      EXPECT_GE(at_rest.ambiguous, 1);
+      EXPECT_LE(at_rest.ambiguous, 5);
+    }
+    if (at_rest.active == 0 && mu == 2) {
+      EXPECT_EQ(at_rest.ambiguous, 5);
+    }
+  }
+}
+
 TEST(FrictionEquilibrium, of_a_point_on_a_spring_that_a_belt_drags_slips_at_the_limit) {
   const double k = 40, press = 5, mu = 0.25, stretch = mu * press / k;
   for (const double way : {0.5 * stretch, 3 * stretch}) {
