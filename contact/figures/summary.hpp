@@ -66,6 +66,9 @@ struct Summary : ImpactFigures {
   /// With finite rotations: when a second run, with speeds larger by half a per cent and another step, shows
   /// another motion; set by the caller. No value if it does not, or if there is none.
   std::optional<double> separation_s;
+  /// When bodies that touch at the end have parted, in steps beyond the run; set by the caller. No value if
+  /// contact ends in the run, or if this is not known.
+  std::optional<double> parted_s;
   Precision precision = Precision::float64;  ///< precision of the products of steps
   int candidates = 0;                        ///< number of contact points, m
   int unpaired = 0;

@@ -29,6 +29,7 @@ class SummaryObserver {
   /// With linear rotations; 0 with finite ones, and with sampled responses.
   FarthestTurn farthest_turn() const { return checks_ ? checks_->farthest_turn() : FarthestTurn{}; }
 
+  const FigureObserver& figures() const { return figures_; }
   /// The caller must set the elapsed times.
   Summary summary() const;
 

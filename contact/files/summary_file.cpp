@@ -83,6 +83,7 @@ Json json_of(const Summary& summary) {
   for (const auto& [name, sound] : summary.sounds) sounds[name] = json_of(sound);
   Json out{{"contact_start_s", number(summary.contact_start_s)},
            {"contact_end_s", number(summary.contact_end_s)},
+           {"parted_s", number(summary.parted_s)},
            {"contact_steps", summary.contact_steps},
            {"episodes", episodes},
            {"touches", touches},

@@ -19,13 +19,22 @@ std::string seconds(const std::optional<double>& value, const char* otherwise) {
 /// Number of episodes that are listed.
 constexpr std::size_t most_episodes = 12;
 
-/// "restitution 0.92 at 1 m/s, – at 2 m/s": restitution and approach of each episode.
+/// "1: approach 1.1 m/s, restitution 0.92; 2: again while parting at 0.8 m/s": what each episode is.
+/// Vibration may bring surfaces together again although the bodies as a whole part; this is no bounce of its
+/// own.
 std::string episodes_of(const contact::Summary& s) {
   std::string text;
-  for (const contact::Episode& episode : s.episodes) {
-    const auto number = [](const std::optional<double>& x) { return x ? fmt::format("{:.4g}", *x) : "–"; };
-    text += fmt::format("{}{} at {} m/s", text.empty() ? "restitution " : ", ", number(episode.restitution),
-                        number(episode.approach_m_per_s));
+  for (std::size_t k = 0; k < s.episodes.size(); ++k) {
+    const auto& [approach, restitution] =
+        std::pair(s.episodes[k].approach_m_per_s, s.episodes[k].restitution);
+    text += fmt::format("{}{}: ", k == 0 ? "" : "; ", k + 1);
+    if (!approach)
+      text += "several pairs";
+    else if (*approach <= 0)
+      text += fmt::format("again by vibration, while parting at {:.4g} m/s", -*approach);
+    else
+      text += fmt::format("approach {:.4g} m/s, {}", *approach,
+                          restitution ? fmt::format("restitution {:.4g}", *restitution) : "not ended");
   }
   return text;
 }
@@ -71,7 +80,9 @@ std::string report(const contact::Summary& s, const scene::Scene& scene) {
     line("impulse", fmt::format("{:.6g} N s", s.impulse_ns));
     for (const auto& [name, v] : s.exit_velocity)
       line("exit velocity", fmt::format("{} [{:.6g}, {:.6g}, {:.6g}] m/s", name, v.x(), v.y(), v.z()));
-    if (s.restitution) line("restitution", fmt::format("{:.6g}", *s.restitution));
+    if (s.restitution)
+      line("restitution", fmt::format("{:.6g}{}", *s.restitution,
+                                      s.episodes.size() > 1 ? ", from the first touch to the last" : ""));
     if (s.episodes.size() > 1 && s.episodes.size() <= most_episodes) line("each episode", episodes_of(s));
     if (s.energy_lost_contact)
       line("energy to contact", fmt::format("{:.3g} %", 100 * *s.energy_lost_contact));

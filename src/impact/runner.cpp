@@ -18,6 +18,7 @@
 #include "ricochet/error.hpp"
 #include "src/accuracy/scene_dial.hpp"
 #include "src/impact/motion.hpp"
+#include "src/impact/parting.hpp"
 #include "src/impact/sampled_responses.hpp"
 #include "src/impact/second_run.hpp"
 #include "src/impact/warnings.hpp"
@@ -223,6 +224,7 @@ contact::Summary steps(const Impact& impact, OpenRotation* open, console::Consol
   if (open != nullptr) open->add_to(out, figures.farthest_turn());
   const double elapsed = seconds_since(started);
   out.real_time_factor = elapsed > 0 ? stepper->time() / elapsed : 0;
+  if (out.contact_start_s && !out.contact_end_s) out.parted_s = parting(impact, *stepper, figures.figures());
   console.end(fmt::format("{} steps of {:.4g} s", impact.steps, step));
   if (second) {
     console.begin("second run");

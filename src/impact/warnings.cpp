@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <string>
 
+#include "src/impact/parting.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet::impact {
@@ -109,6 +110,7 @@ void add_warnings(const scene::Scene& scene, contact::Summary& summary) {
     add(separated(summary));
   }
   add(impossible_restitution(summary));
+  add(ends_in_contact(scene, summary));
 }
 
 }  // namespace ricochet::impact

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "src/impact/report.hpp"
 #include "src/scene/scene.hpp"
 
 namespace impact_warnings_test {
@@ -81,6 +82,45 @@ TEST(Steps, with_several_solutions_are_counted) {
   summary.ambiguous_steps = 0;
   impact::add_warnings({}, summary);
   EXPECT_THAT(summary.warnings, IsEmpty());
+}
+
+// A bounce during which the surfaces open once and meet again, by vibration, while the bodies part.
+TEST(Episodes, state_what_each_of_them_is) {
+  contact::Summary summary;
+  summary.contact_start_s = 0;
+  summary.contact_end_s = 3;
+  summary.restitution = 0.97;
+  summary.episodes = {{.start_s = 0, .end_s = 1, .approach_m_per_s = 1.094, .restitution = 0.9746},
+                      {.start_s = 2, .end_s = 3, .approach_m_per_s = -1.065}};
+  const std::string text = impact::report(summary, {});
+  EXPECT_THAT(text, HasSubstr("0.97, from the first touch to the last\n"));
+  EXPECT_THAT(text,
+              HasSubstr("1: approach 1.094 m/s, restitution 0.9746; 2: again by vibration, while parting at "
+                        "1.065 m/s\n"));
+  summary.episodes[1].approach_m_per_s.reset();
+  EXPECT_THAT(impact::report(summary, {}), HasSubstr("; 2: several pairs\n"));
+  summary.episodes.pop_back();
+  EXPECT_THAT(impact::report(summary, {}), HasSubstr("0.97\n"));
+}
+
+// Under gravity a body may rest on another one: only if it parts is the run too short.
+TEST(Contact, that_does_not_end_is_warned_of_unless_loads_press) {
+  scene::Scene scene;
+  contact::Summary summary;
+  const auto warnings = [&] {
+    summary.warnings.clear();
+    impact::add_warnings(scene, summary);
+    return summary.warnings;
+  };
+  EXPECT_THAT(warnings(), IsEmpty());  // nothing touched
+  summary.contact_start_s = 0;
+  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("they do not part within 21 times this duration")));
+  scene.loads.gravity = {0, 0, -9.81};
+  EXPECT_THAT(warnings(), IsEmpty());
+  summary.parted_s = 0.00301;
+  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("parted at t = 0.00301 s. Set time.duration = 0.0031")));
+  summary.contact_end_s = 0.002;
+  EXPECT_THAT(warnings(), IsEmpty());
 }
 
 TEST(ObstaclesThatMove, without_friction_are_warned_of) {

@@ -59,7 +59,7 @@ class Strikes(ProgramTest):
             self.assertAlmostEqual(episode["start_s"], start, delta=1.5 * STEP)
             self.assertAlmostEqual(episode["approach_m_per_s"], approach, delta=1.1 * GRAVITY * STEP)
             self.assertAlmostEqual(episode["restitution"], 1, delta=0.02)
-        self.assertIn("each episode", run.out)
+        self.assertRegex(run.out, r"each episode +1: approach [\d.]+ m/s, restitution [\d.]+; 2: ")
 
     def test_a_strike_alone_is_the_impact_of_the_body_itself(self):
         alone = self.write("alone.toml", scene('[[strikes]]\nmallet = "rod"\ntime = 0\n'))

@@ -6,6 +6,7 @@ import itertools
 import json
 import math
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -213,6 +214,28 @@ class Pictures(unittest.TestCase):
 
 
 class Sweeps(SweepTest):
+    # Equal rods of length 10 with c = 1 part at 2 L/c = 20 s. The duration that is named adds a tenth of this, and is rounded up to
+    # two digits. 0.5 s: a tail of the wave that 20 modes smear.
+    def test_impacts_that_end_in_contact_are_counted_with_the_duration_that_suffices(self):
+        study = self.study('[set]\n"modes.count" = 20\n[grid]\n"time.duration" = [15.0, 30.0]\n')
+        done = self.succeed(self.sweep(study))
+        found = re.search(
+            r"warning: 1 of 2 impacts end while the bodies touch, .*: time.duration = (\d+) lets 1 of them part",
+            done.out,
+        )
+        self.assertTrue(found, done.out)
+        self.assertGreaterEqual(int(found[1]), 20)
+        self.assertLessEqual(int(found[1]), 23)
+        short, enough = self.rows()
+        self.assertEqual(short["restitution"], "nan")
+        self.assertIn(f"Set time.duration = {found[1]}", short["warning_texts"])
+        self.assertNotIn("still touch", enough["warning_texts"])
+        self.assertAlmostEqual(float(short["parted_s"]), 22, delta=0.5)
+        study.write_text(study.read_text().replace("15.0", found[1]))
+        again = self.succeed(self.sweep(study))
+        self.assertNotIn("while the bodies touch", again.out)
+        self.assertEqual(self.rows()[0]["restitution"], self.rows()[1]["restitution"])
+
     def test_each_impact_is_that_of_the_program_alone_and_kernels_are_shared(self):
         study = self.study(GRID)
         self.assertEqual(self.succeed(self.sweep(study, "--kernels")).out, "3 kernels, all computed\n")

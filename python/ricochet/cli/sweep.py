@@ -24,6 +24,7 @@ Exit status: 0 if all impacts are finished, 3 if some were refused or, with --co
 failed: their rows state why. 2 if the study is refused. --kernels and --part end with 0 when they have done their work.
 """
 import argparse
+import math
 import os
 import re
 from pathlib import Path
@@ -38,6 +39,7 @@ from ricochet.studies.study import WORDS, Study, meant
 from ricochet.studies.sweep import Sweep
 from ricochet.studies.table import Table, of_magnitude
 
+TOUCHING = "the bodies still touch at the end"  # in the warning of such an impact
 FAILED, INCOMPLETE = 1, 3  # exit status if impacts failed, and if others were refused or have not run
 
 
@@ -177,6 +179,27 @@ def report_part(sweep: Sweep, ran: int) -> None:
     )
 
 
+def say_touching(table: Table) -> None:
+    """Warns of impacts that end while their bodies touch, and names the duration that suffices for those of
+    which it is known."""
+    number_of = sum(any(TOUCHING in text for text in texts) for texts in table.warnings)
+    if not number_of:
+        return
+    times = [time for time in table.outputs.get("parted_s", ()) if time > 0]
+    enough = f"time.duration = {rounded_up(max(times)):g} lets {len(times)} of them part" if times else ""
+    say(
+        f"warning: {number_of} of {number(len(table.status), 'impact')} end while the bodies touch, so their rows have no "
+        + "restitution and no exit velocity"
+        + f": {enough}" * bool(enough)
+    )
+
+
+def rounded_up(value: float) -> float:
+    """Two digits."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return math.ceil(value / unit) * unit
+
+
 def report(sweep: Sweep, table: Table, drawn: Drawn, ran: int) -> None:
     failed, waiting = table.count(1), table.count(-1)
     without = table.count(2) + failed
@@ -188,6 +211,7 @@ def report(sweep: Sweep, table: Table, drawn: Drawn, ran: int) -> None:
     say_groups(sweep)
     if untouched := sum(value == 0 for value in table.outputs.get("touched", ())):
         say(f'{untouched} of {total} touched nothing (column "touched")')
+    say_touching(table)
     say(f"{sweep.results}\n{sweep.stem}.sweep.csv")
     if drawn.names:
         say(drawn.draw(sweep, table))

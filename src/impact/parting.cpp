@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/impact/parting.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "contact/stepping/run_steps.hpp"
+
+namespace ricochet::impact {
+namespace {
+
+constexpr std::int64_t longer = 20, most_under_loads = 20'000, fewest_without_force = 10;
+constexpr double share_without_force = 0.1;
+
+bool is_pressed(const scene::Scene& scene) {
+  const scene::Loads& loads = scene.loads;
+  return loads.gravity != Vector3{} || !loads.tractions.empty() || !loads.points.empty() ||
+         !loads.motions.empty();
+}
+
+/// Two digits, rounded up.
+double rounded_up(double value) {
+  const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
+  return std::ceil(value / unit) * unit;
+}
+
+}  // namespace
+
+std::optional<double> parting(const Impact& impact, const contact::Stepper& stepper,
+                              contact::FigureObserver figures) {
+  // Sampled responses end with the run, and bodies that turn under loads come to rest on others.
+  if (impact.table || (impact.scene.motion.is_finite() && is_pressed(impact.scene))) return std::nullopt;
+  const std::int64_t most =
+      is_pressed(impact.scene) ? std::min(impact.steps, most_under_loads) : longer * impact.steps;
+  const std::unique_ptr<contact::Stepper> copy = stepper.clone();
+  const std::int64_t end = copy->steps() + most;
+  const double step = copy->options().step, start = figures.figures().contact_start_s.value_or(0);
+  double last = copy->time();
+  while (copy->steps() < end && copy->step() == StepStatus::ok) {
+    figures.observe(*copy);
+    if (figures.touching()) last = copy->time();
+    const double quiet = std::max(share_without_force * (last - start), fewest_without_force * step);
+    if (copy->time() < last + quiet) continue;
+    // A ringing body touches several times before it rebounds.
+    if (figures.figures().restitution.value_or(1) > 0) return last + quiet;
+  }
+  return std::nullopt;
+}
+
+std::string ends_in_contact(const scene::Scene& scene, const contact::Summary& summary) {
+  if (!summary.contact_start_s || summary.contact_end_s) return "";
+  constexpr const char* what =
+      "the bodies still touch at the end, so there is no restitution and no exit velocity: {}";
+  if (summary.parted_s)
+    return fmt::format(fmt::runtime(what),
+                       fmt::format("they have parted at t = {:.4g} s. Set time.duration = "
+                                   "{:.2g}",
+                                   *summary.parted_s, rounded_up(*summary.parted_s)));
+  if (is_pressed(scene) || scene.contact.kernel == scene::ContactKernel::table) return "";
+  return fmt::format(
+      fmt::runtime(what),
+      fmt::format("they do not part within {} times this duration. See the motion", longer + 1));
+}
+
+}  // namespace ricochet::impact

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// When bodies part that touch at the end of a run.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "contact/figures/figure_observer.hpp"
+#include "contact/figures/summary.hpp"
+#include "contact/stepping/stepper.hpp"
+#include "src/impact/runner.hpp"
+
+namespace ricochet::impact {
+
+/// Steps a copy of `stepper` on until there was no force for a tenth of the time since contact began and the
+/// bodies move apart, and returns this time, at which the run would know its rebound [s]. No value if bodies
+/// do not part within 20 times the steps of the run; under loads, which may press them together for good,
+/// within its steps and 20 000 of them; with sampled responses, and for bodies that turn under loads.
+///
+/// @param figures  of the run
+std::optional<double> parting(const Impact& impact, const contact::Stepper& stepper,
+                              contact::FigureObserver figures);
+
+/// The warning of a run that ends while bodies touch which part afterwards, or which nothing presses
+/// together; otherwise empty.
+std::string ends_in_contact(const scene::Scene& scene, const contact::Summary& summary);
+
+}  // namespace ricochet::impact
