@@ -430,7 +430,8 @@ TEST(ChangingBodies, need_no_memory_for_places_that_were_left) {
   const std::size_t used = in_use(), points = simulation.points().size();
   for (int k = 0; k < 20; ++k) cycle(k % 2 ? kernel : other);
   EXPECT_EQ(simulation.points().size(), points);
-  // The allocator's caches hold some 20 kB more or less. Twenty places that stay would hold twenty times this:
+  // The allocator's caches hold some 20 kB more or less. Twenty places that stay would hold twenty times
+  // this:
   const std::size_t after = in_use();
   simulation.add("third", kernel, at(1, 0.3), rough);
   const std::size_t place = in_use() - after;
