@@ -10,6 +10,7 @@
 #include "kernels/mesh_error.hpp"
 #include "src/elasticity/rigid.hpp"
 #include "src/elasticity/surplus.hpp"
+#include "src/modes/product.hpp"
 #include "src/surface/fine_surface.hpp"
 
 namespace ricochet::surface {

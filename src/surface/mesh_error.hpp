@@ -2,6 +2,8 @@
 // The errors of a kernel by its mesh, estimated on this mesh.
 #pragma once
 
+#include "src/elasticity/assemble.hpp"
+#include "src/modes/modes.hpp"
 #include "src/surface/patches.hpp"
 
 namespace ricochet::surface {
