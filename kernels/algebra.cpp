@@ -16,13 +16,13 @@ namespace {
 
 /// Factors of the properties of a body.
 struct Growth {
-  double stiffness, mass, length, area;
+  double stiffness, mass, length, area, young;
 };
 
 Growth growth(const Similarity& f) {
   const double s = f.scale;
-  if (f.area) return {f.young * *f.area / s, f.density * *f.area * s, s, *f.area};
-  return {f.young * s, f.density * s * s * s, s, s * s};
+  if (f.area) return {f.young * *f.area / s, f.density * *f.area * s, s, *f.area, f.young};
+  return {f.young * s, f.density * s * s * s, s, s * s, f.young};
 }
 
 template <class Range>
@@ -34,11 +34,12 @@ void multiply(Range& values, double factor) {
   throw InputError(fmt::format("kernel of \"{}\": {}", kernel.body, what));
 }
 
-/// Throws InputError if the kernel has loads, moving supports or receivers, because restriction is not
-/// implemented for their data.
+/// Throws InputError if the kernel has loads, moving supports, receivers or gauges, because restriction is
+/// not implemented for their data.
 void refuse_sources(const Kernel& kernel) {
-  if (!kernel.applied.empty() || !kernel.motions.empty() || !kernel.receivers.empty())
-    fail(kernel, "has loads, moving supports or receivers: compute the requested kernel");
+  if (!kernel.applied.empty() || !kernel.motions.empty() || !kernel.receivers.empty() ||
+      !kernel.gauges.empty())
+    fail(kernel, "has loads, moving supports, receivers or gauges: compute the requested kernel");
 }
 
 /// Throws InputError unless the kernel contains all modes below the end of the certificate.
@@ -178,7 +179,8 @@ double frequency_factor(const Similarity& factors) {
 Kernel rescaled(Kernel kernel, const Similarity& factors, const Damping& damping) {
   const Growth by = growth(factors);
   auto& [body, hash, scene, mesh_sha256, created_by, dofs, elements, order, mass, centre, inertia, supported,
-         parts, held_on_lines, outline, modes, surface, loads, applied, motions, receivers, view] = kernel;
+         parts, held_on_lines, outline, modes, surface, loads, applied, motions, receivers, gauges, view] =
+      kernel;
   mass *= by.mass;
   multiply(centre, by.length);
   multiply(inertia, by.mass * by.length * by.length);
@@ -194,6 +196,18 @@ Kernel rescaled(Kernel kernel, const Similarity& factors, const Damping& damping
   for (auto& [name, point, shape, by_contact, by_gravity, by_loads, by_motions] : receivers) {
     multiply(point, by.length);
     rescale_responses(shape, by_contact, by_gravity, by_loads, by, applied);
+  }
+  for (Gauge& gauge : gauges) {
+    auto& [name, point, stress, strain] = gauge;
+    multiply(point, by.length);
+    const auto rescale_all = [&](Sensitivity& seen, double factor) {
+      auto& [shape, by_contact, by_gravity, by_loads, by_motions] = seen;
+      rescale_responses(shape, by_contact, by_gravity, by_loads, by, applied);
+      for (std::vector<double>* values : {&shape, &by_contact, &by_gravity, &by_loads, &by_motions})
+        multiply(*values, factor);
+    };
+    rescale_all(stress, by.young / by.length);
+    if (strain) rescale_all(*strain, 1 / by.length);
   }
   if (view) {
     auto& [node, corners, element, shape, by_contact, by_gravity, by_loads, by_motions] = *view;
@@ -321,6 +335,8 @@ Kernel restricted_to_normals(Kernel kernel) {
   contract(kernel.loads.body_force_residual, 3, normal);
   for (Load& load : kernel.applied) contract(load.residual, 3, normal);
   for (Receiver& receiver : kernel.receivers) contract(receiver.residual_flexibility, 1, normal);
+  for_each_sensitivity(kernel.gauges,
+                       [&](Sensitivity& seen) { contract(seen.residual_flexibility, 1, normal); });
   if (kernel.view) contract(kernel.view->residual_flexibility, 1, normal);
   surface.normal_residual = true;
   return kernel;

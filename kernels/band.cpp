@@ -105,8 +105,8 @@ void add_product(std::vector<T>& matrix, const std::vector<T>& left, const std::
       matrix[(i * blocks + at) * width + j] += static_cast<T>(left[i * n + k] * right[j * n + k] / lambda);
 }
 
-/// Adds the static part of mode k to the static corrections of an output: a receiver or the visualisation
-/// surface.
+/// Adds the static part of mode k to the static corrections of an output: a receiver, a gauge or the
+/// visualisation surface.
 void leave_seen(auto& seen, const Kernel& kernel, const std::vector<double>& trace, std::size_t k,
                 double lambda) {
   const std::size_t n = kernel.modes.size(), loads = kernel.applied.size(), motions = kernel.motions.size();
@@ -118,8 +118,8 @@ void leave_seen(auto& seen, const Kernel& kernel, const std::vector<double>& tra
     add_product(seen.motion_residual, seen.shape, kernel.motions[s].participation, k, n, 1, s, motions);
 }
 
-/// Adds the static part of mode k to the static corrections of loads, moving supports, receivers and the
-/// visualisation surface. A support also takes over its share of the mode: Ψ − ΦΓ grows by φ_k Γ_k.
+/// Adds the static part of mode k to the static corrections of loads, moving supports, receivers, gauges and
+/// the visualisation surface. A support also takes over its share of the mode: Ψ − ΦΓ grows by φ_k Γ_k.
 void leave_sources(Kernel& kernel, const std::vector<double>& trace, std::size_t k, double lambda) {
   const std::size_t n = kernel.modes.size();
   const std::vector<double>&shape = kernel.surface.shape, &gravity = kernel.loads.body_force;
@@ -129,6 +129,7 @@ void leave_sources(Kernel& kernel, const std::vector<double>& trace, std::size_t
     add_product(motion.momentum, gravity, motion.participation, k, n, 1);
   }
   for (Receiver& receiver : kernel.receivers) leave_seen(receiver, kernel, trace, k, lambda);
+  for_each_sensitivity(kernel.gauges, [&](Sensitivity& seen) { leave_seen(seen, kernel, trace, k, lambda); });
   if (kernel.view) leave_seen(*kernel.view, kernel, trace, k, lambda);
 }
 
@@ -269,6 +270,7 @@ void truncate(Kernel& kernel, const std::vector<bool>& keep) {
   for (Load& load : kernel.applied) keep_columns(load.participation, keep);
   for (Motion& motion : kernel.motions) keep_columns(motion.participation, keep);
   for (Receiver& receiver : kernel.receivers) keep_columns(receiver.shape, keep);
+  for_each_sensitivity(kernel.gauges, [&](Sensitivity& seen) { keep_columns(seen.shape, keep); });
   if (kernel.view) keep_columns(kernel.view->shape, keep);
 }
 

@@ -53,7 +53,8 @@ inline Shape over_residual(const Surface& surface, Shape front, const Shape& bac
 //   group(name)                              a group that has attributes before it has datasets
 //   strings(name, values, length)
 //   elements(name, element, corners, fewest corners, number of nodes)
-//   names(kind, items)                       the names of all loads, motions or receivers
+//   names(kind, items)                       the names of all loads, motions, receivers or gauges
+//   choose(group, optional)                  a reader sets a value that the file holds
 //   rows(dataset, values, width)             returns the first length of a dataset
 //   constant(object, name, value)            an attribute that only a writer handles
 
@@ -162,7 +163,21 @@ void list_residuals(auto& file, const std::string& group, auto& seen, const Shap
   file.optional_dataset(group + "/motion_residual", seen.motion_residual, joined(at, {motions, 3}), "1");
 }
 
-/// Gravity, loads with histories, motions of supports, and receivers.
+/// A quantity of a gauge. @param rows  its K  @param unit  of the quantity
+void list_sensitivity(auto& file, const std::string& group, auto& seen, std::size_t rows,
+                      const std::string& unit, auto& kernel) {
+  const std::size_t m = kernel.surface.size(), n = kernel.modes.size(), loads = kernel.applied.size(),
+                    motions = kernel.motions.size();
+  file.dataset(group + "/shape", seen.shape, {rows, n}, unit + " kg^-1/2 m^-1");
+  file.optional_dataset(group + "/residual_flexibility", seen.residual_flexibility,
+                        over_residual(kernel.surface, {rows, m}), unit + "/N");
+  file.optional_dataset(group + "/body_force_residual", seen.body_force_residual, {rows, 3}, unit + " s^2/m");
+  file.optional_dataset(group + "/load_residual", seen.load_residual, {rows, loads, 3},
+                        unit + " per unit of the load");
+  file.optional_dataset(group + "/motion_residual", seen.motion_residual, {rows, motions, 3}, unit + "/m");
+}
+
+/// Gravity, loads with histories, motions of supports, receivers and gauges.
 void list_sources(auto& file, auto& kernel) {
   const std::size_t m = kernel.surface.size(), n = kernel.modes.size();
   const Shape on_surface = over_components(kernel.surface, {m}, {3}),
@@ -173,6 +188,7 @@ void list_sources(auto& file, auto& kernel) {
   file.names("loads", kernel.applied);
   file.names("motions", kernel.motions);
   file.names("receivers", kernel.receivers);
+  file.names("gauges", kernel.gauges);
   for (auto& load : kernel.applied) {
     const bool traction = load.unit == "Pa";
     const std::string data = "/load_data/" + load.name;
@@ -192,6 +208,13 @@ void list_sources(auto& file, auto& kernel) {
     file.dataset("/receivers/" + receiver.name, receiver.shape, {3, n}, "kg^-1/2");
     file.dataset(data + "/point", receiver.point, {3}, "m");
     list_residuals(file, data, receiver, {3}, kernel);
+  }
+  for (auto& gauge : kernel.gauges) {
+    const std::string data = "/gauges/" + gauge.name;
+    file.dataset(data + "/point", gauge.point, {3}, "m");
+    list_sensitivity(file, data + "/stress", gauge.stress, 6, "Pa", kernel);
+    file.choose(data + "/strain", gauge.strain);
+    if (gauge.strain) list_sensitivity(file, data + "/strain", *gauge.strain, 1, "1", kernel);
   }
 }
 

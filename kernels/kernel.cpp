@@ -97,6 +97,7 @@ class Validator {
       fail_dataset(name, base::format("has {} values, not a multiple of {}.", element.size(), corners));
     indices(name, element, nodes);
   }
+  void choose(const std::string&, const auto&) const {}
   void names(const std::string& kind, const auto& items) const {
     const std::string group = base::format("group \"/{}\"", kind);
     std::set<std::string> names;
@@ -234,6 +235,13 @@ void validate_sources(const Kernel& kernel, const Validator& check) {
   for (const Receiver& receiver : kernel.receivers)
     check.length("/receiver_data/" + receiver.name + "/motion_residual", receiver.motion_residual.size(),
                  9 * motions);
+  for (const Gauge& gauge : kernel.gauges) {
+    check.length("/gauges/" + gauge.name + "/stress/motion_residual", gauge.stress.motion_residual.size(),
+                 18 * motions);
+    if (gauge.strain)
+      check.length("/gauges/" + gauge.name + "/strain/motion_residual", gauge.strain->motion_residual.size(),
+                   3 * motions);
+  }
   if (kernel.view)
     check.length("/view/motion_residual", kernel.view->motion_residual.size(),
                  3 * kernel.view->node.size() * motions);

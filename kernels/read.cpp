@@ -88,6 +88,9 @@ class KernelReader {
     element = file_.read<std::int64_t>(name, {hdf5::any, hdf5::any});
     corners = static_cast<int>(std::min<std::size_t>(file_.shape(name)[1], 4));  // validate refuses 4
   }
+  void choose(const std::string& group, auto& value) {
+    if (file_.exists(group)) value.emplace();
+  }
   /// The names become names of datasets and are therefore checked first.
   void names(const std::string& kind, auto& items) {
     const std::string list = "/names/" + kind;

@@ -41,6 +41,7 @@ class KernelWriter {
     const auto k = static_cast<std::size_t>(corners);
     dataset(name, element, {element.size() / k, k}, "1");
   }
+  void choose(const std::string&, const auto&) {}
   void names(const std::string& kind, const auto& items) {
     std::vector<std::string> names;
     for (const auto& item : items) names.push_back(item.name);

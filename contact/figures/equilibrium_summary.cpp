@@ -7,6 +7,7 @@
 #include "base/format.hpp"
 #include "contact/figures/linearity_check.hpp"
 #include "contact/figures/obstacle_check.hpp"
+#include "contact/figures/stress_peaks.hpp"
 
 namespace ricochet::contact {
 
@@ -45,6 +46,12 @@ EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium,
         "{} of {} increments of the loads had more than one solution (friction too large for this contact): "
         "these bodies have several equilibria, and this is one of them. Lower contact.friction",
         equilibrium.ambiguous, equilibrium.increments));
+  if (has_gauges(model)) {
+    StressPeaks stress(model, {.scheme = Scheme::at_rest}, limits);
+    stress.observe(equilibrium.time, equilibrium.q, equilibrium.force);
+    out.stress = stress.peaks();
+    for (std::string& warning : stress.warnings()) out.warnings.push_back(std::move(warning));
+  }
   PressureCheck pressure(model, std::move(limits));
   pressure.observe(equilibrium.force, equilibrium.time);
   for (std::string& warning : pressure.warnings()) out.warnings.push_back(std::move(warning));

@@ -10,6 +10,7 @@
 
 #include "contact/figures/error_estimate.hpp"
 #include "contact/figures/pressure_check.hpp"
+#include "contact/figures/summary.hpp"
 #include "contact/model/model.hpp"
 #include "contact/static/equilibrium.hpp"
 
@@ -27,6 +28,7 @@ struct EquilibriumSummary {
     std::optional<int> sticking_points, slipping_points;
   };
   std::vector<Pair> pairs;
+  std::map<std::string, StressPeak> stress;  ///< by body with gauges
   double imbalance = 0;
   double max_penetration_m = 0;  ///< largest u − g
   std::map<std::string, int> modes;
@@ -42,7 +44,7 @@ struct EquilibriumSummary {
   Figures quantities() const;  ///< force and approach of each pair
 };
 
-/// @param limits  by body, for warnings on pressure; empty: unknown
+/// @param limits  by body, for warnings on pressure and stress; empty: unknown
 EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium,
                              std::vector<MaterialLimits> limits = {});
 

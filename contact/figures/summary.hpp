@@ -29,6 +29,15 @@ struct AccelerationPeaks {
   std::map<int, std::optional<double>> by_class;
 };
 
+/// The largest von Mises stress at the gauges of a body.
+struct StressPeak {
+  std::string gauge;                       ///< where
+  Eigen::Vector3d at{0, 0, 0};             ///< its point, in the axes of the body [m]
+  double von_mises_pa = 0;                 ///< of all steps
+  double time_s = 0;                       ///< when
+  std::optional<double> ratio_to_yield{};  ///< no value if the yield of the body is not known
+};
+
 /// Sizes of what finite rotations neglect for a body, the largest of the run.
 struct Neglected {
   std::optional<double> centrifugal_strain;  ///< (Ωr/c)², about; no value if the wave speed is not known
@@ -74,6 +83,7 @@ struct Summary : ImpactFigures {
   int unpaired = 0;
   std::optional<ErrorEstimate> error_estimate;            ///< set by the caller; no value if not estimated
   std::map<std::string, AccelerationPeaks> acceleration;  ///< by receiver; empty with sampled responses
+  std::map<std::string, StressPeak> stress;               ///< by body with gauges
   std::map<std::string, Sound> sounds;                    ///< by receiver; set by the caller
   std::optional<Sound> sound;                             ///< for players; set by the caller
   std::vector<std::string> warnings;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "contact/stepping/step_system.hpp"
@@ -13,7 +14,7 @@ namespace ricochet::contact {
 
 SummaryObserver::SummaryObserver(const MotionSource& source, double step, double wave_speed,
                                  std::vector<MaterialLimits> limits)
-    : figures_(source, step), step_(step) {
+    : figures_(source, step), step_(step), limits_(std::move(limits)) {
   out_.candidates = static_cast<int>(source.gap().size());
   if (const Model* const places = source.places()) {
     for (const Bodies::Block& body : places->bodies) {
@@ -25,7 +26,7 @@ SummaryObserver::SummaryObserver(const MotionSource& source, double step, double
   }
   const Model* const model = source.modes();
   if (!model) return;
-  checks_.emplace(*model, step, wave_speed, std::move(limits));
+  checks_.emplace(*model, step, wave_speed, limits_);
   band_.emplace(*model, step);
   initial_ledger_ = largest_energy_ = initial_energy(*model).ledger();
   if (model->friction.empty()) return;
@@ -51,6 +52,10 @@ void SummaryObserver::observe(const Stepper& stepper) {
   if (!model->receivers.empty()) {
     if (!acceleration_) acceleration_.emplace(*model, stepper.options());
     acceleration_->observe(stepper);
+  }
+  if (stress_ || has_gauges(*model)) {
+    if (!stress_) stress_.emplace(*model, stepper.options(), limits_);
+    stress_->observe(stepper);
   }
   out_.precision = stepper.options().precision;
   out_.rotation = stepper.options().rotation;
@@ -92,6 +97,10 @@ Summary SummaryObserver::summary() const {
     if (acceleration_) out.acceleration = acceleration_->peaks();
     out.neglected = checks_->neglected();
     out.warnings = checks_->warnings(out);
+    if (stress_) {
+      out.stress = stress_->peaks();
+      std::ranges::move(stress_->warnings(), std::back_inserter(out.warnings));
+    }
     if (out.contact_end_s) add_band(out);
   }
   if (!out.contact_start_s)

@@ -9,6 +9,7 @@
 #include "contact/figures/band_share.hpp"
 #include "contact/figures/figure_observer.hpp"
 #include "contact/figures/run_checks.hpp"
+#include "contact/figures/stress_peaks.hpp"
 #include "contact/figures/summary.hpp"
 #include "contact/stepping/stepper.hpp"
 
@@ -20,7 +21,7 @@ class SummaryObserver {
  public:
   /// @param wave_speed  smallest √(E/ρ) of the bodies [m/s], for the warning on fast impacts; 0 if unknown,
   ///                    without this warning
-  /// @param limits  by body, for warnings on pressure; empty: unknown
+  /// @param limits  by body, for warnings on pressure and stress; empty: unknown
   SummaryObserver(const MotionSource& source, double step, double wave_speed,
                   std::vector<MaterialLimits> limits = {});
 
@@ -42,7 +43,9 @@ class SummaryObserver {
   std::optional<RunChecks> checks_;                   ///< with modes
   std::optional<BandShare> band_;                     ///< with modes
   std::optional<AccelerationObserver> acceleration_;  ///< with receivers, from the first step on
+  std::optional<StressPeaks> stress_;                 ///< with gauges, from the first step on
   double step_;
+  std::vector<MaterialLimits> limits_;
   Summary out_;
   Eigen::Matrix3Xd friction_impulse_;  ///< Σ τ Δ by pair [N s]
   Vector slipped_;                     ///< (f) path of each point with friction [m]

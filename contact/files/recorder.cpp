@@ -23,6 +23,10 @@ double least_bytes(const MotionSource& source, const RecorderOptions& options, s
   if (!model) return sizeof(double) * numbers;
   if (const double receivers = std::ssize(model->receivers); receivers > 0)
     numbers += static_cast<double>(samples / options.receivers_every) * (1 + 9 * receivers);
+  double of_gauges = 0;
+  for (const Bodies::Block& body : model->bodies)
+    for (const kernels::Gauge& gauge : body.kernel->gauges) of_gauges += gauge.strain ? 7 : 6;
+  if (of_gauges > 0) numbers += static_cast<double>(samples / options.receivers_every) * (1 + of_gauges);
   if (options.snapshot_every > 0)
     numbers += static_cast<double>(samples / options.snapshot_every) * (1.0 + model->omega.size());
   return sizeof(double) * numbers;
@@ -99,6 +103,7 @@ void Recorder::record(const Equilibrium& equilibrium) {
     friction_row(equilibrium.displacement, equilibrium.force, equilibrium.states);
   }
   if (snapshots_) snapshots_->append(equilibrium.time, equilibrium.q, equilibrium.force, nullptr);
+  if (gauge_rows_) gauge_rows_->record(equilibrium.time, equilibrium.q, equilibrium.force);
 }
 
 void Recorder::write_points(const Model& model) {
@@ -145,6 +150,7 @@ void Recorder::add_model_rows(const Model& model, const StepOptions& step, const
     bodies_[k].pose.emplace(file_, group);
     bodies_[k].spin = &file_.rows(group + "/spin", {3}, "rad/s");
   }
+  if (has_gauges(model)) gauge_rows_.emplace(file_, model, step, options.receivers_every);
   if (!model.receivers.empty()) receiver_rows_.emplace(file_, model, step, options.receivers_every);
   if (step.scheme == Scheme::at_rest) return;
   energy_->append(initial_energy(model));
@@ -186,6 +192,7 @@ void Recorder::record(const Stepper& stepper) {
     snapshots_->append(t, stepper.modal()->q, stepper.end_force(), stepper.turning());
   receivers_->observe(stepper);
   if (receiver_rows_) receiver_rows_->record(*receivers_);
+  if (gauge_rows_) gauge_rows_->record(stepper);
 }
 
 /// Adds the impulses that `force` (n) exerts on the bodies in `duration` [s].
@@ -260,6 +267,7 @@ void Recorder::sides_row(const SidesMotion& sides) {
 
 void Recorder::commit(const std::filesystem::path& summary) {
   if (receiver_rows_) receiver_rows_->finish();
+  if (gauge_rows_) gauge_rows_->finish();
   file_.commit(summary);
 }
 

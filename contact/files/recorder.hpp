@@ -20,6 +20,7 @@
 #include "contact/figures/receivers.hpp"
 #include "contact/files/energy_rows.hpp"
 #include "contact/files/entry_rows.hpp"
+#include "contact/files/gauge_rows.hpp"
 #include "contact/files/pose_rows.hpp"
 #include "contact/files/receiver_rows.hpp"
 #include "contact/files/snapshot_rows.hpp"
@@ -36,7 +37,7 @@ struct RecorderOptions {
   std::vector<std::string> kernel_files{};  ///< by body of the model
   std::int64_t every = 1;           ///< writes a row every n-th output sample, and in contact every n-th step
   std::int64_t snapshot_every = 0;  ///< writes modal coordinates every n-th output sample; 0 for never
-  int receivers_every = 1;          ///< output samples between rows of receivers
+  int receivers_every = 1;          ///< output samples between rows of receivers and gauges
 };
 
 /// Lower bound on the size of a result [bytes]; rows that are written during contact are not counted.
@@ -103,6 +104,7 @@ class Recorder {
   std::optional<EnergyRows> energy_;
   std::vector<BodyRows> bodies_;
   std::optional<ReceiverRows> receiver_rows_;
+  std::optional<GaugeRows> gauge_rows_;
   std::optional<SnapshotRows> snapshots_;
 };
 

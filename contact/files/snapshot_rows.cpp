@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/files/snapshot_rows.hpp"
 
-#include "contact/figures/candidate_forces.hpp"
-#include "contact/model/folding.hpp"
-
 namespace ricochet::contact {
 namespace {
 
@@ -12,7 +9,7 @@ std::span<const double> span_of(const Vector& x) { return {x.data(), static_cast
 }  // namespace
 
 SnapshotRows::SnapshotRows(base::hdf5::Writer& file, const Model& model, bool turns)
-    : model_(model), time_(file.rows("/snapshots/time", {}, "s")) {
+    : model_(model), coordinates_(model), time_(file.rows("/snapshots/time", {}, "s")) {
   for (const Bodies::Block& body : model.bodies) {
     const kernels::Kernel& kernel = *body.kernel;
     Body& rows = bodies_.emplace_back();
@@ -36,31 +33,16 @@ SnapshotRows::SnapshotRows(base::hdf5::Writer& file, const Model& model, bool tu
 
 void SnapshotRows::append(double time, const Vector& q, const Vector& p, const Turning* turning) {
   time_.append(time);
-  Vector whole = q;
-  if (!turning) set_folded(model_, time, p, whole);
-  for (int k = 0; turning && k < static_cast<int>(bodies_.size()); ++k)
-    set_folded(model_, k, *turning, time, whole);
-  for (const Model::Forcing& one : model_.forcing)
-    whole.segment(one.first_mode, one.lift.size()) += one.history.at(time) * one.lift;
+  coordinates_.set(time, q, p, turning);
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    const Bodies::Block& body = model_.bodies[k];
     const Body& rows = bodies_[k];
-    if (turning) {
-      force_ = turning->candidate_force[k];
-      rows.pose->append(turning->poses[k]);
-    } else {
-      candidate_forces(model_, static_cast<int>(k), p, force_);
-    }
-    rows.modal->append(span_of(whole.segment(body.first_mode, body.modes)));
-    if (rows.force != nullptr) append_forces(rows, force_, body.kernel->surface.residual_components());
-    Vector load = Vector::Zero(3 * body.kernel->applied.size()),
-           motion = Vector::Zero(3 * body.kernel->motions.size());
-    for (const Model::Forcing& one : model_.forcing)
-      if (one.body == static_cast<int>(k))
-        (one.support ? motion : load).segment<3>(3 * one.entry) +=
-            one.history.at(time) * (turning ? one.along(turning->poses[k].attitude) : one.own);
-    if (rows.load != nullptr) rows.load->append(span_of(load));
-    if (rows.motion != nullptr) rows.motion->append(span_of(motion));
+    const BodyCoordinates& at = coordinates_[k];
+    if (turning) rows.pose->append(turning->poses[k]);
+    rows.modal->append(span_of(at.modal));
+    if (rows.force != nullptr)
+      append_forces(rows, at.force, model_.bodies[k].kernel->surface.residual_components());
+    if (rows.load != nullptr) rows.load->append(span_of(at.load));
+    if (rows.motion != nullptr) rows.motion->append(span_of(at.motion));
   }
   ++count_;
 }

@@ -1,14 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Snapshots of all bodies in a result file, from which a kernel gives the motion of any of its points
-// (docs/formats/result.md):
-//
-//   u = Φ q + R_C f + (static response to gravity, loads and supports)
-//
-// With finite rotations, u is in the axes of the body, without its rigid motion, and the pose of the body is
-// written beside it.
-//
-// q are the coordinates Φᵀ M u of the kept modes, f the contact forces on the candidates of the body. R_C and
-// the other static responses are in the kernel, for example under /view.
+// Snapshots of all bodies in a result file: their coordinates (body_coordinates.hpp), from which a kernel
+// gives the motion of any of its points (docs/formats/result.md). With finite rotations, the pose of the body
+// is written beside them.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +9,8 @@
 #include <vector>
 
 #include "base/hdf5_writer.hpp"
+#include "contact/figures/body_coordinates.hpp"
 #include "contact/files/pose_rows.hpp"
-#include "contact/motion/turning.hpp"
 
 namespace ricochet::contact {
 
@@ -43,10 +36,10 @@ class SnapshotRows {
   void append_forces(const Body& rows, const Vector& force, Eigen::Index components);
 
   const Model& model_;
+  AllCoordinates coordinates_;
   Rows& time_;
   std::int64_t count_ = 0;  ///< snapshots so far
   std::vector<Body> bodies_;
-  Vector force_;  ///< (rM) of a body
 };
 
 }  // namespace ricochet::contact

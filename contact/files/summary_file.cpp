@@ -58,6 +58,17 @@ Json json_of(const AccelerationPeaks& peaks) {
   return {{"peak_m_per_s2", peaks.peak_m_per_s2}, {"time_s", peaks.time_s}, {"cfc_peak_m_per_s2", by_class}};
 }
 
+Json json_of(const std::map<std::string, StressPeak>& stress) {
+  Json out = Json::object();
+  for (const auto& [body, peak] : stress)
+    out[body] = {{"von_mises_pa", peak.von_mises_pa},
+                 {"at", {peak.at.x(), peak.at.y(), peak.at.z()}},
+                 {"gauge", peak.gauge},
+                 {"time_s", peak.time_s},
+                 {"ratio_to_yield", number(peak.ratio_to_yield)}};
+  return out;
+}
+
 Json json_of(const Summary& summary) {
   Json episodes = Json::array(), touches = Json::array(), exit_velocity = Json::object(),
        neglected = Json::object(), acceleration = Json::object(), sounds = Json::object();
@@ -116,6 +127,7 @@ Json json_of(const Summary& summary) {
            {"max_active", summary.max_active},
            {"error_estimate", shares(summary.error_estimate)},
            {"acceleration", acceleration},
+           {"stress", json_of(summary.stress)},
            {"sounds", sounds},
            {"warnings", summary.warnings},
            {"real_time_factor", summary.real_time_factor},
@@ -137,6 +149,7 @@ Json json_of(const EquilibriumSummary& summary) {
                      {"slipping_points", pair.slipping_points ? Json(*pair.slipping_points) : Json()}});
   return {
       {"pairs", pairs},
+      {"stress", json_of(summary.stress)},
       {"quantities", json_of(summary.quantities())},
       {"imbalance", summary.imbalance},
       {"max_penetration_m", summary.max_penetration_m},

@@ -189,6 +189,26 @@ struct Receiver {
   bool operator==(const Receiver&) const = default;
 };
 
+/// A quantity of K rows that is linear in the displacement, in its unit [Q]: of each mode, and of each static
+/// correction as for receivers.
+struct Sensitivity {
+  std::vector<double> shape;                 ///< (K,N) [Q kg^-1/2 m^-1]
+  std::vector<double> residual_flexibility;  ///< (K,rM) [Q/N]; empty without R
+  std::vector<double> body_force_residual;   ///< (K,3) [Q s²/m]; empty without R
+  std::vector<double> load_residual;         ///< (K,3L) [Q per unit]; empty without R
+  std::vector<double> motion_residual;       ///< (K,3S) [Q/m]
+  bool operator==(const Sensitivity&) const = default;
+};
+
+/// A point whose stress is recorded, and its strain along a direction.
+struct Gauge {
+  std::string name;
+  Vector3 point{};                      ///< [m]
+  Sensitivity stress;                   ///< (6) xx, yy, zz, yz, xz, xy in the axes of the body [Pa]
+  std::optional<Sensitivity> strain{};  ///< (1) along the direction of the gauge [1]
+  bool operator==(const Gauge&) const = default;
+};
+
 /// The visualisation surface of the body, in single precision.
 struct View {
   std::vector<double> node;           ///< (V,3) [m]
@@ -227,13 +247,23 @@ struct Kernel {
   std::vector<Load> applied;    ///< tractions and point forces
   std::vector<Motion> motions;  ///< supports that move
   std::vector<Receiver> receivers;
+  std::vector<Gauge> gauges{};
   std::optional<View> view;
   bool operator==(const Kernel&) const = default;
 };
 
-/// Whether a load, a motion or a receiver may have this name, which becomes the name of a dataset: 1 to 100
-/// bytes, no "/" and no control characters, neither "." nor "..", and not a name that the file uses for its
-/// own datasets of loads.
+/// Calls act(sensitivity) for the stress and, where there is one, the strain of each gauge.
+template <class Gauges, class Act>
+void for_each_sensitivity(Gauges& gauges, Act&& act) {
+  for (auto& gauge : gauges) {
+    act(gauge.stress);
+    if (gauge.strain) act(*gauge.strain);
+  }
+}
+
+/// Whether a load, a motion, a receiver or a gauge may have this name, which becomes the name of a dataset: 1
+/// to 100 bytes, no "/" and no control characters, neither "." nor "..", and not a name that the file uses
+/// for its own datasets of loads.
 bool is_free_name(const std::string& name);
 
 /// Throws an InputError that names `origin` if shapes disagree, a value is not finite, an area or a frequency

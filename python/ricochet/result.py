@@ -156,6 +156,27 @@ class ReceiverMotion(_Data):
         return self._vector("point")
 
 
+class GaugeHistory(_Data):
+    """Stress and strain at a gauge. S rows, at the times `Result.gauge_time`; axes of its body."""
+
+    @cached_property
+    def stress(self) -> Floats:
+        """(S,6) xx, yy, zz, yz, xz, xy [Pa]"""
+        return self._read("stress", self._rows, 6)
+
+    @cached_property
+    def strain(self) -> Floats | None:
+        """(S) strain along the direction of the gauge [1]; None if it has no direction"""
+        if "strain" not in self._file.names(self._group):
+            return None
+        return self._read("strain", self._rows)
+
+    @property
+    def point(self) -> Floats:
+        """(3) in the axes of the body [m]"""
+        return self._vector("point")
+
+
 #: values of `Result.state`
 OPEN, STICK, SLIP = 0, 1, 2
 
@@ -492,6 +513,18 @@ class Result(_Data):
         """(S) times of the rows of receivers [s]: 0 and each output sample, or fewer with
         `output.receivers_rate_hz`. Raises InputError if the scene has no receivers."""
         return self._read("receivers/time", None)
+
+    @cached_property
+    def gauges(self) -> dict[str, GaugeHistory]:
+        """Stress and strain at the gauges, by the names in `[[output.gauge]]`."""
+        names = [name for name in self._file.names("/gauges") if name != "time"]
+        return {name: GaugeHistory(self._file, f"/gauges/{name}", len(self.gauge_time)) for name in names}
+
+    @cached_property
+    def gauge_time(self) -> Floats:
+        """(S) times of the rows of gauges [s], as of receivers; at rest, those of the rows. Raises InputError if the scene
+        has no gauges."""
+        return self._read("gauges/time", None)
 
     @cached_property
     def energy(self) -> dict[str, Floats]:

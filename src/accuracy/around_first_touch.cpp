@@ -46,6 +46,7 @@ store::Kernels paired_alone(const store::Kernels& kernels, const contact::Placem
     kernels::Kernel kernel = *kernels.kernel[k];
     kernel.view.reset();
     kernel.receivers.clear();
+    kernel.gauges.clear();
     kernels::WholeSurface whole = kernels::whole_surface(kernel.surface);
     kernel = kernels::restricted_to_points(std::move(kernel), paired[k]);
     whole.held = paired[k];

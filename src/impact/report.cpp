@@ -50,6 +50,13 @@ std::string acceleration_of(const std::string& name, const contact::Acceleration
   return text;
 }
 
+/// "case 71.2 MPa (von Mises) at gauge foil, 0.001 s, 1.1 of yield"
+std::string stress_of(const std::string& body, const contact::StressPeak& peak) {
+  return fmt::format("{} {:.4g} MPa (von Mises) at gauge {}, {:.4g} s{}", body, peak.von_mises_pa * 1e-6,
+                     peak.gauge, peak.time_s,
+                     peak.ratio_to_yield ? fmt::format(", {:.3g} of yield", *peak.ratio_to_yield) : "");
+}
+
 }  // namespace
 
 std::string report(const contact::Summary& s, const scene::Scene& scene) {
@@ -97,6 +104,7 @@ std::string report(const contact::Summary& s, const scene::Scene& scene) {
     if (s.max_slip_m) line("longest slip", fmt::format("{:.6g} m", *s.max_slip_m));
   }
   for (const auto& [name, peaks] : s.acceleration) line("acceleration", acceleration_of(name, peaks));
+  for (const auto& [body, peak] : s.stress) line("largest stress", stress_of(body, peak));
   if (s.error_estimate) line("error estimate", contact::formatted(*s.error_estimate));
   if (s.energy_drift) line("energy drift", fmt::format("{:.2g}", *s.energy_drift));
   line("deepest penetration", fmt::format("{:.3g} m", s.max_penetration_m));
@@ -125,6 +133,8 @@ std::string report(const contact::EquilibriumSummary& s, const scene::Scene& sce
       text += fmt::format("  friction {:.6g} N, {} points stick, {} slip\n", *pair.friction_n,
                           *pair.sticking_points, *pair.slipping_points);
   }
+  for (const auto& [body, peak] : s.stress)
+    text += fmt::format("largest stress      {}\n", stress_of(body, peak));
   if (s.error_estimate)
     text += fmt::format("error estimate      {}\n", contact::formatted(*s.error_estimate));
   return text + fmt::format("imbalance           {:.2g}\ndeepest penetration {:.3g} m\n", s.imbalance,

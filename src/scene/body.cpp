@@ -208,8 +208,8 @@ const SectionOf<Material> material_keys{
      {"area", Access(&Material::area).if_changed(), "m²", none, above("0"),
       "cross-section of a rod; other bodies do not use it"},
      {"yield", Access(&Material::yield).if_changed(), "Pa", none, above("0"),
-      "stress at which the material yields. A run warns if the pressure of a contact exceeds it; nothing "
-      "else depends on it"}}};
+      "stress at which the material yields. A run warns if the pressure of a contact or the stress "
+      "at a gauge exceeds it; nothing else depends on it"}}};
 
 const SectionOf<Damping> damping_keys{
     "[bodies.NAME.damping]",

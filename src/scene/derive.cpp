@@ -36,7 +36,7 @@ bool is_rod(const kernels::Kernel& kernel, const Body& body) {
   });
 }
 
-/// Whether both requests have the same loads, motions and receivers, in the same order.
+/// Whether both requests have the same loads, motions, receivers and gauges, in the same order.
 bool same_sources(const KernelRequest& a, const KernelRequest& b) {
   const auto same = [](const auto& x, const auto& y) {
     if constexpr (requires { x.group; })
@@ -48,7 +48,10 @@ bool same_sources(const KernelRequest& a, const KernelRequest& b) {
   return std::ranges::equal(a.loads.tractions, b.loads.tractions, same) &&
          std::ranges::equal(a.loads.points, b.loads.points, same) &&
          std::ranges::equal(a.loads.motions, b.loads.motions, same) &&
-         std::ranges::equal(a.receivers, b.receivers, same);
+         std::ranges::equal(a.receivers, b.receivers, same) &&
+         std::ranges::equal(a.gauges, b.gauges, [&](const Gauge& x, const Gauge& y) {
+           return same(x, y) && x.direction == y.direction && std::abs(x.length - y.length) <= 2e-12;
+         });
 }
 
 [[noreturn]] void fail(const kernels::Kernel& kernel, const std::string& what) {
@@ -158,6 +161,7 @@ kernels::Kernel derived(kernels::Kernel kernel, const KernelRequest& had, const 
         part->clear();
     };
     for (kernels::Receiver& receiver : kernel.receivers) without_residual(receiver);
+    kernels::for_each_sensitivity(kernel.gauges, without_residual);
     if (kernel.view) without_residual(*kernel.view);
   }
   if (wanted.turns) kernel = kernels::compacted(std::move(kernel));

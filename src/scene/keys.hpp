@@ -286,6 +286,7 @@ extern const SectionOf<Loads> loads_keys;
 extern const SectionOf<Forcing> traction_keys, point_keys, motion_keys;
 extern const SectionOf<Output> output_keys;
 extern const SectionOf<Receiver> receiver_keys;
+extern const SectionOf<Gauge> gauge_keys;
 extern const SectionOf<Sound> sound_keys;
 extern const SectionOf<Strike> strike_keys;
 

@@ -9,6 +9,12 @@
 
 namespace ricochet::scene {
 
+namespace {
+
+bool has_direction(const Gauge& gauge) { return gauge.direction.has_value(); }
+
+}  // namespace
+
 const SectionOf<Output> output_keys{
     "[output]",
     "",
@@ -27,7 +33,8 @@ const SectionOf<Output> output_keys{
      {"receivers_rate_hz", &Output::receivers_rate, "Hz",
       "rate_hz; with `every` above 1 at least " + std::to_string(static_cast<int>(audio_rows.value)),
       above("0"),
-      "rows of receivers per second, rounded up so that rate_hz is a whole multiple, and at least rate_hz "
+      "rows of receivers and gauges per second, rounded up so that rate_hz is a whole multiple, and at least "
+      "rate_hz "
       "/ " +
           std::to_string(most_samples_per_receiver_row) +
           ". Below rate_hz, a low-pass filter removes what the rows cannot represent. Sound files do not "
@@ -35,7 +42,8 @@ const SectionOf<Output> output_keys{
      {"sound", Type::table, "", none, any(),
       "`[output.sound]`, one or two receivers as a sound file for players",
       "{ receivers = \"mic\", direction = [0, 0, 1] }"},
-     {"receiver", Type::tables, "", none, any(), "`[[output.receiver]]`, points whose motion is recorded"}}};
+     {"receiver", Type::tables, "", none, any(), "`[[output.receiver]]`, points whose motion is recorded"},
+     {"gauge", Type::tables, "", none, any(), "`[[output.gauge]]`, points whose stress is recorded"}}};
 
 const SectionOf<Receiver> receiver_keys{
     "[[output.receiver]]",
@@ -49,6 +57,24 @@ const SectionOf<Receiver> receiver_keys{
      {"axes", choice<Receiver>(&Receiver::axes, {"world", "body"}).if_changed(), "", initial, any(),
       "components of the motion: along the axes of the world, or along those of the body's mesh, which turn "
       "with the body"}}};
+
+const SectionOf<Gauge> gauge_keys{
+    "[[output.gauge]]",
+    "A point of a body whose stress is recorded, and a strain gauge if it has a direction.",
+    {{"name", &Gauge::name, "", required("it names the gauge's histories"), any(),
+      "a name that no other gauge has; as of a receiver"},
+     body_key<Gauge>(),
+     at_key<Gauge>("the point"),
+     at_body_key<Gauge>(),
+     {"direction", direction<Gauge>(&Gauge::direction), "", none, any(),
+      "direction of the strain that is recorded beside the stress, in the axes of the key that gives the "
+      "point"},
+     {"length", Access(&Gauge::length).if_changed().only(has_direction, "a gauge with a direction"), "m",
+      initial, at_least("0"),
+      "length of the gauge: its strain is the mean over this length along `direction`, with the point in the "
+      "middle; 0: the strain at the point. Places off a curved surface by at most 5 % of the length count at "
+      "the "
+      "nearest point of the body"}}};
 
 const SectionOf<Sound> sound_keys{
     "[output.sound]",
@@ -73,19 +99,23 @@ const SectionOf<Sound> sound_keys{
 
 namespace {
 
-std::vector<Receiver> read_receivers(const Table& output, const Scene& scene) {
-  std::vector<Receiver> receivers;
-  for (const Table& entry : output.array("receiver", receiver_keys)) {
-    Receiver receiver;
-    receiver_keys.read(entry, receiver);
+/// Reads [[output.KIND]]: receivers or gauges.
+template <class S>
+std::vector<S> read_points(const Table& output, const char* kind, const SectionOf<S>& keys,
+                           const Scene& scene) {
+  std::vector<S> points;
+  for (const Table& entry : output.array(kind, keys)) {
+    S point;
+    keys.read(entry, point);
     check_place(entry, "the point of the body");
-    check_name(entry, "name", receiver.name);
-    check_exists(entry, "body", "body", receiver.body, names_of(scene.bodies));
-    if (std::ranges::count(receivers, receiver.name, &Receiver::name) > 0)
-      entry.complain("name", "another receiver has this name: give each its own");
-    receivers.push_back(receiver);
+    check_name(entry, "name", point.name);
+    if (point.name == "time") entry.complain("name", "is that of the times in the result: choose another");
+    check_exists(entry, "body", "body", point.body, names_of(scene.bodies));
+    if (std::ranges::count(points, point.name, &S::name) > 0)
+      entry.complain("name", fmt::format("another {} has this name: give each its own", kind));
+    points.push_back(point);
   }
-  return receivers;
+  return points;
 }
 
 /// Reads [output.sound], a sound of these receivers.
@@ -114,10 +144,12 @@ void read_output(const Table& root, Scene& scene) {
   if (scene.time.duration > 0 && !(samples >= 1 && samples <= most_samples_per_receiver_row))
     table->complain("receivers_rate_hz", fmt::format("must be from rate_hz / {} to rate_hz = {:g}",
                                                      most_samples_per_receiver_row, scene.time.rate_hz));
-  output.receivers = read_receivers(*table, scene);
+  output.receivers = read_points(*table, "receiver", receiver_keys, scene);
+  output.gauges = read_points(*table, "gauge", gauge_keys, scene);
   output.sound = read_sound(*table, output.receivers);
-  if (output.receivers_rate && output.receivers.empty())
-    table->complain("receivers_rate_hz", "needs [[output.receiver]]: add one, or leave it out");
+  if (output.receivers_rate && output.receivers.empty() && output.gauges.empty())
+    table->complain("receivers_rate_hz",
+                    "needs [[output.receiver]] or [[output.gauge]]: add one, or leave it out");
 }
 
 }  // namespace ricochet::scene

@@ -213,6 +213,8 @@ void refuse_what_does_not_go(const Table& root, const Scene& scene) {
                   "contact.kernel = \"table\" gives no motion of the bodies: leave it out");
   if (table && scene.accuracy)
     root.complain("accuracy", "errors of runs by contact.kernel = \"table\" are not estimated: leave it out");
+  if (table && !scene.output.gauges.empty())
+    root.complain("output.gauge", "contact.kernel = \"table\" gives no stress of the bodies: leave it out");
   if (!table && scene.contact.scheme != Scheme::at_rest) return;
   const char* with = table ? "contact.kernel = \"table\"" : "contact.scheme = \"static\"";
   const Loads& loads = scene.loads;
@@ -293,7 +295,7 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   if (purpose == Purpose::impact || by_table || root.has("time")) read_time(root, scene);
   read_loads(root, scene);
   read_output(root, scene);
-  if (!scene.output.receivers.empty()) scene.time.samples_by_accuracy = false;
+  if (!scene.output.receivers.empty() || !scene.output.gauges.empty()) scene.time.samples_by_accuracy = false;
   read_motion(root, scene);
   refuse_what_does_not_go(root, scene);
   refuse_long_names(scene);

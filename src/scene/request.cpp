@@ -87,8 +87,8 @@ Vector3 rounded(Vector3 vector) {
 
 /// A direction in the frame of the body. Its sign is chosen so that the first nonzero component is positive,
 /// and it is rounded so that round-off does not change hashes.
-Vector3 own_axis(const Body& body, const Vector3& world) {
-  Vector3 own = rounded(in_body(body, world));
+Vector3 own_axis(Vector3 own) {
+  own = rounded(own);
   double sign = 1;
   for (std::size_t k = 3; k-- > 0;)
     if (own[k] != 0) sign = own[k] > 0 ? 1 : -1;
@@ -96,14 +96,16 @@ Vector3 own_axis(const Body& body, const Vector3& world) {
   return own;
 }
 
-/// The place of a load or a receiver in the frame of its body.
+Vector3 own_axis(const Body& body, const Vector3& world) { return own_axis(in_body(body, world)); }
+
+/// The place of a load, a receiver or a gauge in the frame of its body.
 template <class S>
 Vector3 own_place(const Body& body, const S& source) {
   return rounded(source.at_axes == Axes::body ? source.at : point_in_body(body, source.at));
 }
 
-/// Copies the loads, motions and receivers of `all` that belong to the body into the request, reduced to the
-/// data on which its kernel depends.
+/// Copies the loads, motions, receivers and gauges of `all` that belong to the body into the request, reduced
+/// to the data on which its kernel depends.
 void take_sources(const Scene& all, const Body& placed, KernelRequest& request) {
   for (const LoadKind& kind : load_kinds)
     for (Forcing driven : all.loads.*kind.list) {
@@ -122,6 +124,14 @@ void take_sources(const Scene& all, const Body& placed, KernelRequest& request) 
     receiver.axes = Axes::world;
     receiver.at = own_place(placed, receiver);
     request.receivers.push_back(receiver);
+  }
+  for (Gauge gauge : all.output.gauges) {
+    if (gauge.body != placed.name) continue;
+    gauge.at = own_place(placed, gauge);
+    if (gauge.direction)
+      gauge.direction =
+          gauge.at_axes == Axes::body ? own_axis(*gauge.direction) : own_axis(placed, *gauge.direction);
+    request.gauges.push_back(gauge);
   }
 }
 
@@ -156,7 +166,9 @@ const SectionOf<KernelRequest> request_contact_keys{
      {"residual", choice<KernelRequest>(&KernelRequest::normal_residual, {"all", "normal"}).if_changed()},
      {"turns", Access(&KernelRequest::turns).if_changed()}}};
 const SectionOf<KernelRequest> request_output_keys{
-    "[output] of a kernel's scene", "", {{"view", &KernelRequest::view}, {"receiver", Type::tables}}};
+    "[output] of a kernel's scene",
+    "",
+    {{"view", &KernelRequest::view}, {"receiver", Type::tables}, {"gauge", Type::tables}}};
 
 /// The keys of a request, in which places are in the frame of the body, whichever key of the scene gave them.
 template <class S>
@@ -175,7 +187,14 @@ SectionOf<Receiver> request_receiver_keys() {
   return with_own_place(receiver_keys.without({"body", "axes"}));
 }
 
-/// Reads [loads] and the receivers in [output].
+SectionOf<Gauge> request_gauge_keys() {
+  SectionOf<Gauge> keys = with_own_place(gauge_keys.without({"body"}));
+  for (Key& key : keys.keys)  // rounded, so its length is not exactly 1
+    if (key.name == "direction") key.access = Access(&Gauge::direction), key.type = key.access.type;
+  return keys;
+}
+
+/// Reads [loads], and the receivers and gauges in [output].
 void read_sources(const Table& root, const Table& output, KernelRequest& request) {
   if (const auto loads = root.table("loads", loads_keys))
     for (const LoadKind& kind : load_kinds) {
@@ -186,6 +205,9 @@ void read_sources(const Table& root, const Table& output, KernelRequest& request
   const auto keys = request_receiver_keys();
   for (const Table& entry : output.array("receiver", keys))
     keys.read(entry, request.receivers.emplace_back());
+  const auto of_gauges = request_gauge_keys();
+  for (const Table& entry : output.array("gauge", of_gauges))
+    of_gauges.read(entry, request.gauges.emplace_back());
 }
 
 }  // namespace
@@ -263,6 +285,8 @@ void seal(KernelRequest& request) {
       request.toml += fmt::format("[[loads.{}]]\n{}", kind.name, request_keys_of(kind).write(driven));
   for (const Receiver& receiver : request.receivers)
     request.toml += "[[output.receiver]]\n" + request_receiver_keys().write(receiver);
+  for (const Gauge& gauge : request.gauges)
+    request.toml += "[[output.gauge]]\n" + request_gauge_keys().write(gauge);
   request.hash = sha256(fmt::format("{}\n{}\n{}", kernel_generation, request.mesh_sha256, request.toml));
 }
 
@@ -305,6 +329,10 @@ void scale_sources(KernelRequest& request, double factor) {
   };
   for (Forcing& driven : request.loads.points) scale(driven.at);
   for (Receiver& receiver : request.receivers) scale(receiver.at);
+  for (Gauge& gauge : request.gauges) {
+    scale(gauge.at);
+    gauge.length *= factor;
+  }
 }
 
 std::filesystem::path kernel_path(const std::filesystem::path& out, const KernelRequest& request) {

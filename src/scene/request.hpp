@@ -3,6 +3,7 @@
 #pragma once
 
 #include "src/scene/data/body.hpp"
+#include "src/scene/data/gauge.hpp"
 #include "src/scene/data/loads.hpp"
 #include "src/scene/data/modes.hpp"
 #include "src/scene/data/receiver.hpp"
@@ -44,6 +45,7 @@ struct KernelRequest {
   /// Of this body; vectors and histories empty. `at` is in its frame, whatever `at_axes`, those of the scene.
   Loads loads;
   std::vector<Receiver> receivers;  ///< likewise
+  std::vector<Gauge> gauges;        ///< likewise; so is `direction`, of either sign
   std::string mesh_sha256;
   std::string toml;  ///< the request as TOML, part of the hash
   std::string hash;  ///< SHA-256, hexadecimal
@@ -70,7 +72,7 @@ void seal(KernelRequest& request);
 /// placement. Throws InputError that begins with `origin` if this version would not make such a kernel.
 KernelRequest request_of(const kernels::Header& header, const std::string& origin);
 
-/// Multiplies the positions of point forces and receivers, for a body of another size.
+/// Multiplies the positions of point forces, receivers and gauges, for a body of another size.
 void scale_sources(KernelRequest& request, double factor);
 
 /// `<out>/<body>-<first 12 digits of hash>.kernel.h5`

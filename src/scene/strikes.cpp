@@ -16,7 +16,7 @@ const SectionOf<Strike> strike_keys{
     "time of the strike, and flies freely before and after it; `gap` and `reach` of its pairs hold for each "
     "strike. Mallets do not touch each other. Not with `accuracy`, sampled responses or bodies at rest.",
     {{"mallet", &Strike::mallet, "", required("name the body that strikes"), any(),
-      "name of a body without supports, receivers and loads"},
+      "name of a body without supports, receivers, gauges and loads"},
      {"time", &Strike::time, "s", required(), at_least("0"),
       "time at which the mallet is at its place; it touches when it has crossed the rest of its gap"},
      {"speed", &Strike::speed, "m/s", "that of the mallet's `velocity`", above("0"),
@@ -53,11 +53,13 @@ void check_mallet(const Table& table, const Body& body, const Scene& scene) {
   const auto on_mallet = [&](const auto& all) {
     return std::ranges::any_of(all, [&](const auto& one) { return one.body == body.name; });
   };
-  if (on_mallet(scene.output.receivers) || on_mallet(scene.loads.tractions) || on_mallet(scene.loads.points))
-    table.complain("mallet",
-                   fmt::format("bodies.{} has a receiver or a load, which a mallet cannot have: leave "
-                               "it out",
-                               body.name));
+  if (on_mallet(scene.output.receivers) || on_mallet(scene.output.gauges) ||
+      on_mallet(scene.loads.tractions) || on_mallet(scene.loads.points))
+    table.complain(
+        "mallet",
+        fmt::format("bodies.{} has a receiver, a gauge or a load, which a mallet cannot have: leave "
+                    "it out",
+                    body.name));
   for (const Pair& pair : scene.contact.pairs)
     if (pair.b == body.name && pair.gap)
       table.complain(

@@ -73,6 +73,7 @@ std::string output_of(const Output& output, const SectionOf<Output>& keys) {
   std::string text = "\n[output]\n" + keys.write(output);
   for (const Receiver& receiver : output.receivers)
     text += "\n[[output.receiver]]\n" + receiver_keys.write(receiver);
+  for (const Gauge& gauge : output.gauges) text += "\n[[output.gauge]]\n" + gauge_keys.write(gauge);
   if (output.sound) text += "\n[output.sound]\n" + sound_keys.write(*output.sound);
   return text;
 }

@@ -134,7 +134,7 @@ std::vector<Near> by_distance(const mesh::Mesh& mesh, const Vector3d& point) {
 
 /// Stores the position at `xi` in `best` if it is nearer to `point` than the present one.
 void take_nearer(Map& map, const Vector3d& xi, const Vector3d& point, const mesh::Mesh& mesh,
-                 const std::int64_t* nodes, Located& best) {
+                 const std::int64_t* nodes, std::int64_t label, Located& best) {
   const Vector3d place = map(xi);
   const double distance = (place - point).norm();
   if (distance >= best.distance) return;
@@ -144,6 +144,10 @@ void take_nearer(Map& map, const Vector3d& xi, const Vector3d& point, const mesh
   for (Eigen::Index a = 0; a < map.position.cols(); ++a)
     best.node.push_back(mesh.node[static_cast<std::size_t>(nodes[a])]);
   best.weight.assign(map.shape.data(), map.shape.data() + map.shape.size());
+  best.corner_weight =
+      mesh::basis_at(mesh::reference_element(mesh::type_of(map.element.family, 1)), {xi[0], xi[1], xi[2]})
+          .value;
+  best.label = label;
 }
 
 /// Returns the nearest node of a body without elements.
@@ -154,7 +158,7 @@ Located nearest_node(const mesh::Mesh& mesh, const Vector3d& point) {
     const Vector3d x(&mesh.position[3 * i]);
     const double distance = (x - point).norm();
     if (distance >= best.distance) continue;
-    best = {{mesh.node[i]}, {1.0}, {x[0], x[1], x[2]}, distance};
+    best = {.node = {mesh.node[i]}, .weight = {1.0}, .place = {x[0], x[1], x[2]}, .distance = distance};
   }
   return best;
 }
@@ -178,7 +182,7 @@ Located locate_here(const mesh::Mesh& mesh, const Vector3d& point) {
       map.position.resize(3, block.nodes_per_element);
       for (int a = 0; a < block.nodes_per_element; ++a)
         map.position.col(a) = Vector3d(&mesh.position[3 * static_cast<std::size_t>(nodes[a])]);
-      take_nearer(map, place_in(map, point), point, mesh, nodes, best);
+      take_nearer(map, place_in(map, point), point, mesh, nodes, block.label[one.element], best);
     }
   };
   search(by_newton, 0);
@@ -216,6 +220,8 @@ Located locate(const mesh::Mesh& mesh, const Vector3& point) {
   found.place = parallel::of_rank(mesh.comm, nearest.rank, found.place);
   parallel::broadcast(mesh.comm, found.node, nearest.rank);
   parallel::broadcast(mesh.comm, found.weight, nearest.rank);
+  parallel::broadcast(mesh.comm, found.corner_weight, nearest.rank);
+  found.label = parallel::of_rank(mesh.comm, nearest.rank, found.label);
   return found;
 }
 

@@ -13,8 +13,11 @@ namespace ricochet::surface {
 struct Located {
   std::vector<std::int64_t> node;  ///< global
   std::vector<double> weight;      ///< shape functions of the element that contains the position
-  Vector3 place{};                 ///< the position [m]
-  double distance = 0;  ///< from the point to the position [m]; 0 to round-off if the point is inside
+  /// Linear shape functions of the corners, which come first among the nodes; empty without elements.
+  std::vector<double> corner_weight{};
+  std::int64_t label = -1;  ///< of the element, as in mesh::Block
+  Vector3 place{};          ///< the position [m]
+  double distance = 0;      ///< from the point to the position [m]; 0 to round-off if the point is inside
 };
 
 /// Locates `point`; the result is the same on every rank. For a body without elements, the position is the

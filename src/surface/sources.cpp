@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "src/surface/gauges.hpp"
 #include "src/surface/locate.hpp"
 
 namespace ricochet::surface {
@@ -99,8 +100,8 @@ std::string digits(const Vector3& point, double tolerance) {
   return '[' + text + ']';
 }
 
-/// Locates a load or a receiver of `request` under `key` of the scene. Throws InputError if it is not on the
-/// body. Collective.
+/// Locates a load, a receiver or a gauge of `request` under `key` of the scene. Throws InputError if it is
+/// not on the body. Collective.
 template <class S>
 Located on_body(const mesh::Mesh& mesh, const scene::Body& body, const char* key, const S& source,
                 double tolerance) {
@@ -142,8 +143,9 @@ Sources make_sources(const mesh::Mesh& mesh, const scene::KernelRequest& request
       at_loads.push_back({node, static_cast<int>(sources.loads.size()), weight});
     sources.loads.push_back(load_of(mesh, traction.name, "Pa", surface.area, surface.first));
   }
-  const double tolerance =
-      request.loads.points.empty() && request.receivers.empty() ? 0 : 1e-6 * size_of(mesh);
+  const double tolerance = request.loads.points.empty() && request.receivers.empty() && request.gauges.empty()
+                               ? 0
+                               : 1e-6 * size_of(mesh);
   const auto put = [&](const Located& place, std::size_t number, std::vector<Weight>& weights) {
     for (std::size_t a = 0; a < place.node.size(); ++a)
       weights.push_back({place.node[a], static_cast<int>(number), place.weight[a]});
@@ -153,16 +155,29 @@ Sources make_sources(const mesh::Mesh& mesh, const scene::KernelRequest& request
     put(place, sources.loads.size(), at_loads);
     sources.loads.push_back(load_of(mesh, point.name, "N", 1, Vector3d(place.place.data())));
   }
+  std::vector<Weight> at_receivers;
   for (const scene::Receiver& receiver : request.receivers) {
     const Located place = on_body(mesh, request.body, "output.receiver", receiver, tolerance);
-    put(place, sources.receivers.size(), sources.at_receivers);
+    put(place, sources.receivers.size(), at_receivers);
     sources.receivers.emplace_back();
     sources.receivers.back().name = receiver.name;
     sources.receivers.back().point = place.place;
   }
+  std::vector<Located> at_gauges;
+  for (const scene::Gauge& gauge : request.gauges) {
+    at_gauges.push_back(on_body(mesh, request.body, "output.gauge", gauge, tolerance));
+    sources.gauges.push_back({gauge.name, at_gauges.back().place, {}});
+    if (gauge.direction) sources.gauges.back().strain.emplace();
+  }
+  GaugeColumns gauges = gauge_columns(mesh, request, at_gauges);
   for (const std::string& support : asked.moved) sources.motions.push_back({support, {}, {}, {}});
   sources.load = spread(mesh, at_loads, sources.loads.size(), {}, FixedRows::zero);
-  sources.receiver = spread(mesh, sources.at_receivers, sources.receivers.size(), {}, FixedRows::zero);
+  const auto seen = [&](FixedRows fixed, const reduction::Loads& by_gauges) {
+    return reduction::beside({spread(mesh, at_receivers, sources.receivers.size(), {}, fixed), by_gauges});
+  };
+  sources.receiver = seen(FixedRows::zero, gauges.free);
+  sources.receiver_filled = seen(FixedRows::filled, gauges.filled);
+  sources.gauge_unit = std::move(gauges.unit);
   return sources;
 }
 

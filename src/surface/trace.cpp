@@ -7,6 +7,7 @@
 #include "kernels/compression.hpp"
 #include "src/elasticity/rigid.hpp"
 #include "src/reduction/residual.hpp"
+#include "src/surface/gauges.hpp"
 
 namespace ricochet::surface {
 
@@ -92,8 +93,21 @@ void gather_view(const parallel::Teams& teams, const mesh::Mesh& mesh, const mod
 
 }  // namespace
 
+/// Calls act(sensitivity, first, count) for the stress and the strain of each gauge, with its rows among
+/// those of all gauges.
+template <class Act>
+static void for_each_row(kernels::Kernel& kernel, Act&& act) {
+  Eigen::Index from = 0;
+  for (kernels::Gauge& gauge : kernel.gauges) {
+    act(gauge.stress, from, stress_rows);
+    from += stress_rows;
+    if (gauge.strain) act(*gauge.strain, from++, 1);
+  }
+}
+
 /// Stores the static correction of all that is not a force on a candidate.
-/// @param response  responses at candidates and receivers (rows) to forces at receivers, gravity and loads
+/// @param response  responses at candidates, receivers and gauges (rows) to forces at receivers, gravity and
+/// loads
 static void take_other_corrections(const Eigen::Ref<const Eigen::MatrixXd>& response, Eigen::Index candidates,
                                    const Sources& sources, kernels::Kernel& kernel) {
   const Eigen::Index receivers = response.rows() - candidates, loads = sources.load.cols();
@@ -109,6 +123,14 @@ static void take_other_corrections(const Eigen::Ref<const Eigen::MatrixXd>& resp
     receiver.body_force_residual = flat(rows.middleCols(receivers, 3));
     receiver.load_residual = flat(rows.rightCols(loads));
   }
+  for_each_row(kernel, [&](kernels::Sensitivity& seen, Eigen::Index from, Eigen::Index count) {
+    const auto unit = sources.gauge_unit.segment(from, count).asDiagonal();
+    const Eigen::Index at = sources.receiver.cols() - sources.gauge_unit.size() + from;
+    const Eigen::MatrixXd rows = unit * response.middleRows(candidates + at, count);
+    seen.residual_flexibility = flat(unit * response.block(0, at, candidates, count).transpose());
+    seen.body_force_residual = flat(rows.middleCols(receivers, 3));
+    seen.load_residual = flat(rows.rightCols(loads));
+  });
 }
 
 void take_corrections(const Eigen::Ref<const Eigen::MatrixXd>& response, Eigen::Index candidates,
@@ -160,6 +182,11 @@ void take_traces(const Patches& patches, const Traces& traces, const Sources& so
     kernel.applied[l].participation = flat(traces.applied.middleRows(static_cast<Eigen::Index>(3 * l), 3));
   for (std::size_t r = 0; r < kernel.receivers.size(); ++r)
     kernel.receivers[r].shape = flat(traces.at_receivers.middleRows(static_cast<Eigen::Index>(3 * r), 3));
+  kernel.gauges = sources.gauges;
+  for_each_row(kernel, [&](kernels::Sensitivity& seen, Eigen::Index from, Eigen::Index count) {
+    seen.shape = flat(sources.gauge_unit.segment(from, count).asDiagonal() *
+                      traces.at_receivers.bottomRows(sources.gauge_unit.size()).middleRows(from, count));
+  });
 }
 
 namespace {
@@ -200,12 +227,10 @@ void trace_motions(const parallel::Teams& teams, const mesh::Mesh& mesh, const e
                    const Sources& sources, kernels::Kernel& kernel) {
   if (sources.motions.empty()) return;
   const reduction::Lift& lift = sources.lift;
-  const reduction::Loads at_candidates = spread(mesh, patches.weights, patches.geometry.size(),
-                                                patches.geometry.direction, FixedRows::filled),
-                         at_receivers = spread(mesh, sources.at_receivers, sources.receivers.size(), {},
-                                               FixedRows::filled);
+  const reduction::Loads at_candidates =
+      spread(mesh, patches.weights, patches.geometry.size(), patches.geometry.direction, FixedRows::filled);
   const Eigen::MatrixXd candidates = modes::inner(mesh.comm, at_candidates, lift.shape),
-                        receivers = modes::inner(mesh.comm, at_receivers, lift.shape),
+                        receivers = modes::inner(mesh.comm, sources.receiver_filled, lift.shape),
                         momentum = modes::inner(mesh.comm, body.rigid_load.leftCols(3), lift.shape) +
                                    body.imposed.momentum,
                         gamma = modes.gather(teams, modes::inner(mesh.comm, lift.inertia, modes.shape));
@@ -222,6 +247,10 @@ void trace_motions(const parallel::Teams& teams, const mesh::Mesh& mesh, const e
   }
   for (std::size_t r = 0; r < kernel.receivers.size(); ++r)
     kernel.receivers[r].motion_residual = flat(on_receivers.middleRows(static_cast<Eigen::Index>(3 * r), 3));
+  for_each_row(kernel, [&](kernels::Sensitivity& seen, Eigen::Index from, Eigen::Index count) {
+    seen.motion_residual = flat(sources.gauge_unit.segment(from, count).asDiagonal() *
+                                on_receivers.bottomRows(sources.gauge_unit.size()).middleRows(from, count));
+  });
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 namespace ricochet::surface {
 
 /// Traces of N modes: `shape` (cM,N) at the candidates, `participation` (6,N) in uniform acceleration and
-/// rotation, `applied` (3L,N) in the loads, and `at_receivers` (3R,N).
+/// rotation, `applied` (3L,N) in the loads, and `at_receivers` (columns of Sources::receiver, N).
 struct Traces {
   Eigen::MatrixXd shape, participation, applied, at_receivers;
 };
@@ -19,7 +19,7 @@ void take_traces(const Patches& patches, const Traces& traces, const Sources& so
                  kernels::Kernel& kernel);
 
 /// Stores the static correction in a kernel.
-/// @param response    responses at candidates and receivers (rows) to forces there, gravity and loads
+/// @param response    responses at candidates, receivers and gauges (rows) to forces there, gravity and loads
 /// (columns)
 /// @param candidates  number of rows that belong to candidates
 void take_corrections(const Eigen::Ref<const Eigen::MatrixXd>& response, Eigen::Index candidates,

@@ -143,15 +143,30 @@ inline Kernel sample_kernel(int components, std::size_t n = 5, std::size_t m = 4
     fill(receiver.load_residual, 3 * 3 * 2);
     fill(receiver.motion_residual, 9);
   }
+  const auto fill_sensitivity = [&](Sensitivity& seen, std::size_t rows) {
+    fill(seen.shape, rows * n);
+    fill(seen.residual_flexibility, rows * c * m);
+    fill(seen.body_force_residual, rows * 3);
+    fill(seen.load_residual, rows * 3 * 2);
+    fill(seen.motion_residual, rows * 3);
+  };
+  for (const char* name : {"upper face", "strained"}) {
+    Gauge& gauge = kernel.gauges.emplace_back();
+    gauge.name = name;
+    gauge.point = {normal(random), normal(random), normal(random)};
+    fill_sensitivity(gauge.stress, 6);
+    if (kernel.gauges.size() == 2) fill_sensitivity(gauge.strain.emplace(), 1);
+  }
   return kernel;
 }
 
-/// The same kernel without loads, moving supports and receivers.
+/// The same kernel without loads, moving supports, receivers and gauges.
 inline Kernel plain_kernel(int components = 3, std::size_t n = 5, std::size_t m = 4) {
   Kernel kernel = sample_kernel(components, n, m);
   kernel.applied.clear();
   kernel.motions.clear();
   kernel.receivers.clear();
+  kernel.gauges.clear();
   kernel.view->load_residual.clear();
   kernel.view->motion_residual.clear();
   return kernel;

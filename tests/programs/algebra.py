@@ -200,6 +200,7 @@ class Algebra(ProgramTest):
             return [
                 "bodies.block.support={side='xyz'}",
                 f"output.receiver=[{{name='mic',body='block',at={at}}}]",
+                f"output.gauge=[{{name='foil',body='block',at={at},direction=[0,0.6,0.8],length={scale * 0.1}}}]",
                 "loads.traction=[{body='block',group='foot',vector=[0,0,1]}]",
                 f"loads.point=[{{body='block',at={at[::-1]},vector=[0,0,1]}}]",
                 "loads.motion=[{body='block',group='side',vector=[0,1,0]}]",
@@ -212,7 +213,8 @@ class Algebra(ProgramTest):
         found, expected = (static_responses(path) for path in (self.out / derived.name, derived))
         self.assertEqual(set(found), set(expected))
         for name, values in expected.items():
-            self.assert_close(found[name], values, 1e-7, name, np.abs(values).max())
+            # A support that moves the whole body strains it by round-off alone.
+            self.assert_close(found[name], values, 1e-7, name, 1 if "moved" in name[1] else 0)
         old, _ = self.path(self.fresh, *sources(1))
         again = self.folder / "recast"
         self.succeed(self.recast(old, *FACTORS, "--up-to-hz", 0.9, "--out", again))
@@ -276,7 +278,7 @@ class Algebra(ProgramTest):
 
     def test_kernels_with_receivers_are_drawn_but_keep_their_candidates(self):
         old, _ = self.path(self.out, 'output.receiver=[{name="mic",body="block",at=[0,0,0]}]')
-        reason = "has loads, moving supports or receivers: compute the requested kernel"
+        reason = "has loads, moving supports, receivers or gauges: compute the requested kernel"
         self.refused(self.recast(old, "--points", "1,3"), reason)
         self.succeed(self.recast(old, "--vtk"))
         self.assertTrue(old.with_name(old.name.replace(".kernel.h5", ".modes.xdmf")).is_file())

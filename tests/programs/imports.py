@@ -80,6 +80,11 @@ class Imports(BoxTest):
         for name, value in own.items():
             self.assertLess(abs(value - imported[name]).max(), QUADRATURE * max(abs(value).max(), 1e-3), name)
 
+    def test_gauges_need_elements(self):
+        sets = [f'output.gauge=[{{name="foil",body="box",at={self.box.node[-3].tolist()}}}]']
+        run = kernel(self.all / "imported.toml", self.folder, *sets)
+        self.refused(run, 'output.gauge "foil": bodies.box has no elements', "leave the gauge out")
+
     def modes(self, free, rigid=0):
         """Modes by dense LAPACK on the free rows: ω², shapes at all rows, and Σ φφᵀ/ω², without the rigid modes."""
         lower = np.linalg.inv(np.linalg.cholesky(self.mass[np.ix_(free, free)]))

@@ -182,8 +182,8 @@ def displacement_kernel(path, times):
 
 
 def static_responses(path):
-    """Static response of the receivers of a kernel file to loads, gravity and moving supports, by name: modes and residuals
-    together. Also returns sums over modes that do not depend on the choice of vectors within multiple modes.
+    """Static response of the receivers and gauges of a kernel file to loads, gravity and moving supports, by name: modes and
+    residuals together. Also returns sums over modes that do not depend on the choice of vectors within multiple modes.
     """
     with h5py.File(path) as file:
         omega, gravity = file["modes/angular_frequency"][:], file["loads/body_force"][:]
@@ -191,8 +191,13 @@ def static_responses(path):
         names = {kind: [name.decode() for name in file[f"names/{kind}"][:]] for kind in file["names"]}
         motions = {name: file[f"motions/{name}/participation"][:] for name in names.get("motions", ())}
         found = {}
-        for receiver in names["receivers"]:
-            shape, data = file[f"receivers/{receiver}"][:], file[f"receiver_data/{receiver}"]
+        seen = [(r, file[f"receivers/{r}"][:], file[f"receiver_data/{r}"]) for r in names["receivers"]]
+        for gauge in names.get("gauges", ()):
+            parts = (
+                (f"{gauge} {part}", data) for part, data in file[f"gauges/{gauge}"].items() if part != "point"
+            )
+            seen += [(name, data["shape"][:], data) for name, data in parts]
+        for receiver, shape, data in seen:
             found[receiver, "gravity"] = (shape * compliance) @ gravity.T + data["body_force_residual"][:]
             for number, name in enumerate(names["loads"]):
                 part = file[f"loads/{name}"][:]

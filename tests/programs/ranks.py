@@ -61,6 +61,12 @@ vector = [0, 1, 0]
 name = "mic"
 body = "clamped"
 at = [0.2, 0.9, 0.4]
+[[output.gauge]]
+name = "foil"
+body = "clamped"
+at = [0.3, 0.6, 0.7]
+direction = [1, 0, 0]
+length = 0.2
 """
 
 
@@ -107,7 +113,7 @@ class Ranks(ProgramTest):
                         self.assertLess(np.abs(a[name][:] - b[name][:]).max(), 1e-8 * scale)
         paths = [next((self.folder / str(ranks)).glob("clamped-*.kernel.h5")) for ranks in (1, 2, 3)]
         one, *others = (static_responses(path) for path in paths)
-        self.assertEqual(len(one), 11)
+        self.assertEqual(len(one), 21)
         for other in others:
             for key, value in one.items():
                 self.assertLess(np.abs(other[key] - value).max(), 1e-8 * max(np.abs(value).max(), 1e-3), key)

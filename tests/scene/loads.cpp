@@ -201,4 +201,50 @@ TEST(Sources, keep_the_axes_of_their_places_in_the_resolved_scene) {
   EXPECT_EQ(back.output.receivers, scene.output.receivers);
 }
 
+// A gauge with its place and direction in the axes of the world, as in
+// hold_positions_in_the_frame_of_the_body.
+const std::string gauged = supported + sources +
+                           "[[output.gauge]]\nname = \"foil\"\nbody = \"ball\"\nat = [0.4, 0.5, -0.6]\n"
+                           "direction = [0, 3, 4]\nlength = 0.01\n";
+
+TEST(Gauges, are_read_and_preserved_by_the_resolved_scene) {
+  const Scene scene = driven_scene({}, gauged), back = driven_scene({}, to_toml(scene));
+  ASSERT_EQ(scene.output.gauges.size(), 1U);
+  EXPECT_EQ(scene.output.gauges[0].name, "foil");
+  EXPECT_THAT(scene.output.gauges[0].at, ElementsAre(0.4, 0.5, -0.6));
+  EXPECT_THAT(*scene.output.gauges[0].direction,
+              ElementsAre(0, DoubleNear(0.6, 1e-15), DoubleNear(0.8, 1e-15)));
+  EXPECT_EQ(scene.output.gauges[0].length, 0.01);
+  EXPECT_EQ(back.output.gauges, scene.output.gauges);
+  EXPECT_FALSE(scene.time.samples_by_accuracy);
+}
+
+TEST(Gauges, are_refused_with_a_remedy) {
+  const auto said = [](const Override& set) {
+    return ricochet::test::complaint_of([&] { driven_scene({set}, gauged); });
+  };
+  EXPECT_THAT(said("output.gauge[0].name=time"), HasSubstr("is that of the times in the result"));
+  EXPECT_THAT(said("output.gauge[0].body=disk"), HasSubstr("ball"));
+  EXPECT_THAT(said("output.gauge=[{name='foil',body='ball',at=[0,0,0],length=0.01}]"),
+              HasSubstr("belongs to a gauge with a direction: add it, or leave this key out"));
+  EXPECT_THAT(said("output.gauge=[{name='a',body='ball',at=[0,0,0]},{name='a',body='ball',at=[0,0,0]}]"),
+              HasSubstr("another gauge has this name: give each its own"));
+  EXPECT_THAT(said("output.gauge=[{name='a',body='ball'}]"), HasSubstr("the point of the body"));
+}
+
+TEST(KernelHash, depends_on_gauges_in_the_axes_of_the_body) {
+  const auto hash = [](const std::vector<Override>& sets) {
+    std::vector<Override> all = placed;
+    all.insert(all.end(), sets.begin(), sets.end());
+    return driven_request(all, gauged).hash;
+  };
+  const std::string own = "output.gauge=[{name='foil',body='ball',at_body=[-1.5,-3.6,-0.6],length=0.01,";
+  EXPECT_EQ(hash({own + "direction=[3,4,0]}]"}), hash({}));
+  EXPECT_EQ(hash({own + "direction=[-3,-4,0]}]"}), hash({}));
+  EXPECT_NE(hash({own + "direction=[0,3,4]}]"}), hash({}));
+  for (const char* set : {"output.gauge[0].length=0.02", "output.gauge[0].at=[0,0,0]", "output.gauge=[]"})
+    EXPECT_NE(hash({set}), hash({})) << set;
+  EXPECT_EQ(hash({"output.gauge=[]"}), driven_request(placed).hash);
+}
+
 }  // namespace ricochet::scene::loads_test

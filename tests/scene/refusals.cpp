@@ -50,7 +50,7 @@ TEST(Refused, is_a_misspelt_key_of_each_list_of_tables) {
   std::size_t lists = 0;
   for (const Section* section : all_sections())
     lists += static_cast<std::size_t>(std::ranges::count(section->keys, Type::tables, &Key::type));
-  EXPECT_EQ(lists, 7);
+  EXPECT_EQ(lists, 8);
 }
 
 TEST(Refused, is_text_that_is_not_utf_8) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ricochet/units.hpp"
+#include "src/scene/data/gauge.hpp"
 #include "src/scene/data/receiver.hpp"
 
 namespace ricochet::scene {
@@ -37,9 +38,10 @@ struct Output {
   std::int64_t snapshot_every = 0;  ///< steps between snapshots of the modal coordinates; 0: none
   std::int64_t vtk_every = 0;  ///< steps between frames of the motion for ParaView; 0: none. Needs `view`
   std::vector<Receiver> receivers;        ///< [[output.receiver]]
+  std::vector<Gauge> gauges{};            ///< [[output.gauge]]
   std::optional<Sound> sound{};           ///< [output.sound]
-  std::optional<Hertz> receivers_rate{};  ///< of rows of receivers; no value: see receivers_every
-  /// Output samples between rows of receivers, for `rate_hz` output samples per second.
+  std::optional<Hertz> receivers_rate{};  ///< of rows of receivers and gauges; no value: see receivers_every
+  /// Output samples between rows of receivers and gauges, for `rate_hz` output samples per second.
   int receivers_every(double rate_hz) const;
   bool operator==(const Output&) const = default;
 };

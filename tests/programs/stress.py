@@ -1,0 +1,223 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Stress and strain at gauges, from mesh to result, compared with closed forms: at rest under contact, in bending, in a rod that
+hits a wall, and under friction with both kinds of rotation."""
+
+import unittest
+
+import numpy as np
+
+import scenes
+from programs import ProgramTest, impact, kernel
+
+BLOCK = """
+SetFactory("Built-in");
+Point(1) = {0, 0, 0}; Point(2) = {LENGTH, 0, 0}; Point(3) = {LENGTH, 1, 0}; Point(4) = {0, 1, 0};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1};
+Curve Loop(1) = {1:4}; Plane Surface(1) = {1};
+Transfinite Curve{1, 3} = ALONG + 1; Transfinite Curve{2, 4} = 3; Transfinite Surface{1}; Recombine Surface{1};
+block[] = Extrude {0, 0, HEIGHT} { Surface{1}; Layers{LAYERS}; Recombine; };
+Physical Volume("block") = {block[1]};
+Physical Surface("foot") = {1}; Physical Surface("top") = {block[0]};
+Physical Surface("right") = {block[3]}; Physical Surface("left") = {block[5]};
+Physical Surface("sides") = {block[2], block[3], block[4], block[5]};
+"""
+
+
+def block(length=1, along=2, height=2, layers=4):
+    sizes = {"LENGTH": length, "ALONG": along, "HEIGHT": height, "LAYERS": layers}
+    text = BLOCK
+    for name, value in sizes.items():
+        text = text.replace(name, str(value))
+    return text
+
+
+def gauge(name, body, more):
+    return f'[[output.gauge]]\nname = "{name}"\nbody = "{body}"\n{more}\n'
+
+
+def histories(result):
+    """Times and, by name, the stress (K,6) and the strain (K), if there is one, of the gauges."""
+    return result.gauge_time, {name: (gauge.stress, gauge.strain) for name, gauge in result.gauges.items()}
+
+
+class Stress(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.out = self.folder / "out"
+
+    # σ_zz = −ρ g (H − z) in the axes of the body, which lies on its back. The contact carries all of it, and
+    # elements of order 2 hold the exact displacement.
+    def test_a_block_at_rest_carries_the_weight_above(self):
+        self.write("block.geo", block())
+        density, young, g, height, strength = 3.0, 1e5, 2.0, 2.0, 10.0
+        body = f"""
+mesh = "block.geo"
+order = 2
+material = {{ density = {density}, young = {young}, poisson = 0.0, yield = {strength} }}
+contact = "foot"
+support = {{ sides = "xy" }}
+rotate_deg = [90, 0, 0]
+"""
+        points = {
+            "foot": (0.5, 0.5, 0.0),
+            "inside": (0.3, 0.4, 0.7),
+            "edge": (1.0, 1.0, 1.0),
+            "top": (0.5, 0.5, 2.0),
+        }
+        more = f"[loads]\ngravity = [0, {g}, 0]\n"
+        for name, (x, y, z) in points.items():
+            in_world = f"at = [{x}, {-z}, {y}]\ndirection = [0, 1, 0]"
+            in_body = f"at_body = [{x}, {y}, {z}]\ndirection = [0, 0, 1]"
+            more += gauge(name, "block", in_body if name == "inside" else in_world)
+        text = scenes.scene(
+            {"block": body},
+            "count = 3",
+            'scheme = "static"',
+            "duration = 1.0",
+            {"floor": "normal = [0, -1, 0]"},
+            "Weight",
+            more,
+        )
+        result = impact(self.write("weight.toml", text), self.out)
+        time, gauges = histories(result)
+        self.assertEqual(time.shape, result.time.shape)
+        largest = density * g * height
+        for name, (_, _, z) in points.items():
+            stress, strain = gauges[name]
+            exact = -density * g * (height - z)
+            # Round-off of the static response, which spans stiffnesses of contact and bulk.
+            np.testing.assert_allclose(
+                stress[-1], [0, 0, exact, 0, 0, 0], rtol=0, atol=1e-6 * largest, err_msg=name
+            )
+            self.assertAlmostEqual(strain[-1], exact / young, delta=1e-6 * largest / young)
+        peak = result.summary["stress"]["block"]
+        self.assertAlmostEqual(peak["von_mises_pa"], largest, delta=1e-6 * largest)
+        self.assertEqual(peak["gauge"], "foot")
+        np.testing.assert_allclose(peak["at"], [0.5, 0.5, 0], rtol=0, atol=1e-12)
+        self.assertAlmostEqual(peak["ratio_to_yield"], largest / strength, delta=1e-5)
+        self.assertTrue(any("gauge foot of block" in w and "1.2 times yield" in w for w in result.warnings))
+
+    # Bending by a dead shear force at the end: σ_xx = F (L − x) z / I and σ_xz = −(3/2) F/A in the middle.
+    def test_a_cantilever_bends_as_a_beam(self):
+        length, load = 8.0, 0.01
+        self.write("beam.geo", block(length, 16, 1, 2))
+        body = """
+mesh = "beam.geo"
+order = 2
+material = { density = 1.0, young = 1e5, poisson = 0.0 }
+contact = "right"
+support = { left = "xyz" }
+"""
+        more = f'[[loads.traction]]\nbody = "beam"\ngroup = "right"\nvector = [0, 0, {-load}]\n'
+        places = {"upper": (3, 0.5, 1), "lower": (3, 0.5, 0), "middle": (4, 0.5, 0.5)}
+        for name, at in places.items():
+            more += gauge(name, "beam", f"at = {list(at)}\ndirection = [1, 0, 0]\nlength = 1.0")
+        text = scenes.scene(
+            {"beam": body},
+            "count = 4",
+            "",
+            "rate_hz = 1000\nduration = 0.01",
+            {"wall": "point = [20, 0, 0]\nnormal = [-1, 0, 0]"},
+            "Beam",
+            more,
+        )
+        time, gauges = histories(impact(self.write("beam.toml", text), self.out))
+        self.assertEqual(len(time), 11)
+        bending = load * (length - 3) * 0.5 / (1 / 12)
+        for row in (0, -1):  # it starts in equilibrium and stays there
+            for name, sign in (("upper", 1), ("lower", -1)):
+                stress, strain = gauges[name]
+                self.assertAlmostEqual(stress[row, 0], sign * bending, delta=0.01 * bending)
+                self.assertAlmostEqual(strain[row], sign * bending / 1e5, delta=0.01 * bending / 1e5)
+                self.assertLess(np.abs(stress[row, 1:]).max(), 0.01 * bending)
+            shear = gauges["middle"][0][row, 4]
+            self.assertAlmostEqual(shear, -1.5 * load, delta=0.03 * 1.5 * load)
+
+    # A wave of σ = −ρ c v runs from the wall to the free end and back; then the rod is free of stress.
+    def test_a_rod_on_a_wall_has_the_stress_of_the_wave(self):
+        elements, speed = 200, 0.01
+        self.write("rod.geo", scenes.rod(1, elements))
+        rod = f'mesh = "rod.geo"\norder = 1\nmaterial = {{ density = 1.0, young = 1.0, area = 1.0 }}\nvelocity = [{-speed}, 0, 0]\ncontact = "left"'
+        places = (0.1, 0.5, 0.8)
+        more = "".join(gauge(f"at {x}", "rod", f"at = [{x}, 0, 0]\ndirection = [1, 0, 0]") for x in places)
+        text = scenes.scene(
+            {"rod": rod},
+            f"count = {elements + 1}",
+            "",
+            "rate_hz = 1000\nduration = 2.5",
+            {"wall": "normal = [1, 0, 0]"},
+            "Wave",
+            more,
+        )
+        result = impact(self.write("wave.toml", text), self.out)
+        time, gauges = histories(result)
+        for x in places:
+            stress, strain = gauges[f"at {x}"]
+            np.testing.assert_allclose(strain, stress[:, 0], rtol=0, atol=1e-12)  # E = 1
+            self.assertEqual(np.abs(stress[:, 1:]).max(), 0)
+            inside = (time > x + 0.02) & (time < 2 - x - 0.02)
+            self.assertAlmostEqual(stress[inside, 0].mean(), -speed, delta=0.01 * speed)
+            arrival = time[np.argmax(stress[:, 0] < -speed / 2)]
+            self.assertAlmostEqual(arrival, x, delta=1.5 / elements)
+            after = time > 2 - x + 0.05
+            self.assertLess(abs(stress[after, 0].mean()), 0.02 * speed)
+        # The envelope is that of all steps; here, each of them is a row.
+        largest = {name: np.abs(stress[:, 0]).max() for name, (stress, _) in gauges.items()}
+        peak = result.summary["stress"]["rod"]
+        self.assertEqual(peak["gauge"], max(largest, key=largest.get))
+        self.assertAlmostEqual(peak["von_mises_pa"], largest[peak["gauge"]], delta=1e-15)
+        self.assertEqual(peak["time_s"], time[np.abs(gauges[peak["gauge"]][0][:, 0]).argmax()])
+        self.assertIsNone(peak["ratio_to_yield"])
+
+    # Both kinds of rotation have their own paths from forces to candidates. The block turns by a fraction of a degree.
+    def test_finite_and_linear_rotation_agree_under_friction(self):
+        self.write("block.geo", scenes.skewed_block(0.5))
+        body = """
+material = { density = 2.0, young = 3.0, poisson = 0.3 }
+velocity = [0.002, 0, -0.002]
+rotate_deg = [1, 0, 90]
+"""
+        more = gauge("low", "block", "at_body = [0.5, 0.5, 0.15]\ndirection = [1, 0, 1]")
+        more += gauge("skin", "block", "at_body = [0.5, 0, 0.3]")
+        contact = "gap = 1e-4\nfriction = 0.3"
+        text = scenes.block_on_floor(
+            "Slide", "count = 20", contact, "rate_hz = 400\nduration = 3.0", body, more
+        )
+        scene = self.write("slide.toml", text)
+        linear = impact(scene, self.out, "motion.rotation=linear")
+        finite = impact(scene, self.out, "motion.rotation=finite")
+        (time, one), (_, other) = histories(linear), histories(finite)
+        for name, (stress, strain) in one.items():
+            largest = np.abs(stress).max()
+            self.assertGreater(largest, 1e-4)
+            self.assertGreater(np.abs(stress[:, 3:]).max(), 0.05 * largest)  # friction shears it
+            self.assertLess(np.abs(other[name][0] - stress).max(), 0.03 * largest, name)
+        self.assertEqual(time[0], 0)
+
+    def test_rows_are_as_many_as_those_of_receivers(self):
+        self.write("rod.geo", scenes.rod(1, 20))
+        rod = 'mesh = "rod.geo"\norder = 1\nmaterial = { density = 1.0, young = 1.0, area = 1.0 }\nvelocity = [-0.01, 0, 0]\ncontact = "left"'
+        more = "[output]\nreceivers_rate_hz = 50\n" + gauge("mid", "rod", "at = [0.5, 0, 0]")
+        text = scenes.scene(
+            {"rod": rod},
+            "count = 21",
+            "",
+            "rate_hz = 1000\nduration = 2.0",
+            {"wall": "normal = [1, 0, 0]"},
+            "Rows",
+            more,
+        )
+        time, gauges = histories(impact(self.write("rows.toml", text), self.out))
+        np.testing.assert_allclose(time, np.arange(101) / 50, rtol=0, atol=1e-12)
+        self.assertEqual(gauges["mid"][0].shape, (101, 6))
+        self.assertIsNone(gauges["mid"][1])
+
+    def test_sampled_responses_have_none(self):
+        self.write("block.geo", block())
+        text = scenes.block_on_floor("Table", "count = 8", 'kernel = "table"\ngap = 0.1', "duration = 1.0")
+        scene = self.write("table.toml", text + gauge("low", "block", "at = [0.5, 0.5, 0.2]"))
+        self.refused(kernel(scene, self.out), "output.gauge", 'kernel = "table" gives no stress')
+
+
+if __name__ == "__main__":
+    unittest.main()
