@@ -25,7 +25,7 @@ namespace ricochet::scene {
 namespace {
 
 /// Must be increased whenever the meaning of a kernel changes, so that old kernels are computed again.
-constexpr int kernel_generation = 6;
+constexpr int kernel_generation = 7;
 
 /// What to do about a file that is missing: the similar one in its folder, or the meshes there.
 std::string advice_on(const std::filesystem::path& missing) {
