@@ -126,8 +126,8 @@ std::vector<Support> supports(const Model& model, const Quantities& run) {
       }
     Matrix at = model.point_a(pressed, Eigen::all);
     at.rowwise() -= at.colwise().mean().eval();
-    const Eigen::SelfAdjointEigenSolver<Matrix3d> spread(Matrix3d(at.transpose() * at),
-                                                         Eigen::EigenvaluesOnly);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread(Eigen::Matrix3d(at.transpose() * at),
+                                                                Eigen::EigenvaluesOnly);
     const Eigen::Index wide = (spread.eigenvalues().array() > arm * arm * here.points).count();
     here.kind = static_cast<int>(std::min<Eigen::Index>(1 + wide, 3));
   }
