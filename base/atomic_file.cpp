@@ -165,24 +165,6 @@ void remove_unfinished_files() noexcept {
     if (entry.ready) ::unlink(entry.path.data());
 }
 
-FolderLock::FolderLock(const fs::path& folder) : descriptor_(open(folder.c_str(), O_RDONLY | O_CLOEXEC)) {
-  constexpr int kTries = 6000, kPause_us = 10'000;
-  for (int tries = 0; descriptor_ >= 0 && flock(descriptor_, LOCK_EX | LOCK_NB) != 0; ++tries) {
-    if (errno != EWOULDBLOCK && errno != EINTR) return;  // no locks here
-    if (tries == kTries) {
-      close(descriptor_);
-      throw InputError(fmt::format(
-          "{}: another run has been writing its files there for a minute: end it, or choose another --out",
-          folder.string()));
-    }
-    usleep(kPause_us);
-  }
-}
-
-FolderLock::~FolderLock() {
-  if (descriptor_ >= 0) close(descriptor_);
-}
-
 void check_place(const fs::path& file, double bytes) {
   const fs::path folder = folder_of(file);
   std::error_code failed;

@@ -43,21 +43,6 @@ class AtomicFile {
   int slot_ = -1;        ///< entry in the list of remove_unfinished_files
 };
 
-/// Lets one process at a time give the files of a set their names in a folder, so that sets of runs that
-/// write to the same names do not mix. The lock is that of the folder itself (flock), which leaves no file.
-class FolderLock {
- public:
-  /// Waits for others. Throws InputError if one of them takes longer than a minute. Does nothing on file
-  /// systems that cannot lock folders.
-  explicit FolderLock(const std::filesystem::path& folder);
-  ~FolderLock();
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-
- private:
-  int descriptor_ = -1;
-};
-
 /// Removes the temporary files of this process. Signal handlers that end the process may call it.
 void remove_unfinished_files() noexcept;
 

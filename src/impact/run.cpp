@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "base/atomic_file.hpp"
-#include "base/hdf5_reader.hpp"
 #include "contact/files/summary_file.hpp"
 #include "ricochet/error.hpp"
 #include "src/accuracy/scene_dial.hpp"
@@ -34,17 +33,6 @@ void check_problems(const console::Options& options, const scene::Scene& scene) 
         "{}: --fclib: only contact.scheme = \"compliant\" with kernel = \"modes\" solves one complementarity "
         "problem of all points each step: choose them, or leave --fclib out",
         options.scene.string()));
-}
-
-/// The title of the run in a result file; empty if there is none that can be read.
-std::string title_of(const fs::path& result) {
-  std::error_code ignored;
-  if (!fs::exists(result, ignored)) return "";
-  try {
-    return base::hdf5::Reader(result, "").string_attribute("/", "title");
-  } catch (const InputError&) {
-    return "";
-  }
 }
 
 /// Writes a scene with the settings that were chosen for its accuracy.
@@ -84,24 +72,14 @@ int run_contact(const console::Options& options, std::ostream& out) {
     console.say(fmt::format("{}: {} problems", options.fclib.string(), *files.problems()));
 
   console.begin("writing");
-  std::string replaced;
-  {
-    const base::FolderLock alone(folder);
-    replaced = title_of(files.result());
-    files.commit(summary);
-    std::visit(
-        [&](auto& figures) {
-          figures.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
-          contact::write_json(figures, files.summary());
-        },
-        summary);
-  }
+  files.commit(summary);
   if (!options.write_scene.empty()) write_scene(impact->scene, options.write_scene);
-  if (!replaced.empty() && replaced != impact->scene.title)
-    console.warn(fmt::format(
-        "the files of the run \"{}\" were replaced: its title gives the names {}.* too. Choose titles that "
-        "differ in letters or digits of ASCII, or another --out",
-        replaced, scene::slug(impact->scene.title)));
+  std::visit(
+      [&](auto& figures) {
+        figures.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+        contact::write_json(figures, files.summary());
+      },
+      summary);
   console.end(files.result().filename().string());
   console.total();
 

@@ -7,12 +7,8 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 
-#include <atomic>
-#include <chrono>
 #include <csignal>
 #include <functional>
-#include <thread>
-#include <vector>
 
 #include "base/hdf5_writer.hpp"
 #include "tests/kernels/sample.hpp"
@@ -125,25 +121,6 @@ TEST(Writer, on_a_full_disk_throws_and_lets_the_program_end) {
   };
   EXPECT_EXIT(fill(), testing::ExitedWithCode(0), "^$");
   EXPECT_EQ(folder.entries(), 0U);
-}
-
-TEST(FolderLock, lets_one_at_a_time_write_and_leaves_no_file) {
-  const Folder folder;
-  std::atomic<int> inside = 0, most = 0, done = 0;
-  std::vector<std::thread> writers;
-  for (int k = 0; k < 4; ++k)
-    writers.emplace_back([&] {
-      const FolderLock alone(folder / "");
-      most = std::max<int>(most, ++inside);  // written by one at a time, or the test fails
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
-      --inside;
-      ++done;
-    });
-  for (std::thread& writer : writers) writer.join();
-  EXPECT_EQ(most, 1);
-  EXPECT_EQ(done, 4);
-  EXPECT_EQ(folder.entries(), 0U);
-  const FolderLock nowhere(folder / "none");  // what cannot be locked is not waited for
 }
 
 }  // namespace atomic_file_test

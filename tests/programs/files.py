@@ -8,14 +8,12 @@ import os
 import pathlib
 import resource
 import shutil
-import subprocess
-import tomllib
 import unittest
 
 import h5py
 import numpy as np
 
-from programs import BIN, MESHES, Command, ProgramTest, Run, contact, impact, limited, settings
+from programs import BIN, MESHES, Command, ProgramTest, Run, impact, limited
 
 from ricochet import files
 
@@ -226,32 +224,6 @@ class Files(ProgramTest):
         with open("/dev/full", "w") as full:
             run = Run([BIN / "ricochet", *command], stdout=full)
         self.refused(run, status=1)
-
-    def test_runs_at_once_with_one_title_do_not_mix_their_files(self):
-        speeds = (60, 80, 100)
-        for _ in range(3):
-            start = [BIN / "ricochet-contact", SCENE, "--out", self.out, "--quiet"]
-            runs = [
-                subprocess.Popen(
-                    [*start, *settings([*SETS, f"bodies.moving.velocity=[{v},0,0]"])],
-                    stderr=subprocess.DEVNULL,
-                )
-                for v in speeds
-            ]
-            self.assertEqual([run.wait() for run in runs], [0, 0, 0])
-            with h5py.File(self.result) as file:
-                scene = tomllib.loads(file.attrs["scene"])
-            speed = scene["bodies"]["moving"]["velocity"][0]
-            self.assertIn(speed, speeds)
-            self.assertAlmostEqual(
-                self.summary(self.out)["episodes"][0]["approach_m_per_s"], speed, delta=1e-6 * speed
-            )
-
-    def test_a_run_that_replaces_the_files_of_another_title_reports_it(self):
-        same = contact(SCENE, self.out, *SETS)
-        self.assertNotIn("were replaced", self.succeed(same).err)
-        other = contact(SCENE, self.out, *SETS, 'title="Rods!"')
-        self.assertIn('the files of the run "rods" were replaced', self.succeed(other).err)
 
     def test_what_killed_writers_left_goes_and_what_living_ones_write_stays(self):
         left, living, other = (
