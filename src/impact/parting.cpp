@@ -11,7 +11,7 @@
 namespace ricochet::impact {
 namespace {
 
-constexpr std::int64_t longer = 20, most_under_loads = 20'000, fewest_without_force = 10;
+constexpr std::int64_t longer = 20, enough_steps = 20'000, fewest_without_force = 10;
 constexpr double share_without_force = 0.1;
 
 bool is_pressed(const scene::Scene& scene) {
@@ -28,21 +28,21 @@ double rounded_up(double value) {
 
 }  // namespace
 
-std::optional<double> parting(const Impact& impact, const contact::Stepper& stepper,
+std::optional<double> parting(const Impact& impact, contact::Stepper& stepper,
                               contact::FigureObserver figures) {
   // Sampled responses end with the run, and bodies that turn under loads come to rest on others.
   if (impact.table || (impact.scene.motion.is_finite() && is_pressed(impact.scene))) return std::nullopt;
-  const std::int64_t most =
-      is_pressed(impact.scene) ? std::min(impact.steps, most_under_loads) : longer * impact.steps;
-  const std::unique_ptr<contact::Stepper> copy = stepper.clone();
-  const std::int64_t end = copy->steps() + most;
-  const double step = copy->options().step, start = figures.figures().contact_start_s.value_or(0);
-  double last = copy->time();
-  while (copy->steps() < end && copy->step() == StepStatus::ok) {
-    figures.observe(*copy);
-    if (figures.touching()) last = copy->time();
+  const std::int64_t most = is_pressed(impact.scene)
+                                ? std::min(impact.steps, enough_steps)
+                                : std::min(longer * impact.steps, std::max(impact.steps, enough_steps));
+  const std::int64_t end = stepper.steps() + most;
+  const double step = stepper.options().step, start = figures.figures().contact_start_s.value_or(0);
+  double last = stepper.time();
+  while (stepper.steps() < end && stepper.step() == StepStatus::ok) {
+    figures.observe(stepper);
+    if (figures.touching()) last = stepper.time();
     const double quiet = std::max(share_without_force * (last - start), fewest_without_force * step);
-    if (copy->time() < last + quiet) continue;
+    if (stepper.time() < last + quiet) continue;
     // A ringing body touches several times before it rebounds.
     if (figures.figures().restitution.value_or(1) > 0) return last + quiet;
   }
@@ -59,9 +59,7 @@ std::string ends_in_contact(const scene::Scene& scene, const contact::Summary& s
                                    "{:.2g}",
                                    *summary.parted_s, rounded_up(*summary.parted_s)));
   if (is_pressed(scene) || scene.contact.kernel == scene::ContactKernel::table) return "";
-  return fmt::format(
-      fmt::runtime(what),
-      fmt::format("they do not part within {} times this duration. See the motion", longer + 1));
+  return fmt::format(fmt::runtime(what), "they do not part soon afterwards. Set a longer time.duration");
 }
 
 }  // namespace ricochet::impact

@@ -12,13 +12,14 @@
 
 namespace ricochet::impact {
 
-/// Steps a copy of `stepper` on until there was no force for a tenth of the time since contact began and the
+/// Steps on, beyond the run, until there was no force for a tenth of the time since contact began and the
 /// bodies move apart, and returns this time, at which the run would know its rebound [s]. No value if bodies
-/// do not part within 20 times the steps of the run; under loads, which may press them together for good,
-/// within its steps and 20 000 of them; with sampled responses, and for bodies that turn under loads.
+/// do not part within as many steps as the run has or, if these are few, within 20 000 and 20 times those of
+/// the run; under loads, which may press them together for good, within its steps and 20 000 of them; with
+/// sampled responses, and for bodies that turn under loads.
 ///
 /// @param figures  of the run
-std::optional<double> parting(const Impact& impact, const contact::Stepper& stepper,
+std::optional<double> parting(const Impact& impact, contact::Stepper& stepper,
                               contact::FigureObserver figures);
 
 /// The warning of a run that ends while bodies touch which part afterwards, or which nothing presses

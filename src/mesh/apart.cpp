@@ -69,9 +69,13 @@ double from_environment(const char* name, double otherwise) {
   return value;
 }
 
+/// What gmsh may take in any case [MiB]. Whether the matrices of the mesh fit is judged before they are
+/// assembled, with their figures.
+constexpr double least_mib = 256;
+
 Limits current_limits() {
-  return {std::min(base::available_bytes(),
-                   base::mib * from_environment("RICOCHET_MESH_MIB", base::available_bytes() / base::mib)),
+  return {base::mib *
+              from_environment("RICOCHET_MESH_MIB", std::max(base::available_bytes() / base::mib, least_mib)),
           from_environment("RICOCHET_MESH_SECONDS", 3600)};
 }
 
