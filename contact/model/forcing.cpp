@@ -183,9 +183,8 @@ void refuse_sag(const Model& model) {
     if (depth - sudden > 0 || one.support) continue;
     throw InputError(base::format(
         "loads: \"{}\" begins with the factor {:.6g} at t = 0, and a sudden load presses its points {:.6g} m "
-        "into "
-        "what they touch before contact can answer. Begin its history with 0, and let it rise within a step "
-        "of time.contact_rate_hz.",
+        "into what they touch before contact can answer. Begin its history with 0, and let it rise within a "
+        "step of time.contact_rate_hz.",
         one.name, one.history.at(0), depth));
   }
   for (const Model::PairBlock& pair : model.pairs)

@@ -86,8 +86,7 @@ void check_kind(const std::filesystem::path& file) {
         fmt::format("{}: is {}, which gmsh does not read: {}", name, other->software, other->advice));
   throw InputError(
       fmt::format("{}: \"{}\" is no kind of mesh or drawing that gmsh reads: name a .geo, .msh, .step, "
-                  ".brep, .iges, .unv, "
-                  ".mesh, .bdf or .vtk",
+                  ".brep, .iges, .unv, .mesh, .bdf or .vtk",
                   name, ending));
 }
 

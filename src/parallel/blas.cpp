@@ -22,8 +22,7 @@ bool uses(Names... names) {
   return ((std::strcmp(openblas_get_corename(), names) == 0) || ...);
 }
 
-/// Routines for more of the processor's instructions than those in use; null: there are none. OpenBLAS knows
-/// processors by their models, and takes for a newer one what suits the oldest of its family.
+/// Routines for more of the processor's instructions than those in use; null: there are none.
 const char* better_routines() {
   const bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
                       __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"),

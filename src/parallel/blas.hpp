@@ -8,9 +8,9 @@ namespace ricochet::parallel {
 /// OPENBLAS_CORETYPE set if its routines leave AVX-512 or AVX2 of the processor unused. Settings of the
 /// environment take precedence.
 ///
-/// OpenBLAS 0.3.21 of Debian 12 identifies processors by their model numbers. For those released later, it
-/// falls back to "Prescott" (2004), with which matrix products take three times as long and factorisations
-/// twice as long, or to "Haswell" on AMD's processors with AVX-512.
+/// OpenBLAS 0.3.21 of Debian 12 identifies processors by their model numbers, and may fall back to routines
+/// for older ones on those released later: with "Prescott" (2004), matrix products take three times as long,
+/// and factorisations twice as long.
 void prepare_blas();
 
 }  // namespace ricochet::parallel
