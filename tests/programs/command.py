@@ -75,6 +75,12 @@ class Words(ProgramTest):
         self.assertEqual((self.folder / "ranks").read_text(), "3\n")
         self.assertEqual(len(list(self.folder.glob("*.kernel.h5"))), 2)
 
+    def test_one_rank_makes_no_folder_of_open_mpi_which_others_could_remove_meanwhile(self):
+        occupied = self.folder / "file"
+        occupied.touch()  # Open MPI would make its folder below $TMPDIR
+        command = ["env", f"TMPDIR={occupied}", BIN / "ricochet-kernel", MESHES / "two-rods/two-rods.toml"]
+        self.succeed(Run([*command, "--out", self.folder, "--set", "modes.count=5", "--quiet"]))
+
 
 class Modes(ProgramTest):
     """The table of modes compared with the data of the kernel, by another formula for each column."""
