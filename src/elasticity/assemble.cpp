@@ -8,6 +8,7 @@
 
 #include "src/elasticity/element.hpp"
 #include "src/elasticity/pattern.hpp"
+#include "src/mesh/element_shape.hpp"
 
 namespace ricochet::elasticity {
 
@@ -77,6 +78,20 @@ Vector3 node_position(const Mesh& mesh, std::size_t local) {
   return {mesh.position[3 * local], mesh.position[3 * local + 1], mesh.position[3 * local + 2]};
 }
 
+/// Whether an element is inverted that would not be with straight edges.
+bool only_bent(const Mesh& mesh, const Block& block, std::size_t element) {
+  const mesh::ElementShape shape(block.gmsh_type);
+  if (!shape.can_bend()) return false;
+  mesh::Positions at(block.nodes_per_element, 3);
+  for (int a = 0; a < block.nodes_per_element; ++a) {
+    const auto node =
+        block.node[element * static_cast<std::size_t>(block.nodes_per_element) + static_cast<std::size_t>(a)];
+    const Vector3 x = node_position(mesh, static_cast<std::size_t>(node));
+    at.row(a) << x[0], x[1], x[2];
+  }
+  return !shape.is_inverted(shape.straight(at));
+}
+
 }  // namespace
 
 Body assemble(const Mesh& mesh, const std::vector<scene::Material>& materials, const std::string& file,
@@ -112,9 +127,9 @@ Body assemble(const Mesh& mesh, const std::vector<scene::Material>& materials, c
         const Vector3 x = node_position(mesh, static_cast<std::size_t>(nodes[0]));
         complaint = fmt::format(
             "{}: element {} near ({:.4g}, {:.4g}, {:.4g}) m is inverted or flat (its Jacobian is not "
-            "positive): repair the "
-            "mesh (gmsh: Tools > Optimize, or a smaller element size) or lower the element order",
-            file, block.tag[e], x[0], x[1], x[2]);
+            "positive): repair the mesh (gmsh: Tools > Optimize, or a smaller element size){}",
+            file, block.tag[e], x[0], x[1], x[2],
+            only_bent(mesh, block, e) ? " or lower the element order" : "");
         break;
       }
       body.wave_speed = std::max(body.wave_speed, std::sqrt(given.young / given.density));

@@ -22,6 +22,7 @@
 
 #include "base/memory.hpp"
 #include "src/mesh/child.hpp"
+#include "src/mesh/file_kinds.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/transport.hpp"
 
@@ -133,9 +134,10 @@ InputError no_answer(const scene::Body& body, const Ending& ending, const Limits
     what = fmt::format("ended before there was a mesh{}",
                        body.mesh.extension() == ".geo" ? " (by Exit or Abort?)" : "");
   const char* const remedy =
-      signal == 0 && !ending.stuck
-          ? "remove what ends it from the file"
-          : "choose other element sizes, repair the geometry, or mesh it elsewhere and name its .msh";
+      signal == 0 && !ending.stuck ? "remove what ends it from the file"
+      : is_drawing(body.mesh)
+          ? "choose other element sizes, repair the geometry, or mesh it elsewhere and name its .msh"
+          : "convert it to .msh, for example with meshio";
   return gmsh_error(file, fmt::format("{}{}: {}", what, said, remedy));
 }
 

@@ -15,9 +15,9 @@ namespace ricochet::mesh {
 
 namespace {
 
-/// Kinds that gmsh 4.8 of Debian reads.
-constexpr std::array known{".geo", ".geo_unrolled", ".msh", ".step", ".stp", ".brep", ".iges",
-                           ".igs", ".stl",          ".unv", ".mesh", ".bdf", ".nas",  ".vtk"};
+// Kinds that gmsh 4.8 of Debian reads.
+constexpr std::array drawings{".geo", ".geo_unrolled", ".step", ".stp", ".brep", ".iges", ".igs"};
+constexpr std::array meshes{".msh", ".stl", ".unv", ".mesh", ".bdf", ".nas", ".vtk"};
 
 constexpr const char* by_meshio = "convert it to .msh, for example with meshio";
 constexpr const char* by_export = "export it from there as .step";
@@ -73,12 +73,21 @@ constexpr Foreign others[] = {
     {".dxf", "a drawing of AutoCAD", by_export},
 };
 
-}  // namespace
-
-void check_kind(const std::filesystem::path& file) {
+std::string ending_of(const std::filesystem::path& file) {
   std::string ending = file.extension().string();
   std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  if (std::ranges::find(known, ending) != known.end()) return;
+  return ending;
+}
+
+}  // namespace
+
+bool is_drawing(const std::filesystem::path& file) {
+  return std::ranges::count(drawings, ending_of(file)) > 0;
+}
+
+void check_kind(const std::filesystem::path& file) {
+  const std::string ending = ending_of(file);
+  if (is_drawing(file) || std::ranges::count(meshes, ending) > 0) return;
   const std::string name = file.filename().string();
   const auto* const other = std::ranges::find(others, ending, &Foreign::ending);
   if (other != std::end(others))

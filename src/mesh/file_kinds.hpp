@@ -10,4 +10,7 @@ namespace ricochet::mesh {
 /// language. The message names the software that reads the file.
 void check_kind(const std::filesystem::path& file);
 
+/// Whether the file is of a kind of geometry, which gmsh meshes, and not a mesh.
+bool is_drawing(const std::filesystem::path& file);
+
 }  // namespace ricochet::mesh

@@ -46,7 +46,8 @@ void pass_bytes(MPI_Comm comm, const void* out, std::size_t out_bytes, int to, v
 
 Session::Session() {
   // A program without mpirun would start a daemon of Open MPI, which it does not need: it starts no further
-  // ranks. It also needs no folder for talking to them, and MPI_Init fails if two programs make theirs at once.
+  // ranks. It also needs no folder for talking to them, and MPI_Init fails if two programs make theirs at
+  // once.
   if (getenv("PMIX_RANK") == nullptr) {
     setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
     setenv("OMPI_MCA_orte_create_session_dirs", "0", 0);

@@ -285,7 +285,17 @@ TEST(Elements, that_are_inverted_are_refused_by_all_ranks_with_tag_and_place) {
                       block.tag[0], x[0], x[1], x[2]);
       parallel::broadcast(mesh.comm, words);
       EXPECT_THAT(test::complaint_of([&] { elasticity::assemble(mesh, {material(2, 3)}, "part.msh"); }),
-                  AllOf(HasSubstr(words), HasSubstr("repair the mesh")));
+                  AllOf(HasSubstr(words), HasSubstr("repair the mesh"), Not(HasSubstr("order"))));
+      // Mirrored back, and then with one edge bent through the element.
+      for (std::size_t i = 0; i < mesh.node.size(); ++i) place(mesh, i)[2] *= -1;
+      if (order == 2) {
+        const auto corner = place(mesh, static_cast<std::size_t>(block.node[0]));
+        const auto opposite = place(mesh, static_cast<std::size_t>(block.node[3]));
+        place(mesh, static_cast<std::size_t>(block.node[std::string(kind) == "tet" ? 4 : 8])) =
+            corner + 3 * (opposite - corner);
+        EXPECT_THAT(test::complaint_of([&] { elasticity::assemble(mesh, {material(2, 3)}, "part.msh"); }),
+                    HasSubstr("or lower the element order"));
+      }
       // Flat.
       for (std::size_t i = 0; i < mesh.node.size(); ++i) place(mesh, i)[2] = 0;
       EXPECT_THAT(test::complaint_of([&] { elasticity::assemble(mesh, {material(2, 3)}, "part.msh"); }),
