@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "contact/api/simulation_impl.hpp"
-#include "contact/stepping/run_steps.hpp"
 #include "kernels/read.hpp"
 #include "kernels/write.hpp"
 
@@ -45,7 +44,7 @@ StepStatus Simulation::step() noexcept {
   StepStatus status = StepStatus::ok;
   do {
     status = impl_->stepper->step();
-    if (status == StepStatus::ok) impl_->add_force();
+    if (status == StepStatus::ok) impl_->made_step();
   } while (status == StepStatus::ok && !impl_->stepper->at_sample());
   return status;
 }
@@ -61,12 +60,14 @@ BlockResult Simulation::step_block(std::int64_t steps, const Block& out) noexcep
     impl_->write_velocities(out, heard, stepper.steps() - first);
     heard = stepper.steps() - first;
   };
-  stepper.keep(out.displacement != nullptr, out.velocity != nullptr);
-  StepStatus status = contact::run_steps(stepper, steps * per_sample, [&](std::int64_t) {
-                        impl_->add_force();
-                        if (stepper.at_sample()) impl_->write_forces(out, made() - 1);
-                        if (stepper.pending() == 0) hear();
-                      }).status;
+  stepper.keep(out.displacement != nullptr || impl_->watch, out.velocity != nullptr);
+  StepStatus status = StepStatus::ok;
+  for (bool goes_on = true; goes_on && made() < steps;) {
+    if ((status = stepper.step()) != StepStatus::ok) break;
+    goes_on = impl_->made_step();
+    if (stepper.at_sample()) impl_->write_forces(out, made() - 1);
+    if (stepper.pending() == 0) hear();
+  }
   if (stepper.catch_up() != StepStatus::ok) status = StepStatus::not_finite;
   hear();
   stepper.keep(true, false);
@@ -101,6 +102,12 @@ double Simulation::pickup_displacement(std::size_t pickup) const noexcept {
   return impl_->pickups.row(row).dot(impl_->stepper->modal()->q) + impl_->displacement_of_supports(row);
 }
 
+void Simulation::on_contact(OnContact callback, void* user) noexcept {
+  impl_->on_contact = callback;
+  impl_->user = user;
+  impl_->touched = false;
+}
+
 Vector3 Simulation::mean_velocity(std::size_t number) const noexcept {
   const int body = impl_->body_of(number);
   if (body < 0) return missing;
@@ -117,11 +124,36 @@ BodyMotion Simulation::body_motion(std::size_t number) const noexcept {
   return {array(pose.position), {q.w(), q.x(), q.y(), q.z()}, array(pose.velocity), array(pose.spin)};
 }
 
+std::size_t Simulation::modes(std::size_t number) const noexcept {
+  const int body = impl_->body_of(number);
+  return body < 0 ? 0 : static_cast<std::size_t>(impl_->model.bodies[static_cast<std::size_t>(body)].modes);
+}
+
+void Simulation::modal_coordinates(std::size_t number, double* displacement,
+                                   double* velocity) const noexcept {
+  const int body = impl_->body_of(number);
+  if (body < 0) return;
+  const contact::Bodies::Block& block = impl_->model.bodies[static_cast<std::size_t>(body)];
+  const auto copy = [&](const contact::Vector& of_all, double* out) {
+    if (out == nullptr) return;
+    std::copy_n(of_all.data() + block.first_mode, block.modes, out);
+    if (impl_->floating != nullptr) std::fill_n(out, block.frame_modes(), 0.0);
+  };
+  copy(impl_->stepper->modal()->q, displacement);
+  copy(impl_->stepper->modal()->v, velocity);
+}
+
 bool Simulation::push(std::size_t number, const Vector3& force, const Vector3& torque) noexcept {
   const int body = impl_->body_of(number);
   return body >= 0 &&
          impl_->stepper->push(body, {force[0], force[1], force[2]}, {torque[0], torque[1], torque[2]});
 }
+
+void Simulation::watch(std::span<const MaterialLimits> limits, double slowest_wave) {
+  impl_->begin_watch({limits.begin(), limits.end()}, slowest_wave);
+}
+
+std::vector<std::string> Simulation::warnings() const { return impl_->warnings(); }
 
 Energy Simulation::energy() const noexcept { return impl_->stepper->modal()->energy(); }
 

@@ -116,6 +116,15 @@ std::unique_ptr<Simulation::Impl> Simulation::Impl::changed(const std::vector<in
       out->of_row(to + i) = from + i < force.size() ? force(from + i) : rubbing(from + i - force.size());
   out->list_forced();
   out->turn_to_world();
+  out->on_contact = on_contact;
+  out->user = user;
+  out->touched = touched;
+  if (watch) {
+    std::vector<MaterialLimits> limits;
+    for (const int body : kept) limits.push_back(watch->limits[static_cast<std::size_t>(body)]);
+    out->begin_watch(std::move(limits), watch->slowest_wave);
+    out->watch->earlier = warnings();
+  }
   return out;
 }
 

@@ -88,6 +88,32 @@ void Simulation::Impl::add_force() noexcept {
   if (begins_sample) turn_to_world();
 }
 
+bool Simulation::Impl::made_step() {
+  if (watch) watch->observer.observe(*stepper);
+  add_force();
+  if (!stepper->at_sample() || on_contact == nullptr) return true;
+  const std::span<const Touching> now = find_touching();
+  const bool called = !now.empty() || touched;
+  touched = !now.empty();
+  return !called || on_contact(user, now);
+}
+
+std::vector<std::string> Simulation::Impl::warnings() const {
+  if (!watch) return {};
+  std::vector<std::string> out = watch->earlier;
+  for (std::string& warning : watch->observer.warnings())
+    if (std::ranges::count(out, warning) == 0) out.push_back(std::move(warning));
+  return out;
+}
+
+void Simulation::Impl::begin_watch(std::vector<MaterialLimits> limits, double slowest_wave) {
+  limits.resize(model.bodies.size());
+  const double step = stepper->options().step;
+  contact::SummaryObserver observer(model, step, slowest_wave, limits);
+  observer.begin(*stepper);
+  watch.emplace(std::move(limits), slowest_wave, std::move(observer));
+}
+
 double& Simulation::Impl::of_row(Eigen::Index row) noexcept {
   return row < force.size() ? force(row) : rubbing(row - force.size());
 }

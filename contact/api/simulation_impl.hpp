@@ -12,6 +12,7 @@
 
 #include "contact/api/scene_model.hpp"
 #include "contact/figures/rigid_motion.hpp"
+#include "contact/figures/summary_observer.hpp"
 #include "contact/stepping/floating_stepper.hpp"
 #include "ricochet/ricochet.hpp"
 
@@ -44,6 +45,9 @@ struct Simulation::Impl {
   void add_force() noexcept;
   double& of_row(Eigen::Index row) noexcept;
   void clear_forces() noexcept;
+
+  /// After a contact step that succeeded. @return false if the callback ends a block at this sample
+  bool made_step();
 
   /// Lists the rows that have a force, after the forces have been set.
   void list_forced() noexcept;
@@ -115,6 +119,20 @@ struct Simulation::Impl {
   std::vector<std::size_t> pair_number;  ///< of each pair of the model, in the scene
   std::vector<ContactPoint> points;
   std::vector<Touching> touching{};
+  OnContact on_contact = nullptr;
+  void* user = nullptr;
+  bool touched = false;  ///< whether points touched when on_contact was last called
+
+  /// Since Simulation::watch.
+  struct Watch {
+    std::vector<MaterialLimits> limits;  ///< by body of the model
+    double slowest_wave;
+    contact::SummaryObserver observer;
+    std::vector<std::string> earlier{};  ///< warnings with other bodies
+  };
+  void begin_watch(std::vector<MaterialLimits> limits, double slowest_wave);
+  std::optional<Watch> watch{};
+  std::vector<std::string> warnings() const;
 };
 
 }  // namespace ricochet

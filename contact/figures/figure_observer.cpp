@@ -23,14 +23,18 @@ FigureObserver::FigureObserver(MotionSource source, double step)
   if (source_.gap().size() > 0) closest_ = source_.gap().minCoeff(&closest_point_);
 }
 
-void FigureObserver::observe(const Stepper& stepper) {
-  std::swap(before_, now_);
+void FigureObserver::begin(const Stepper& stepper) {
   now_.time = stepper.time();
   now_.state = source_.state(stepper);
   if (source_.modes()) {
     now_.energy = stepper.modal()->energy();
     now_.rigid_energy = source_.rigid_energy(stepper);
   }
+}
+
+void FigureObserver::observe(const Stepper& stepper) {
+  std::swap(before_, now_);
+  begin(stepper);
   touched_ = std::exchange(touching_, (stepper.force().head(stepper.points()).array() > 0).any());
   // Displacements of all points of bodies that turn take longer than a step, and nothing is pressed in
   // flight.

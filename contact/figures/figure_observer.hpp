@@ -14,6 +14,9 @@ class FigureObserver {
   /// @param step  Δ [s]
   FigureObserver(MotionSource source, double step);
 
+  /// Begins where a stepper is, after steps that were not observed.
+  void begin(const Stepper& stepper);
+
   /// Call it after each step or flight.
   void observe(const Stepper& stepper);
 

@@ -12,14 +12,9 @@
 #include <vector>
 
 #include "contact/model/model.hpp"
+#include "ricochet/material_limits.hpp"
 
 namespace ricochet::contact {
-
-/// Limits of the weakest material of a body.
-struct MaterialLimits {
-  double young = 0;  ///< smallest E [Pa]; 0: unknown
-  double yield = 0;  ///< smallest stress at which one yields [Pa]; 0: unknown
-};
 
 class PressureCheck {
  public:

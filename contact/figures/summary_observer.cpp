@@ -96,11 +96,8 @@ Summary SummaryObserver::summary() const {
     }
     if (acceleration_) out.acceleration = acceleration_->peaks();
     out.neglected = checks_->neglected();
-    out.warnings = checks_->warnings(out);
-    if (stress_) {
-      out.stress = stress_->peaks();
-      std::ranges::move(stress_->warnings(), std::back_inserter(out.warnings));
-    }
+    out.warnings = warnings(out);
+    if (stress_) out.stress = stress_->peaks();
     if (out.contact_end_s) add_band(out);
   }
   if (!out.contact_start_s)
@@ -108,6 +105,13 @@ Summary SummaryObserver::summary() const {
         "nothing touched: the smallest distance of a pair of points was {:.4g} m. Check velocity, gap, "
         "gravity and duration, and whether contact names the surfaces that meet",
         figures_.closest()));
+  return out;
+}
+
+std::vector<std::string> SummaryObserver::warnings(const ImpactFigures& figures) const {
+  std::vector<std::string> out;
+  if (checks_) out = checks_->warnings(figures);
+  if (stress_) std::ranges::move(stress_->warnings(), std::back_inserter(out));
   return out;
 }
 

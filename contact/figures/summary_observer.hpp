@@ -25,12 +25,16 @@ class SummaryObserver {
   SummaryObserver(const MotionSource& source, double step, double wave_speed,
                   std::vector<MaterialLimits> limits = {});
 
+  /// Begins where a stepper is, after steps that were not observed.
+  void begin(const Stepper& stepper) { figures_.begin(stepper); }
   void observe(const Stepper& stepper);
 
   /// With linear rotations; 0 with finite ones, and with sampled responses.
   FarthestTurn farthest_turn() const { return checks_ ? checks_->farthest_turn() : FarthestTurn{}; }
 
   const FigureObserver& figures() const { return figures_; }
+  /// What is doubtful in the steps so far, whether or not more follow.
+  std::vector<std::string> warnings() const { return warnings(figures_.figures()); }
   /// The caller must set the elapsed times.
   Summary summary() const;
 
@@ -38,6 +42,7 @@ class SummaryObserver {
   void observe_friction(const Model& model, const Stepper& stepper);
   void observe_energy(const Energy& energy);
   void add_band(Summary& out) const;
+  std::vector<std::string> warnings(const ImpactFigures& figures) const;
 
   FigureObserver figures_;
   std::optional<RunChecks> checks_;                   ///< with modes

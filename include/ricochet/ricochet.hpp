@@ -30,6 +30,7 @@
 #include "ricochet/energy.hpp"
 #include "ricochet/error.hpp"
 #include "ricochet/kernel.hpp"
+#include "ricochet/material_limits.hpp"
 #include "ricochet/scene.hpp"
 #include "ricochet/step_status.hpp"
 
@@ -80,9 +81,15 @@ struct Block {
 };
 
 struct BlockResult {
-  std::int64_t steps = 0;  ///< steps made; fewer than requested only if the status is not ok
+  std::int64_t steps =
+      0;  ///< steps made; fewer than requested if the status is not ok, or OnContact ended it
   StepStatus status = StepStatus::ok;
 };
+
+/// Is called after each step in which points touch, and, without points, after the first step in which none
+/// touches any more. Returns whether a block of steps goes on. Must not step, restore or change the
+/// simulation.
+using OnContact = bool (*)(void* user, std::span<const Touching> contacts);
 
 /// Bodies in motion. The constructor computes and allocates all constant data. Functions that are noexcept
 /// neither allocate nor lock nor call the system, so they may run in an audio callback. Use each simulation
@@ -119,6 +126,9 @@ class Simulation {
   /// The points with a force in the last step. Valid until the next call.
   std::span<const Touching> contacts() noexcept;
 
+  /// Calls `callback` from now on, in the thread that steps; null: no longer. @param user  is passed to it
+  void on_contact(OnContact callback, void* user = nullptr) noexcept;
+
   std::size_t pickups() const noexcept;  ///< p
   /// Motion of the modes at the end of the last step, with the motion that supports give them and without the
   /// static correction. With finite rotations, that of the point of the body that turns, along the direction
@@ -150,11 +160,29 @@ class Simulation {
   /// Throws a one-line InputError if it is not there, or if rotations are linear.
   void remove(std::size_t body);
 
+  /// Number of modes of the kernel of a body; 0 if it has been removed.
+  std::size_t modes(std::size_t body) const noexcept;
+  /// Coordinates of the modes of its kernel at the end of the last step, in their order, without the motion
+  /// that supports give: the displacement of the body is Σ shape_n · displacement_n plus the static
+  /// correction. The first modes are those of the rigid body, which with finite rotations are 0: body_motion
+  /// has them. Modes above half the rate respond statically and are 0.
+  /// @param displacement, velocity  (modes) [kg^1/2 m], [kg^1/2 m/s]; null if not requested
+  void modal_coordinates(std::size_t body, double* displacement, double* velocity) const noexcept;
+
   std::span<const std::size_t> bodies() const noexcept;  ///< numbers of those that are there, ascending
   /// The number of a body that is there; no value: none has this name.
   std::optional<std::size_t> find(std::string_view name) const noexcept;
   /// The name of a body that is there; otherwise "".
   std::string_view name(std::size_t body) const noexcept;
+
+  /// Judges the run from here on, as that of an impact is judged: whether bodies turn too far, approach too
+  /// fast, yield, meet where no candidates are, or have too few of them. Steps then allocate and are slower,
+  /// so they must not run in an audio callback. Call it again to begin anew.
+  /// @param limits        by index into Scene::bodies; empty: unknown
+  /// @param slowest_wave  smallest √(E/ρ) of the bodies [m/s]; 0: unknown
+  void watch(std::span<const MaterialLimits> limits = {}, double slowest_wave = 0);
+  /// What is doubtful in the steps since `watch`, one line each; empty without it.
+  std::vector<std::string> warnings() const;
 
   Energy energy() const noexcept;
   int quasi_static_modes() const noexcept;  ///< modes above half the rate, which respond statically

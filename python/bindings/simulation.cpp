@@ -5,9 +5,11 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <exception>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "contact/api/scene_model.hpp"
 #include "python/bindings/arrays.hpp"
@@ -52,7 +54,7 @@ Scene scene_of(const scene::Scene& scene, const std::vector<Kernel>& kernels,
 
 /// Lets one thread at a time change a simulation, and others read it between its blocks of steps. Members
 /// that say so need the GIL, which makes the flag exclusive; the mutex is taken without it only, so that no
-/// thread waits for the mutex while another one waits for the GIL.
+/// thread waits for the mutex while another one waits for the GIL. A callback of a step may read.
 class Turns {
  public:
   /// A change, from here to the end of its life. Needs the GIL. Throws std::runtime_error if another thread
@@ -92,7 +94,7 @@ class Turns {
 
  private:
   bool changes_ = false;
-  std::mutex mutex_;
+  std::recursive_mutex mutex_;
 };
 
 class Stepper {
@@ -115,18 +117,22 @@ class Stepper {
   }
 
   /// Makes the steps and writes a row for each into the requested arrays. Throws the error of a step that
-  /// fails.
-  void step_block(std::int64_t steps, std::optional<Rows>& velocity, std::optional<Rows>& total_force,
-                  std::optional<Rows>& force, std::optional<Rows>& displacement,
-                  std::optional<Rows>& tangential_force) {
+  /// fails, or of the callback. @return the number of steps, fewer than requested if the callback ended them
+  std::int64_t step_block(std::int64_t steps, std::optional<Rows>& velocity, std::optional<Rows>& total_force,
+                          std::optional<Rows>& force, std::optional<Rows>& displacement,
+                          std::optional<Rows>& tangential_force) {
     const Turns::Change own(turns_);
     const auto data = [](std::optional<Rows>& rows) { return rows ? rows->mutable_data() : nullptr; };
     Block out{data(velocity), data(total_force), data(force), data(displacement), data(tangential_force)};
     const auto points = static_cast<std::int64_t>(simulation_.points().size()),
                pickups = static_cast<std::int64_t>(simulation_.pickups());
-    for (std::int64_t made = 0; made < steps; made += longest_block) {
-      const std::int64_t count = std::min(steps - made, longest_block);
-      check(turns_.unlocked([&] { return simulation_.step_block(count, out).status; }));
+    std::int64_t made = 0;
+    for (std::int64_t count = 0; made < steps; made += count) {
+      count = std::min(steps - made, longest_block);
+      const BlockResult result = turns_.unlocked([&] { return simulation_.step_block(count, out); });
+      rethrow();
+      check(result.status);
+      if (result.steps < count) return made + result.steps;
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
       const auto advance = [count](double*& rows, std::int64_t columns) {
         if (rows != nullptr) rows += count * columns;
@@ -137,11 +143,28 @@ class Stepper {
       advance(out.displacement, points);
       advance(out.tangential_force, 3 * points);
     }
+    return made;
   }
 
   void step() {
     const Turns::Change own(turns_);
-    check(turns_.unlocked([&] { return simulation_.step(); }));
+    const StepStatus status = turns_.unlocked([&] { return simulation_.step(); });
+    rethrow();
+    check(status);
+  }
+
+  /// @param callback  called with the time and the list of contacts(); None: no longer
+  void on_contact(const py::object& callback) {
+    const Turns::Change own(turns_);
+    callback_ = callback;
+    simulation_.on_contact(callback.is_none() ? nullptr : &Stepper::call, this);
+  }
+
+  void watch() {
+    change([&](Simulation& simulation) {
+      simulation.watch(impact::limits_of(scene_), impact::slowest_wave(scene_));
+      return 0;
+    });
   }
 
   /// @param friction  null, or its three numbers
@@ -184,22 +207,54 @@ class Stepper {
 
   /// Names, number of the point, place, normal and force of each point that touches.
   py::list contacts() {
-    return read([](Simulation& simulation) {
-      py::list out;
-      for (const Touching& one : simulation.contacts()) {
-        out.append(py::make_tuple(one.between[0], one.between[1], one.point, copy(one.place),
-                                  copy(one.normal), copy(one.force)));
-      }
-      return out;
+    return read([](Simulation& simulation) { return listed(simulation.contacts()); });
+  }
+
+  /// (displacement, velocity) of the modes of a body.
+  py::tuple modal_coordinates(const std::string& name) {
+    return read([&](const Simulation& simulation) {
+      const std::size_t body = number_of(name);
+      py::array_t<double> displacement(length(simulation.modes(body))), velocity(displacement.size());
+      simulation.modal_coordinates(body, displacement.mutable_data(), velocity.mutable_data());
+      return py::make_tuple(displacement, velocity);
     });
   }
 
  private:
+  static py::list listed(std::span<const Touching> contacts) {
+    py::list out;
+    for (const Touching& one : contacts)
+      out.append(py::make_tuple(one.between[0], one.between[1], one.point, copy(one.place), copy(one.normal),
+                                copy(one.force)));
+    return out;
+  }
+
+  /// Calls the callback during a step, without the GIL at first. An exception ends the block, which rethrows
+  /// it.
+  static bool call(void* self, std::span<const Touching> contacts) {
+    auto& stepper = *static_cast<Stepper*>(self);
+    const py::gil_scoped_acquire gil;
+    try {
+      const py::object answer = stepper.callback_(stepper.simulation_.time(), listed(contacts));
+      return answer.is_none() || answer.cast<bool>();
+    } catch (...) {
+      stepper.raised_ = std::current_exception();
+      return false;
+    }
+  }
+
+  /// Throws what the callback has thrown. Needs the GIL.
+  void rethrow() {
+    if (raised_) std::rethrow_exception(std::exchange(raised_, nullptr));
+  }
+
   void check(StepStatus status) { impact::check(status, scene_, simulation_.time()); }
 
   scene::Scene scene_;
   Simulation simulation_;
   Turns turns_;
+  py::object callback_ = py::none();
+  std::exception_ptr raised_{};
 };
 
 /// A vector of every contact point as an array (m,3).
@@ -321,6 +376,7 @@ void bind_simulation(py::module_& module) {
   property("pickup_displacement",
            [](const Simulation& s) { return pickups(s, &Simulation::pickup_displacement); });
   property("energy", &energy);
+  property("warnings", [](const Simulation& s) { return s.warnings(); });
   property("quasi_static_modes", [](const Simulation& s) { return s.quasi_static_modes(); });
   stepper.def("add", &Stepper::add)
       .def("remove", &Stepper::remove)
@@ -331,7 +387,10 @@ void bind_simulation(py::module_& module) {
     return py::make_tuple(copy(motion.position), copy(motion.attitude), copy(motion.velocity),
                           copy(motion.spin));
   });
-  stepper.def("contacts", &Stepper::contacts);
+  stepper.def("contacts", &Stepper::contacts)
+      .def("on_contact", &Stepper::on_contact)
+      .def("modal_coordinates", &Stepper::modal_coordinates)
+      .def("watch", &Stepper::watch);
   stepper.def(
       "push", [](Stepper& self, const std::string& body, const Vector3& force, const Vector3& torque) {
         return self.change([&](Simulation& s) { return s.push(self.number_of(body), force, torque); });

@@ -3,10 +3,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields
 from functools import cached_property
 from os import PathLike
+from typing import Any
 
 import numpy as np
 
@@ -54,6 +55,14 @@ class Contact:
 
 
 @dataclass(frozen=True)
+class ModalCoordinates:
+    """Coordinates of the modes of one body, in the order of its kernel."""
+
+    displacement: Floats  #: (N) [kg^1/2 m]
+    velocity: Floats  #: (N) [kg^1/2 m/s]
+
+
+@dataclass(frozen=True)
 class Block:
     """Rows for n steps, with m contact points and p pickups."""
 
@@ -77,6 +86,10 @@ class Energy:
     total: float  #: kinetic + strain + residual − loads
     friction: float = 0.0  #: heat of friction so far
     added: float = 0.0  #: part of loads: what added bodies brought, less what removed ones took away
+
+
+def _contacts(rows: list[tuple[str, str, int, Floats, Floats, Floats]]) -> list[Contact]:
+    return [Contact((a, b), point, place, normal, force) for a, b, point, place, normal, force in rows]
 
 
 class State:
@@ -144,7 +157,7 @@ class Simulation:
     ) -> Block:
         """Makes many steps. They equal, to the last bit, those of `step` in a loop, but are much faster.
         Other threads can run meanwhile, and Ctrl-C ends the block. If a step fails, raises the same errors as
-        `step`.
+        `step`. A callback of `on_contact` may end the block: the rows are those of the steps made.
 
         force, displacement, tangential_force: whether to return those of each point as well. Displacements slow
         the steps down.
@@ -159,15 +172,22 @@ class Simulation:
             np.empty((steps, points)) if displacement else None,
             np.empty((steps, points, 3)) if tangential_force else None,
         )
-        self._core.step_block(
-            steps,
-            block.velocity,
-            block.total_force,
-            block.force,
-            block.displacement,
-            block.tangential_force,
-        )
-        return block
+        rows: list[Any] = [getattr(block, field.name) for field in fields(Block)]
+        made = self._core.step_block(steps, *rows)
+        rows = [row if row is None else row[:made] for row in rows]
+        return Block(*rows)
+
+    def on_contact(self, callback: Callable[[float, list[Contact]], bool | None] | None) -> None:
+        """Calls `callback(time, contacts)` from now on, after each step in which points touch, and with an empty list
+        after the first step in which none touches any more. If it returns False, a block of steps ends there; an
+        exception ends it, too, and is raised by `step` or `step_block`. It may read this simulation, but not step
+        or change it. None: no longer.
+        """
+        if callback is None:
+            self._core.on_contact(None)
+        else:
+            own = callback
+            self._core.on_contact(lambda time, rows: own(time, _contacts(rows)))
 
     def save(self) -> State:
         """Returns the present state, for `restore`."""
@@ -285,10 +305,23 @@ class Simulation:
     @property
     def contacts(self) -> list[Contact]:
         """The points with a force in the last step."""
-        return [
-            Contact((a, b), point, place, normal, force)
-            for a, b, point, place, normal, force in self._core.contacts()
-        ]
+        return _contacts(self._core.contacts())
+
+    def modal_coordinates(self, body: str) -> ModalCoordinates:
+        """Coordinates of the modes of a body at the end of the last step, without the motion that supports give. The
+        first modes are those of the rigid body; with `motion.rotation = "finite"` they are 0, and `body_motion` has
+        them. Modes above half the rate respond statically and are 0."""
+        return ModalCoordinates(*self._core.modal_coordinates(body))
+
+    def watch(self) -> None:
+        """Judges the run from here on, as `impact` does: whether bodies turn too far, approach too fast, yield, meet
+        where no candidates are, or have too few of them. Steps become slower. `warnings` has the result."""
+        self._core.watch()
+
+    @property
+    def warnings(self) -> list[str]:
+        """What is doubtful in the steps since `watch`, one line each; empty without it."""
+        return self._core.warnings
 
     def push(
         self, body: str, force: Sequence[float] = (0, 0, 0), torque: Sequence[float] = (0, 0, 0)

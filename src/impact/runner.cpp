@@ -159,22 +159,6 @@ ErrorReport choose(Impact& impact, Paired& paired, const std::optional<accuracy:
   return out;
 }
 
-/// Limits of the weakest material of each body.
-std::vector<contact::MaterialLimits> limits_of(const scene::Scene& scene) {
-  std::vector<contact::MaterialLimits> out;
-  const auto least = [](double& known, double value) {
-    if (value > 0 && (known == 0 || value < known)) known = value;
-  };
-  for (const scene::Body& body : scene.bodies) {
-    contact::MaterialLimits& of_body = out.emplace_back();
-    for (const scene::Material& material : body.materials) {
-      least(of_body.young, material.young);
-      least(of_body.yield, material.yield);
-    }
-  }
-  return out;
-}
-
 contact::EquilibriumSummary rest(const Impact& impact, console::Console& console, ImpactObserver& observer) {
   using Solver = contact::EquilibriumOptions::Solver;
   const Solver solver = impact.scene.contact.solver == scene::Solver::uzawa ? Solver::uzawa : Solver::exact;
@@ -186,15 +170,6 @@ contact::EquilibriumSummary rest(const Impact& impact, console::Console& console
   });
   console.end(fmt::format("{} iterations", equilibrium.iterations));
   return contact::summarise(*impact.model, equilibrium, limits_of(impact.scene));
-}
-
-/// √(E/ρ) of the slowest material [m/s]; 0 without bodies.
-double slowest_wave(const scene::Scene& scene) {
-  double slowest = std::numeric_limits<double>::infinity();
-  for (const scene::Body& body : scene.bodies)
-    for (const scene::Material& material : body.materials)
-      slowest = std::min(slowest, std::sqrt(material.young / material.density));
-  return std::isfinite(slowest) ? slowest : 0;
 }
 
 /// @param open  null if rotations are decided
@@ -305,6 +280,29 @@ ImpactResult run_as_it_turns(const ImpactRequest& request, store::KernelStore& s
 }
 
 }  // namespace
+
+std::vector<MaterialLimits> limits_of(const scene::Scene& scene) {
+  std::vector<MaterialLimits> out;
+  const auto least = [](double& known, double value) {
+    if (value > 0 && (known == 0 || value < known)) known = value;
+  };
+  for (const scene::Body& body : scene.bodies) {
+    MaterialLimits& of_body = out.emplace_back();
+    for (const scene::Material& material : body.materials) {
+      least(of_body.young, material.young);
+      least(of_body.yield, material.yield);
+    }
+  }
+  return out;
+}
+
+double slowest_wave(const scene::Scene& scene) {
+  double slowest = std::numeric_limits<double>::infinity();
+  for (const scene::Body& body : scene.bodies)
+    for (const scene::Material& material : body.materials)
+      slowest = std::min(slowest, std::sqrt(material.young / material.density));
+  return std::isfinite(slowest) ? slowest : 0;
+}
 
 ImpactResult run_impact(ImpactRequest request, store::KernelStore& store, console::Console& console,
                         ImpactObserver& observer) {

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <variant>
+#include <vector>
 
 #include "contact/figures/equilibrium_summary.hpp"
 #include "contact/figures/motion_source.hpp"
@@ -16,6 +17,7 @@
 #include "contact/static/equilibrium.hpp"
 #include "contact/stepping/stepper.hpp"
 #include "contact/table/table.hpp"
+#include "ricochet/material_limits.hpp"
 #include "src/console/console.hpp"
 #include "src/scene/scene.hpp"
 #include "src/store/stored_kernels.hpp"
@@ -70,6 +72,12 @@ struct ImpactResult {
 /// or undefined, or if Uzawa's iteration does not converge.
 ImpactResult run_impact(ImpactRequest request, store::KernelStore& store, console::Console& console,
                         ImpactObserver& observer);
+
+/// Limits of the weakest material of each body.
+std::vector<MaterialLimits> limits_of(const scene::Scene& scene);
+
+/// √(E/ρ) of the slowest material [m/s]; 0 without bodies.
+double slowest_wave(const scene::Scene& scene);
 
 /// Throws the error of a step that failed at `time` [s]. Does nothing if the step succeeded.
 void check(StepStatus status, const scene::Scene& scene, double time);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <malloc.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -20,6 +21,8 @@ using contact::test::shared;
 using ricochet::test::complaint_of;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
 
 constexpr double g = 9.81;
 constexpr Friction rough{0.4, 0.4, 0};
@@ -86,6 +89,94 @@ std::vector<std::string> names(Simulation& simulation) {
 void fall(Simulation& simulation) {
   for (int k = 0; k < 100'000 && simulation.active() == 0; ++k) ASSERT_EQ(simulation.step(), StepStatus::ok);
   ASSERT_GT(simulation.active(), 0);
+}
+
+/// Kinetic and strain energy of elastic modes [J].
+std::array<double, 2> elastic_energy(const Simulation& simulation, std::size_t body,
+                                     const SharedKernel& kernel) {
+  std::vector<double> q(simulation.modes(body)), v(q.size());
+  simulation.modal_coordinates(body, q.data(), v.data());
+  std::array<double, 2> out{};
+  for (std::size_t n = 0; n < q.size(); ++n) {
+    out[0] += v[n] * v[n] / 2;
+    out[1] += std::pow(kernel->modes.angular_frequency[n] * q[n], 2) / 2;
+  }
+  return out;
+}
+
+// A box that has hit a floor without friction. What its frame does not have of its energy is in its modes.
+TEST(ChangingBodies, have_modal_coordinates_without_the_motion_of_their_frames) {
+  const SharedKernel kernel = box(0);
+  Simulation simulation(scene_of(
+      {{.name = "", .kernel = kernel, .translate = {0, 0, 0.08}, .velocity = {0, 0, -1}}}, std::nullopt));
+  EXPECT_EQ(simulation.modes(0), kernel->modes.size());
+  EXPECT_EQ(simulation.modes(7), 0u);
+  fall(simulation);
+  while (simulation.active() > 0) ASSERT_EQ(simulation.step(), StepStatus::ok);
+  for (int k = 0; k < 20; ++k) ASSERT_EQ(simulation.step(), StepStatus::ok);
+  const auto [kinetic, strain] = elastic_energy(simulation, 0, kernel);
+  const BodyMotion motion = simulation.body_motion(0);
+  const auto [w, x, y, z] = motion.attitude;
+  const Eigen::Vector3d velocity(motion.velocity.data()),
+      spin = Eigen::Quaterniond(w, x, y, z).conjugate() * Eigen::Vector3d(motion.spin.data());
+  const Eigen::Map<const Eigen::Matrix3d> inertia(kernel->inertia.data());
+  const double rigid = (kernel->mass * velocity.squaredNorm() + spin.dot(inertia * spin)) / 2;
+  const Energy energy = simulation.energy();
+  EXPECT_GT(kinetic, 1e-3 * rigid);
+  EXPECT_NEAR(kinetic, energy.kinetic - rigid, 1e-9 * rigid);
+  EXPECT_NEAR(strain, energy.strain, 1e-9 * rigid);
+}
+
+// Calls follow the points from the first touch to the end, also after a body has been added.
+TEST(ChangingBodies, are_reported_while_they_touch) {
+  const SharedKernel kernel = box();
+  Simulation simulation(
+      scene_of({{.name = "", .kernel = kernel, .translate = {0, 0, 0.08}, .velocity = {0, 0, -1}}}));
+  struct Calls {
+    int with = 0, without = 0;
+    double impulse = 0;
+    bool goes_on = true;
+  } calls;
+  simulation.on_contact(
+      [](void* user, std::span<const Touching> contacts) {
+        Calls& count = *static_cast<Calls*>(user);
+        ++(contacts.empty() ? count.without : count.with);
+        for (const Touching& one : contacts) count.impulse -= one.force[2] / 20e3;
+        return count.goes_on;
+      },
+      &calls);
+  simulation.add("far", kernel, at(5, 5), rough);
+  const double before = kernel->mass * simulation.mean_velocity(0)[2];
+  int steps = 0;
+  for (; calls.without == 0 && steps < 10'000; ++steps) ASSERT_EQ(simulation.step(), StepStatus::ok);
+  EXPECT_GT(calls.with, 3);
+  const double gained = kernel->mass * simulation.mean_velocity(0)[2] - before;
+  EXPECT_NEAR(calls.impulse, gained + kernel->mass * g * steps / 20e3, 1e-9);
+
+  calls = {.goes_on = false};
+  simulation.add("low", kernel, at(2, 0.08, {0, 0, -1}), rough);
+  const BlockResult ended = simulation.step_block(10'000);
+  EXPECT_EQ(ended.status, StepStatus::ok);
+  EXPECT_LT(ended.steps, 10'000);
+  EXPECT_EQ(calls.with, 1);
+  EXPECT_GT(simulation.contacts().size(), 0u);
+}
+
+// One body turns too fast for its strain to be that of a body at rest, and is removed.
+TEST(ChangingBodies, keep_the_warnings_of_bodies_that_have_left) {
+  const SharedKernel kernel = box();
+  Simulation simulation(
+      scene_of({{.name = "", .kernel = kernel, .translate = {0, 0, 9}, .velocity = {0, 0, 0}}}));
+  simulation.watch({}, 1000);
+  const std::size_t fast = simulation.add("fast", kernel, at(5, 9, {0, 0, 0}, {0, 0, 3000}), rough);
+  simulation.step_block(50);
+  const std::vector<std::string> seen = simulation.warnings();
+  ASSERT_THAT(seen, Not(IsEmpty()));
+  EXPECT_THAT(seen[0], HasSubstr("fast"));
+  simulation.remove(fast);
+  simulation.add("other", shared(Cloud({0.1, 0.08, 0.06}, 2000, 1e-8, 3, true, 0).kernel), at(3, 9), rough);
+  simulation.step_block(50);
+  EXPECT_EQ(simulation.warnings(), seen);
 }
 
 // Two boxes hit each other and the floor, and a third one is far away.

@@ -24,7 +24,7 @@ Model plate_on_floor(const Kernel& kernel, double height, double gravity) {
       {{"floor", Vector3d::Zero(), Vector3d(0, 0, 1)}}, {{"plate", "floor", {}, {}, {}}}, {0, 0, -gravity});
 }
 
-std::vector<std::string> warnings_of(const MaterialLimits& limits,
+std::vector<std::string> warnings_of(const ricochet::MaterialLimits& limits,
                                      ricochet::Scheme scheme = ricochet::Scheme::compliant) {
   const Kernel kernel = *plate({.modes = 1, .points = 3});
   const Model model = plate_on_floor(kernel, 1e-3, 0);

@@ -510,6 +510,81 @@ class Simulation(KernelsTest):
         with self.assertRaises(ValueError):
             ricochet.Simulation(self.scene).restore(start)
 
+    def test_calls_back_while_points_touch_and_may_end_a_block_there(self):
+        simulation = ricochet.Simulation(self.scene, self.kernels)
+        dt, block = 0.01, simulation.step_block(1500)
+        seen = []
+        simulation = ricochet.Simulation(self.scene, self.kernels)
+        simulation.on_contact(lambda time, contacts: seen.append((time, contacts, simulation.steps)))
+        simulation.step_block(700)
+        while simulation.steps < 1500:
+            simulation.step()
+        forces = np.zeros(1500)
+        for at, contacts, steps in seen:
+            self.assertAlmostEqual(at, steps * dt)
+            for contact in contacts:
+                self.assertEqual((contact.between, contact.point), (("moving", "resting"), 0))
+                forces[steps - 1] += contact.force @ [1, 0, 0]
+        np.testing.assert_allclose(forces, block.total_force, rtol=1e-14)
+        touching = block.total_force > 0
+        ends = np.flatnonzero(np.diff(touching.astype(int)) == -1) + 1
+        self.assertEqual([steps - 1 for _, contacts, steps in seen if not contacts], ends.tolist())
+
+        first = int(np.argmax(touching))
+        simulation = ricochet.Simulation(self.scene, self.kernels)
+        simulation.on_contact(lambda *_: False)
+        stopped = simulation.step_block(1500, force=True)
+        self.assertEqual((simulation.steps, len(stopped.force)), (first + 1, first + 1))
+        np.testing.assert_array_equal(stopped.total_force, block.total_force[: first + 1])
+        simulation.on_contact(None)
+        rest = simulation.step_block(1499 - first).total_force
+        np.testing.assert_array_equal(rest, block.total_force[first + 1 :])
+
+        simulation = ricochet.Simulation(self.scene, self.kernels)
+        simulation.on_contact(lambda *_: simulation.step())
+        with self.assertRaisesRegex(RuntimeError, "stepping this Simulation"):
+            simulation.step_block(1500)
+        self.assertEqual(simulation.steps, first + 1)
+        with self.assertRaisesRegex(RuntimeError, "stepping this Simulation"):
+            simulation.step()
+
+    def test_knows_the_coordinates_of_the_modes(self):
+        self.scene.set({"output.receiver": [MIC]})
+        kernels = ricochet.kernels(self.scene, ranks=1)
+        simulation = ricochet.Simulation(self.scene)
+        simulation.step_block(900)
+        energy = simulation.energy
+        bodies = {body: simulation.modal_coordinates(body) for body in kernels}
+        kinetic = sum((q.velocity**2).sum() / 2 for q in bodies.values())
+        strain = sum(
+            ((2 * np.pi * kernels[body].frequency * q.displacement) ** 2).sum() / 2
+            for body, q in bodies.items()
+        )
+        self.assertGreater(strain, 0.01 * kinetic)
+        np.testing.assert_allclose([kinetic, strain], [energy.kinetic, energy.strain], rtol=1e-12)
+        shape = kernels["resting"].receivers["mic"].shape
+        heard = shape @ bodies["resting"].velocity, shape @ bodies["resting"].displacement
+        np.testing.assert_allclose(heard[0], simulation.pickup_velocity, atol=1e-13)
+        np.testing.assert_allclose(heard[1], simulation.pickup_displacement, atol=1e-13)
+        with self.assertRaisesRegex(ricochet.InputError, 'no body "x"'):
+            simulation.modal_coordinates("x")
+
+    def test_judges_its_steps_as_an_impact_is_judged(self):
+        with warnings.catch_warnings(action="ignore"):
+            judged = ricochet.impact(self.scene).warnings
+        simulation = ricochet.Simulation(self.scene)
+        block = ricochet.Simulation(self.scene).step_block(3000)
+        self.assertEqual(simulation.warnings, [])
+        simulation.watch()
+        self.assertEqual(simulation.warnings, [])
+        np.testing.assert_array_equal(simulation.step_block(3000).total_force, block.total_force)
+        self.assertTrue(any("approach speed" in line for line in simulation.warnings))
+        self.assertEqual(set(simulation.warnings), set(judged))
+        # After the touch, nothing is doubtful any more.
+        simulation.watch()
+        simulation.step_block(100)
+        self.assertEqual(simulation.warnings, [])
+
     def test_is_refused_in_one_line(self):
         for changes, line in (
             ({"contact.scheme": "static"}, "contact.scheme: a Simulation"),
