@@ -44,6 +44,17 @@ INSIDE = """(() => {
   });
 })()"""
 
+# Height and width of the page, what is wider than its place, top and bottom of the main figures and of the canvas, and the
+# places of the first two charts of the contact.
+LAYOUT = """(() => {
+  const at = query => document.querySelector(query).getBoundingClientRect(), ends = query => [at(query).top, at(query).bottom];
+  const wide = [...document.querySelectorAll("div.wide, pre")].filter(part => part.offsetParent && part.scrollWidth > part.clientWidth);
+  const [one, two] = [...document.querySelectorAll("#contact figure")].map(part => part.getBoundingClientRect());
+  const {scrollHeight, scrollWidth} = document.documentElement;
+  return [scrollHeight, scrollWidth, wide.map(part => part.textContent.slice(0, 40)), ends("#highlights"), ends(".stage"),
+          [one.left, two.left, one.top, two.top]];
+})()"""
+
 
 class Drop(PageTest):
     SCENE, SETS = "bracket", DROP
@@ -276,6 +287,81 @@ class Drop(PageTest):
         )
         self.assertEqual(len(shown), warnings + 1)
         self.assertIn("2 × 10⁻⁹ is above 1 × 10⁻¹⁰", shown[-1])
+
+    def test_a_wide_window_has_two_columns_and_a_narrow_one_shows_the_figures_first(self):
+        tall = {}
+        for wide, high in ((1280, 800), (390, 844)):
+            self.opened_at(wide, high)
+            tall[wide], across, cut, figures, canvas, list_of = self.browser.evaluate(LAYOUT)
+            self.assertEqual((across, cut), (wide, []))  # nothing is wider than its place
+            self.assertEqual(
+                list_of[0] < list_of[1] and abs(list_of[2] - list_of[3]) < 2, wide == 1280, list_of
+            )
+            self.assertEqual(figures[0] < canvas[0], True)  # the canvas is below, or beside them and taller
+            self.assertEqual(figures[1] <= canvas[0], wide == 390)
+        # One column of 1280 pixels had 11 300 pixels for a page of this kind.
+        self.assertLess(tall[1280], 9000)
+
+    def test_the_first_printed_page_has_the_figures_and_the_bodies(self):
+        self.opened_at(718, 1000)  # A4 without margins, at 96 dots an inch
+        self.browser.call("Emulation.setEmulatedMedia", media="print")
+        self.addCleanup(self.browser.call, "Emulation.setEmulatedMedia", media="")
+        bottom, rule = self.browser.evaluate(
+            """[document.querySelector(".stage").getBoundingClientRect().bottom + scrollY,
+                getComputedStyle(document.querySelector("#motion")).breakInside]"""
+        )
+        self.assertLess(bottom, 1000)
+        self.assertEqual(rule, "auto")  # otherwise the whole section would move to the second page
+
+    def test_free_bodies_list_no_masses_and_decimal_points_stand_below_each_other(self):
+        self.opened_at(900, 600)
+        free, supported = self.browser.evaluate(
+            """[{}, {mass: [0.5, 0, 0]}].map(more => {
+              const rows = [7.0021, 19.92, 164.5].map((frequency_hz, k) => ({number: k + 1, frequency_hz, damping: 0.01, mass: [0, 0, 0], contact: 0.1, ...more}));
+              const made = new Modes(document.createElement("section"), []).tableOf({body: "none", basis: "modes", rigid: 6, elastic: 3, rows});
+              return [made.querySelectorAll("thead th").length, ...[...made.querySelectorAll("tbody td:nth-child(2)")].map(cell => cell.textContent)];
+            })"""
+        )
+        self.assertEqual(free, [4, "7.002", "19.920", "164.500"])
+        self.assertEqual(supported, [7, *free[1:]])
+        shown = self.browser.evaluate(
+            "[...document.querySelectorAll('#modes tbody td:nth-child(2)')].map(cell => cell.textContent)"
+        )
+        self.assertEqual(len({len(text.partition(".")[2]) for text in shown}), 1)
+
+    def test_a_film_of_the_motion_can_be_saved_and_plays(self):
+        self.opened_at(900, 600)
+        size = self.browser.evaluate(
+            """(async () => {
+              const saved = new Promise(resolve => {
+                const kept = URL.createObjectURL;
+                URL.createObjectURL = blob => { URL.createObjectURL = kept; resolve(blob); return kept.call(URL, blob); };
+              });
+              [...document.querySelectorAll(".cockpit button")].find(button => button.textContent === "film").click();
+              const {recorder} = shown.film;  // the encoder takes a moment before its first frame
+              let bytes = 0;
+              recorder.addEventListener("dataavailable", ({data}) => { bytes += data.size; });
+              while (bytes < 4000) { await new Promise(soon => setTimeout(soon, 100)); recorder.requestData(); }
+              shown.filmButton.click();
+              const reader = new FileReader(), film = document.createElement("video");
+              reader.readAsDataURL(await saved);
+              await new Promise(resolve => { reader.onload = resolve; });
+              const ready = new Promise((resolve, reject) => { film.onloadeddata = resolve; film.onerror = () => reject(Error(film.error.message)); });
+              film.src = reader.result.replace(/^data:[^,]*,/, "data:video/webm;base64,");
+              await ready;
+              film.muted = true;
+              await Promise.all([film.play(), new Promise(resolve => { film.ontimeupdate = () => film.currentTime > 0 && resolve(); })]);
+              const frame = document.createElement("canvas"), ink = frame.getContext("2d", {willReadFrequently: true});
+              [frame.width, frame.height] = [film.videoWidth, film.videoHeight];
+              ink.drawImage(film, 0, 0);
+              const pixels = ink.getImageData(0, frame.height >> 2, frame.width, frame.height >> 1).data, colours = new Set();
+              for (let k = 0; k < pixels.length; k += 4) colours.add(pixels[k] >> 5 << 6 | pixels[k + 1] >> 5 << 3 | pixels[k + 2] >> 5);
+              return [film.videoWidth, film.videoHeight, shown.canvas.width, shown.canvas.height, colours.size, shown.playing];
+            })()"""
+        )
+        self.assertEqual(size[:2], size[2:4])
+        self.assertGreater(size[4], 8)  # between title and scale, the body has those of its speed
+        self.assertFalse(size[5])
 
     def test_the_front_of_a_wall_is_seen_without_gravity(self):
         history = LoadedResult(self.result)

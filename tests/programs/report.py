@@ -3,6 +3,7 @@
 the result; bad input is refused. `report.py --keep FOLDER` also keeps the pages and a picture of each in FOLDER."""
 
 import base64
+import json
 import re
 import shutil
 import struct
@@ -145,6 +146,66 @@ class Rods(ReportTest):
         self.assertAlmostEqual(
             1e6 * number(found["tip"][1].removeprefix("force: ")), force[row], delta=1e-3 * force[row]
         )  # and MN
+
+    def test_charts_enlarge_a_part_hide_lines_and_have_a_logarithmic_axis(self):
+        path, _, run = self.page(self.result)
+        self.opened(path, "charts", 1280, 900)
+        self.browser.evaluate("document.querySelector('#chart-energy').scrollIntoView({block: 'center'})")
+        of = "const chart = charts.find(({spec}) => spec.key === 'energy');"
+        state = f"(() => {{ {of} return [chart.x.low, chart.x.high, chart.y.low, chart.y.high, chart.y.log]; }})()"
+        first = self.browser.evaluate(state)
+        left, top, width, height = self.browser.evaluate(
+            f"""(() => {{ {of} const {{left, top}} = chart.svg.getBoundingClientRect(), {{box}} = chart;
+              return [left + box.left, top + box.top, box.width, box.height]; }})()"""
+        )
+        # Half of the axis, from a quarter to three quarters, as a user drags it.
+        for kind, share in (("mousePressed", 0.25), ("mouseMoved", 0.5), ("mouseReleased", 0.75)):
+            x, y = left + share * width, top + height / 2
+            self.browser.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
+        part = self.browser.evaluate(state)
+        middle = [first[0] + share * (first[1] - first[0]) for share in (0.25, 0.75)]
+        np.testing.assert_allclose(part[:2], middle, atol=2e-3 * (first[1] - first[0]))  # a pixel
+        ticks = "[...document.querySelectorAll('#chart-energy svg text[y=\"' + {} + '\"]')].map(text => text.textContent)"
+        shown = self.browser.evaluate(
+            f"(() => {{ {of} return {ticks.format('(chart.box.top + chart.box.height + 16)')}; }})()"
+        )
+        self.assertTrue(all(1e3 * part[0] <= number(text) <= 1e3 * part[1] for text in shown), shown)  # ms
+        self.assertGreater(len(set(shown)), 2)
+        self.pressed("#chart-energy", "whole")
+        self.assertEqual(self.browser.evaluate(state), first)
+        # All lines but the strain energy are hidden: the axis fits its values.
+        lines = {line["name"]: unpacked(line["y"]) for line in run["charts"]["energy"][0]["lines"]}
+        for name in lines:
+            if name != "strain":
+                self.pressed("#chart-energy", name)
+        low, high = self.browser.evaluate(state)[2:4]
+        most = lines["strain"].max()
+        self.assertTrue(low == 0 and most <= high < 1.1 * most, (low, high, most))
+        drawn = "document.querySelectorAll('#chart-energy path.line').length"
+        self.assertEqual(self.browser.evaluate(drawn), 1)
+        for name in lines:
+            if name != "strain":
+                self.pressed("#chart-energy", name)
+        self.assertEqual(self.browser.evaluate(state), first)
+        self.assertEqual(self.browser.evaluate(drawn), len(lines))
+        self.pressed("#chart-force", "log")
+        self.browser.evaluate("document.querySelector('#chart-force').scrollIntoView({block: 'center'})")
+        heights = self.browser.evaluate(
+            """(() => { const chart = charts.find(({spec}) => spec.key === 'force'), {y} = chart;
+              return [y.log, y.at(y.high), y.at(y.high / 10) - y.at(y.high / 100), y.at(y.high / 100) - y.at(y.high / 1000),
+                      document.querySelector('#chart-force .area').getAttribute('d')]; })()"""
+        )
+        self.assertEqual(heights[:2], [True, 1])
+        self.assertAlmostEqual(heights[2], heights[3], delta=1e-9)  # decades are equally high
+        self.assertNotRegex(heights[4], "NaN|Infinity")
+        self.assertEqual(self.browser.messages, [])
+
+    def pressed(self, where, text):
+        pressed = self.browser.evaluate(
+            f"""(() => {{ const found = [...document.querySelectorAll(`{where} button`)].find(one => one.textContent === {json.dumps(text)});
+              const there = Boolean(found?.offsetParent); found?.click(); return there; }})()"""
+        )
+        self.assertTrue(pressed, text)
 
     def sounds_are_the_receivers(self, found):
         for (_, attributes, _), name in zip(

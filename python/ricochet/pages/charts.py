@@ -18,6 +18,7 @@ Chart = dict[str, Any]
 DOTS = 1600  # maximum number of points of a line
 COLUMNS, ROWS = 400, 120  # maximum number of cells of the force map
 PIECES = 700  # number of points of a spectrum
+FEWEST = 8  # number of neighbours that the picture of pressures shows at least
 
 
 def thinned(x: Array, y: Array) -> tuple[Array, Array]:
@@ -193,15 +194,20 @@ def pressure_chart(result: LoadedResult) -> Chart:
     order, where, what = result.positions()
     pressure = result.pressures.of_row(row)[order]
     pressing = result.forces.of_row(row)[order] > 0  # where creases cross, there is a force, but no patch
-    far = 1.6 * np.abs(where[pressing]).max()
-    near = np.abs(where) <= max(far, np.abs(where).min())  # points farther away are open
+    away = np.abs(where)
+    far = max(1.6 * away[pressing].max(), np.sort(away)[: FEWEST + 1].max())
+    near = away <= far  # points farther away are open
     note = f"{np.count_nonzero(pressing)} of {len(order)} points press" + (
         "." if len(result.time) == 1 else " when the force is largest."
     )
     kinds = [("pressure", "force", near)]
     if result.has_friction:  # colours by state; points without friction keep the colour of forces
         state, rubs = result.states.of_row(row)[order], result.rubbing[order]
-        kinds = [(TOLD[value], name, near & rubs & (state == value)) for value, name in STATES.items()]
+        state = np.where(rubs | pressing, state, OPEN)
+        kinds = [
+            (TOLD[value], name, near & (rubs | ~pressing) & (state == value))
+            for value, name in STATES.items()
+        ]
         kinds.append(("without friction", "force", near & ~rubs & pressing))
     lines = [line(name, colour, where[at], pressure[at], "dots") for name, colour, at in kinds if at.any()]
     size = axis("pressure", "Pa", zero=True)

@@ -12,7 +12,7 @@ from ricochet import files
 from ricochet.errors import InputError
 
 FOLDER = Path(__file__).resolve().parent / "assets"
-SHARED = ["base.js", "charts.js", "surface.js", "motion.js", "player.js"]
+SHARED = ["base.js", "charts.js", "surface.js", "motion.js", "film.js", "player.js"]
 REPORT = [*SHARED, "overlay.js", "modes.js", "engine.js", "instrument.js", "page.js"]
 MODAL = [*SHARED, "overlay.js", "modes.js", "modal.js"]
 INSTRUMENT = [*SHARED, "engine.js", "instrument.js", "play.js"]

@@ -145,6 +145,7 @@ class LoadedResult(Result):
         else:
             where = np.linalg.norm(away, axis=1)
             what = "distance from where the gap was least" if self.static else "distance from the first touch"
+        where = np.where(np.abs(where) > 1e-9 * np.ptp(self.point_a, axis=0).max(), where, 0.0)  # round-off
         order = np.argsort(where, kind="stable")
         return order, where[order], what
 

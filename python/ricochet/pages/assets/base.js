@@ -60,13 +60,31 @@ function quantity(value, unit = "", count = 4) {
 /** A row of a table. The first cell is its header. */
 const row = (...cells) => make("tr", {}, ...cells.map((cell, k) => make(k ? "td" : "th", {scope: k ? undefined : "row"}, cell)));
 
-const table = (head, rows) =>
-  make("div", {class: "wide"},
-       make("table", {}, head ? make("thead", {}, make("tr", {}, ...head.map(name => make("th", {scope: "col"}, name)))) : undefined,
-            make("tbody", {}, ...rows)));
+/** A table. One that is wider than its place becomes a list: each cell stands below the name of its column. */
+function table(head, rows) {
+  const made = make("table", {}, head ? make("thead", {}, make("tr", {}, ...head.map(name => make("th", {scope: "col"}, name)))) : undefined,
+                    make("tbody", {}, ...rows));
+  const place = make("div", {class: "wide"}, made);
+  if (!head) return place;
+  for (const line of rows) for (const [k, cell] of [...line.children].entries()) cell.dataset.column = made.tHead.rows[0].cells[k].textContent;
+  let needed = 0;
+  const fit = () => {
+    if (!place.classList.contains("list")) needed = made.scrollWidth;
+    place.classList.toggle("list", needed > place.clientWidth);
+  };
+  new ResizeObserver(() => requestAnimationFrame(fit)).observe(place);  // a change of its height in the observer would be an error
+  return place;
+}
 
-function download(name, text) {
-  const link = make("a", {download: name, href: URL.createObjectURL(new Blob([text], {type: "text/plain"}))});
+/** Numbers of a column with their decimal points below each other: the largest has `count` digits. */
+function aligned(values, count) {
+  const whole = Math.floor(Math.log10(Math.max(...values.map(Math.abs)) || 1)), decimals = Math.max(0, count - 1 - whole);
+  return values.map(value => decimals < 12 && whole < 9 ? value.toFixed(decimals).replace("-", "−") : digits(value, count));
+}
+
+function download(name, content) {
+  const blob = content instanceof Blob ? content : new Blob([content], {type: "text/plain"});
+  const link = make("a", {download: name, href: URL.createObjectURL(blob)});
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Charts of lines and dots in SVG. They show values at the pointer, which arrow keys move too, and the time of the animation.
-// Their values can be saved as CSV.
+// A drag across a chart enlarges that part. Lines can be hidden, the axis of values can be logarithmic, and values saved as CSV.
 
 const charts = [];
 
@@ -39,13 +39,14 @@ function decades(low, high, about) {
 const power = value => value >= 0.01 && value <= 1e4 ? digits(value) : digits(value).replace(/^1 × /, "").replace(" × ", "·");
 
 class Axis {
-  constructor(spec, range) {
+  /** `exact`: whether the ends are those of `range`. */
+  constructor(spec, range, exact = false) {
     let [low, high] = range;
-    if (spec.log) {
+    if (spec.log && !exact) {
       if (spec.decades) low = Math.max(low, high * 10 ** -spec.decades);
       if (spec.whole) [low, high] = [10 ** Math.floor(Math.log10(low)), 10 ** Math.ceil(Math.log10(high))];
       if (high < low * 10 * (1 - 1e-9)) { low /= 3; high *= 3; }
-    } else {
+    } else if (!exact) {
       if (spec.zero) { low = Math.min(low, 0); high = Math.max(high, 0); }
       if (!(high > low)) { low -= Math.abs(low) / 2 || 1; high += Math.abs(high) / 2 || 1; }
     }
@@ -66,33 +67,79 @@ class Axis {
     return this.log ? this.low * (this.high / this.low) ** share : this.low + share * (this.high - this.low);
   }
   ticks(about) {
-    if (this.log) return decades(this.low, this.high, about);
-    const {factor} = this.shown;
-    return ticks(this.low * factor, this.high * factor, about).map(value => value / factor);
+    if (this.log && this.high >= 3 * this.low) return decades(this.low, this.high, about);
+    const {factor} = this.shown, at = ticks(this.low * factor, this.high * factor, about);
+    const most = Math.max(...at.map(Math.abs)), step = at.length > 1 ? at[1] - at[0] : most;
+    this.count = Math.max(4, 1 + Math.ceil(Math.log10(most / step)));  // digits that tell neighbours apart
+    return at.map(value => value / factor);
   }
-  text(value) { return this.log ? power(value) : digits(Number((value * this.shown.factor).toPrecision(6))); }
+  text(value) {
+    if (this.log && this.high >= 3 * this.low) return power(value);
+    return digits(Number((value * this.shown.factor).toPrecision(12)), this.count);
+  }
 }
 
 class Chart {
   constructor(spec) {
     this.spec = spec;
-    this.lines = spec.lines.map(line => ({...line, x: unpack(line.x), y: unpack(line.y)}));
-    this.x = new Axis(spec.x, spec.window ?? join(this.lines.map(line => extent(line.x, spec.x.log))));
-    this.y = new Axis(spec.y, join(this.lines.map(line => extent(line.y, spec.y.log)))).pad(0.06);
-    if (spec.x.padded || spec.lines.some(line => line.style === "dots")) this.x.pad(0.03);
+    this.lines = spec.lines.map(line => ({...line, x: unpack(line.x), y: unpack(line.y), visible: true}));
+    this.log = Boolean(spec.y.log);
     this.plot = make("div", {class: "plot"});
     this.tip = make("div", {class: "tip", role: "status"});
-    const csv = make("button", {class: "csv", type: "button", title: "The values drawn here"}, "CSV");
-    csv.addEventListener("click", () => download(`${run.slug}-${spec.key}.csv`, this.csv()));
-    const keys = this.lines.map(line => make("span", {}, make("i", {class: `c${line.colour} ${line.style}`}), line.name));
-    if (this.timed()) keys.push(make("span", {}, make("i", {class: "contact"}), "in contact"));
     const caption = make("figcaption", {}, spec.title, spec.note ? make("small", {}, spec.note) : undefined);
-    this.element = make("figure", {id: `chart-${spec.key}`, class: "chart"}, caption, this.plot, make("div", {class: "key"}, ...keys, csv));
+    this.element = make("figure", {id: `chart-${spec.key}`, class: "chart"}, caption, this.plot, this.key());
     this.place = -1;
+    this.zoom(null);
     charts.push(this);
     new ResizeObserver(() => { if (this.plot.clientWidth !== this.width) this.redraw(); }).observe(this.plot);
   }
   timed() { return this.spec.x.unit === "s" && run.episodes.length > 0; }
+
+  /** The legend, whose entries hide and show lines, and the buttons of the chart. */
+  key() {
+    const button = (text, title, act) => {
+      const made = make("button", {type: "button", title}, text);
+      made.addEventListener("click", act);
+      return made;
+    };
+    const keys = this.lines.map(line => {
+      const entry = button("", `Hide or show: ${line.name}`, () => this.show(line, entry));
+      entry.append(make("i", {class: `c${line.colour} ${line.style}`}), line.name);
+      return fill(entry, {class: "entry", "aria-pressed": "true"}, []);
+    });
+    if (this.timed()) keys.push(make("span", {}, make("i", {class: "contact"}), "in contact"));
+    this.whole = button("whole", "Show everything again", () => this.zoom(null));
+    this.logarithmic = button("log", "Logarithmic axis of values", () => this.scale(!this.log));
+    this.logarithmic.hidden = !this.lines.some(line => line.y.some(y => y > 0)) || this.lines.some(line => line.y.some(y => y < 0));
+    const csv = button("CSV", "The values drawn here", () => download(`${run.slug}-${this.spec.key}.csv`, this.csv()));
+    return make("div", {class: "key"}, ...keys, make("span", {class: "tools"}, this.whole, this.logarithmic, csv));
+  }
+
+  show(line, entry) {
+    line.visible = !line.visible;
+    entry.setAttribute("aria-pressed", String(line.visible));
+    this.zoom(this.part);
+  }
+
+  scale(log) {
+    this.log = log;
+    this.zoom(this.part);
+  }
+
+  /** Fits the axes to the visible lines in a part [from, to] of the axis of x; null: all of it. */
+  zoom(part) {
+    const {spec} = this, lines = this.lines.some(line => line.visible) ? this.lines.filter(line => line.visible) : this.lines;
+    this.part = part;
+    this.x = new Axis(part ? {...spec.x, decades: 0} : spec.x, part ?? spec.window ?? join(this.lines.map(line => extent(line.x, spec.x.log))), Boolean(part));
+    if (!part && (spec.x.padded || spec.lines.some(line => line.style === "dots"))) this.x.pad(0.03);
+    const seen = line => part ? line.y.filter((_, k) => line.x[k] >= part[0] && line.x[k] <= part[1]) : line.y;
+    const ranges = lines.map(seen).filter(y => y.some(value => !Number.isNaN(value) && (!this.log || value > 0)));
+    const axis = this.log ? {...spec.y, log: true, decades: spec.y.decades ?? 6} : {...spec.y, log: false};
+    this.y = new Axis(axis, join((ranges.length ? ranges : lines.map(line => line.y)).map(y => extent(y, this.log)))).pad(0.06);
+    this.whole.hidden = !part;
+    this.logarithmic.setAttribute("aria-pressed", String(this.log));
+    if (this.svg) this.redraw();
+  }
 
   redraw() {
     const width = this.width = this.plot.clientWidth || 700, height = this.height = width < 480 ? 210 : 250;
@@ -115,24 +162,63 @@ class Chart {
     svg.append(draw("text", {x: box.left + box.width, y: height - 6, "text-anchor": "end"}, this.x.label));
     const middle = box.top + box.height / 2;
     svg.append(draw("text", {x: 12, y: middle, "text-anchor": "middle", transform: `rotate(-90 12 ${middle})`}, this.y.label));
-    for (const line of this.lines) inside.append(...this.marks(line, X, Y));
+    for (const line of this.lines.filter(line => line.visible)) inside.append(...this.marks(line, X, Y));
     this.now = draw("line", {class: "now", y1: box.top, y2: box.top + box.height});
     this.probe = draw("line", {class: "probe", y1: box.top, y2: box.top + box.height});
-    inside.append(this.now, this.probe);
+    this.chosen = draw("rect", {class: "chosen", y: box.top, height: box.height});
+    inside.append(this.now, this.probe, this.chosen);
     svg.append(inside);
-    svg.addEventListener("pointermove", event => {
-      const at = (event.clientX - svg.getBoundingClientRect().left) * (width / svg.clientWidth || 1);
-      this.point((at - box.left) / box.width);
+    this.listen(svg);
+    this.plot.replaceChildren(svg, this.tip);
+  }
+
+  /** Shows values under the pointer and for arrow keys, and enlarges the part across which the pointer is dragged; plus and minus
+   *  change the part, too, and a double click or Escape ends this. */
+  listen(svg) {
+    const share = event => {
+      const at = (event.clientX - svg.getBoundingClientRect().left) * (this.width / svg.clientWidth || 1);
+      return (at - this.box.left) / this.box.width;
+    };
+    const least = 8 / this.box.width;  // shorter drags are clicks
+    let from = null;
+    svg.addEventListener("pointerdown", event => {
+      from = share(event);
+      svg.setPointerCapture(event.pointerId);
     });
+    svg.addEventListener("pointermove", event => {
+      const to = share(event);
+      if (from === null) return this.point(to);
+      this.point(-1);
+      this.chosen.setAttribute("x", this.box.left + this.box.width * Math.max(0, Math.min(from, to)));
+      this.chosen.setAttribute("width", this.box.width * Math.abs(to - from));
+    });
+    svg.addEventListener("pointerup", event => {
+      const to = share(event), ends = [from, to].sort((a, b) => a - b);
+      this.chosen.setAttribute("width", 0);
+      if (from !== null && ends[1] - ends[0] > least) this.enlarge(Math.max(0, ends[0]), Math.min(1, ends[1]));
+      from = null;
+    });
+    svg.addEventListener("pointercancel", () => { from = null; this.chosen.setAttribute("width", 0); });
+    svg.addEventListener("dblclick", () => this.zoom(null));
     svg.addEventListener("pointerleave", () => this.point(-1));
     svg.addEventListener("blur", () => this.point(-1));
     svg.addEventListener("keydown", event => {
-      const way = {ArrowLeft: -1, ArrowRight: 1}[event.key];
-      if (!way) return;
-      this.point(Math.min(1, Math.max(0, (this.place < 0 ? 0.5 : this.place) + 0.01 * way)));
+      const at = this.place < 0 ? 0.5 : this.place, step = way => this.point(Math.min(1, Math.max(0, at + 0.01 * way)));
+      const keys = {ArrowLeft: () => step(-1), ArrowRight: () => step(1), Escape: () => this.zoom(null),
+                    "+": () => this.enlarge(at - 0.25, at + 0.25), "-": () => this.enlarge(-0.5, 1.5)};
+      if (!keys[event.key]) return;
+      keys[event.key]();
       event.preventDefault();
+      if (!svg.isConnected) this.svg.focus({preventScroll: true});
     });
-    this.plot.replaceChildren(svg, this.tip);
+  }
+
+  /** Shows a part, given by shares of the axis as it is. A part that is not smaller than everything ends it. */
+  enlarge(from, to) {
+    const part = [this.x.back(from), this.x.back(to)];
+    this.zoom(null);
+    const {low, high} = this.x;
+    if (part[0] > low || part[1] < high) this.zoom([Math.max(low, part[0]), Math.min(high, part[1])]);
   }
 
   marks(line, X, Y) {
@@ -146,7 +232,8 @@ class Chart {
     const close = k => {
       if (!pen) return;
       if (k === start) path += "h0";  // a single step is drawn as a dot
-      area += `L${X(line.x[k])} ${Y(0)}L${X(line.x[start])} ${Y(0)}Z`;
+      const base = Y(this.y.log ? this.y.low : 0);
+      area += `L${X(line.x[k])} ${base}L${X(line.x[start])} ${base}Z`;
     };
     for (let k = 0; k < line.x.length; ++k) {
       if (!seen(k)) { close(k - 1); pen = false; continue; }
@@ -170,6 +257,7 @@ class Chart {
     const wanted = this.x.back(share), tolerance = 0.02 * (this.x.log ? 1 : this.x.high - this.x.low);
     const near = this.lines.map(line => {
       let best = -1, least = Infinity;
+      if (!line.visible) return best;
       if (line.style.includes("steps")) {  // constant since the previous time
         const k = line.x.findIndex(x => x >= wanted);
         return Number.isNaN(line.x[k - 1] ?? NaN) ? -1 : k;

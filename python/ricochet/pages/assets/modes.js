@@ -9,7 +9,7 @@ class Modes {
     this.shown = shown;
     this.buttons = [];  // those of modes with shapes, with body and mode
     if (shown) section.append(note("Press the number of a mode to see its shape in motion, above."));
-    for (const table of tables) section.append(...this.tableOf(table));
+    for (const table of tables) section.append(this.tableOf(table));
     shown?.ofMode.append(pressable("Previous mode", () => this.step(-1)), pressable("Next mode", () => this.step(1)),
                          ...(alone ? [] : [pressable("Back to the impact", () => this.choose(null))]));
     if (alone && this.buttons.length) this.choose(this.buttons[0]);
@@ -28,14 +28,19 @@ class Modes {
       this.buttons.push(entry);
       return button;
     };
-    const cells = mode => row(number(mode), digits(mode.frequency_hz, 6), inPercent(mode.damping), ...mode.mass.map(inPercent), inPercent(mode.contact));
-    const head = ["mode", "frequency (Hz)", "damping (%)", "mass x (%)", "mass y (%)", "mass z (%)", "contact (%)"];
+    // Elastic modes of a free body move no mass as a whole.
+    const axes = rows.some(({mass}) => mass.some(share => Number(inPercent(share)) > 0)) ? [0, 1, 2] : [];
+    const frequencies = aligned(rows.map(mode => mode.frequency_hz), 6);
+    const cells = (mode, k) => row(number(mode), frequencies[k], inPercent(mode.damping), ...axes.map(i => inPercent(mode.mass[i])), inPercent(mode.contact));
+    const head = ["mode", "frequency (Hz)", "damping (%)", ...axes.map(i => `mass ${"xyz"[i]} (%)`), "contact (%)"];
     const notes = [`${rigid} rigid modes and ${elastic} ${vectors ? "vectors of a contact-adapted basis, which are not modes of the body" : "elastic modes"}`];
+    if (!axes.length && rows.length) notes.push("none of these moves the centre of mass");
     if (elastic > rows.length) notes.push(`the first ${rows.length} are listed; ricochet modes lists all`);
     if (shapes.length) notes.push(`the shape of each takes ${Math.round(shapes[0].data.length / 1000)} kB of this page`);
     else notes.push("no shapes: the kernel has no visualisation surface (output.view = true)");
     if (shapes.length && shapes.length < rows.length) notes.push(`so only ${shapes.length} are in it`);
-    return [make("h3", {}, body), table(head, rows.map(cells)), note(`${notes.join("; ")}.`)];
+    const made = fill(table(head, rows.map(cells)), {class: "wide numbers"}, []);
+    return make("div", {}, make("h3", {}, body), made, note(`${notes.join("; ")}.`));
   }
 
   choose(entry) {

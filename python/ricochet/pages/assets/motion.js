@@ -25,7 +25,8 @@ class Motion {
     for (const body of this.bodies) body.first = body.amplitudes(0, 0);
     this.turning = this.bodies.some(body => body.poses);
     this.most = {};
-    this.colour = this.time.length > 1 ? "speed" : "body";
+    // The speed of a body that tumbles is that of its rigid motion nearly everywhere.
+    this.colour = this.time.length === 1 ? "body" : this.turning ? "deformation" : "speed";
     this.mesh = false;
     this.arrows = true;
     this.natural = data.amplify?.natural ?? 1;
@@ -175,14 +176,18 @@ class Motion {
     for (let v = 0; v < body.value.length; ++v) body.value[v] = Math.hypot(moved[3 * v], moved[3 * v + 1], moved[3 * v + 2]);
   }
 
-  /** The upper end of the colour scale. At none of the sampled moments do more than 1 % of the nodes of a body exceed it. */
+  /** The upper end of the colour scale: more than 1 % of the nodes of a body exceed it at none of the moments, by default at none of
+   *  those that are sampled. */
   top() {
     if (this.colour === "body") return 1;
+    return this.most[this.colour] ??= this.topAt(this.sampled(60).map(k => this.time[k]));
+  }
+  topAt(times) {
     const inMost = (body, time) => {
       this.measure(body, ...this.find(time));
       return body.value.slice().sort()[Math.floor(0.99 * body.value.length)];
     };
-    return this.most[this.colour] ??= Math.max(...this.sampled(60).flatMap(k => this.bodies.map(body => inMost(body, this.time[k])))) || 1;
+    return Math.max(...times.flatMap(time => this.bodies.map(body => inMost(body, time)))) || 1;
   }
 
   /** The points of snapshot k as [from, to, shift]: the force of point p is number p + shift. With finite rotations each snapshot has
@@ -304,16 +309,42 @@ class Motion {
     gl.enable(gl.DEPTH_TEST);
   }
 
-  /** Draws moments as pictures of the given size. Each change of the size of a canvas takes as long as a drawing. */
-  pictures(times, width, height) {
-    const {canvas} = this, before = [canvas.width, canvas.height];
-    [canvas.width, canvas.height] = [width, height];
-    const urls = times.map(time => {
+  /** The boxes around the bodies at some moments, all of the same size. */
+  boxesAt(times) {
+    const boxes = times.map(time => {
+      const around = box();
+      this.placeBodies(...this.find(time).slice(0, 2), this.amplify);
+      for (const body of this.bodies) around.add(body.place);
+      return around;
+    });
+    const half = [0, 1, 2].map(i => Math.max(...boxes.map(({low, high}) => (high[i] - low[i]) / 2)));
+    return boxes.map(({low, high}) => {
+      const middle = low.map((x, i) => (x + high[i]) / 2);
+      return {low: middle.map((x, i) => x - half[i]), high: middle.map((x, i) => x + half[i])};
+    });
+  }
+
+  /** Draws moments as pictures of the given width, from near if the bodies turn, with one scale of colours. Each change of the size of a
+   *  canvas takes as long as a drawing. Returns the pictures and the upper end of the scale. */
+  pictures(times, width) {
+    const {canvas, view} = this, before = [canvas.width, canvas.height], boxes = this.turning ? this.boxesAt(times) : null;
+    const whole = this.box, kept = this.most[this.colour], top = this.most[this.colour] = this.topAt(times);
+    const look = around => {
+      this.box = around;
+      this.look(view.azimuth, view.elevation);
+    };
+    if (boxes) look(boxes[0]);
+    const [across, up] = this.spans;
+    [canvas.width, canvas.height] = [width, Math.round(width * Math.min(0.9, Math.max(0.2, 1.05 * up / across)))];
+    const urls = times.map((time, k) => {
+      if (boxes) look(boxes[k]);
       this.draw(time);
       return canvas.toDataURL("image/png");
     });
+    if (boxes) look(whole);
+    this.most[this.colour] = kept;
     [canvas.width, canvas.height] = before;
-    return urls;
+    return {urls, top};
   }
 
   /** The share of the canvas that is not empty. */

@@ -17,6 +17,9 @@ function vector(values, unit) {
   return `(${values.map(x => digits(Math.abs(x) < least ? 0 : x)).join(", ")}) ${unit}`;
 }
 
+// Names of columns; the descriptions below are their titles.
+const short = {impulse_ns: "impulse", peak_force_n: "peak force", approach_m_per_s: "approach", restitution: "restitution"};
+
 // Description and unit of each key of summary.json.
 const glosses = {
   contact_start_s: ["first touch", "s"],
@@ -56,7 +59,19 @@ const glosses = {
 /** A table with a row for each object in a list of the summary. */
 function listed(list, path, keys, name) {
   const cells = (item, k) => keys.map(key => figure(`${path}.${k}.${key}`, item[key], glosses[key][1]));
-  return table(["", ...keys.map(key => glosses[key][0])], list.map((item, k) => row(`${name} ${k + 1}`, ...cells(item, k))));
+  const head = [name, ...keys.map(key => short[key] ?? glosses[key][0])], rows = list.map((item, k) => row(String(k + 1), ...cells(item, k)));
+  const tables = rows.length > 8 ? halves(head, rows) : [table(head, rows)];
+  for (const made of tables) {
+    made.className = "wide numbers";
+    made.querySelectorAll("thead th").forEach((cell, k) => { cell.title = k ? glosses[keys[k - 1]][0] : ""; });
+  }
+  return tables;
+}
+
+/** A table in two parts, which stand side by side if there is room. */
+function halves(head, rows) {
+  const half = Math.ceil(rows.length / 2);
+  return [table(head, rows.slice(0, half)), table(head, rows.slice(half))];
 }
 
 function verdict() {
@@ -136,7 +151,7 @@ function peakNote({points, few}) {
 function contactSection() {
   const at = section("contact");
   if (run.static)
-    at.append(listed(summary.pairs, "pairs", ["force_n", "approach_m", "contact_points", "contact_area_m2", "peak_pressure_pa"], "pair"));
+    at.append(...listed(summary.pairs, "pairs", ["force_n", "approach_m", "contact_points", "contact_area_m2", "peak_pressure_pa"], "pair"));
   at.append(...run.charts.contact.map(spec => new Chart(spec).element));
   if (run.map) at.append(forceMap(run.map));
   if (run.states) at.append(stateMap(run.states));
@@ -148,7 +163,7 @@ function contactSection() {
   if (episodes.length > 1) {
     const keys = ["start_s", "end_s", "impulse_ns", "peak_force_n", "approach_m_per_s", "restitution"]
       .filter(key => key in episodes[0]);  // older summaries have fewer
-    at.append(make("h3", {}, "Episodes"), listed(episodes.slice(0, most), "episodes", keys, "episode"));
+    at.append(make("h3", {}, "Episodes"), ...listed(episodes.slice(0, most), "episodes", keys, "episode"));
     if (episodes.length > most) at.append(note(`The first ${most} of ${episodes.length}; summary.json has all.`));
   }
   const rows = Object.entries(exit ?? {}).map(([name, v]) => {
@@ -168,9 +183,9 @@ function accelerationSection() {
   const peak = (label, key, value, when) => row(label, figure(key, value, "m/s²"), value === null ? "" : `${digits(value / gravity)} g`, when);
   for (const [name, peaks] of all) {
     const path = `acceleration.${name}`, filtered = Object.entries(peaks.cfc_peak_m_per_s2).reverse();
-    at.append(make("h3", {}, name), table(["peak", "", "", ""], [
+    at.append(make("h3", {}, name), fill(table(["peak", "", "", ""], [
       peak("unfiltered", `${path}.peak_m_per_s2`, peaks.peak_m_per_s2, `at ${quantity(peaks.time_s, "s")}`),
-      ...filtered.map(([of, value]) => peak(`CFC ${of}`, `${path}.cfc_peak_m_per_s2.${of}`, value, ""))]));
+      ...filtered.map(([of, value]) => peak(`CFC ${of}`, `${path}.cfc_peak_m_per_s2.${of}`, value, ""))]), {class: "wide across"}, []));
     at.append(...(run.accelerations[name] ?? []).filter(spec => spec.lines.length).map(spec => new Chart(spec).element));
   }
   at.append(note("Peaks are magnitudes of vectors: unfiltered of each step, and behind the low-pass filters of SAE J211-1. " +
@@ -250,7 +265,7 @@ function errorsSection() {
                ...quantities.map(([, errors]) => shown(errors[key])));
   });
   const asked = run.asked.accuracy ? `; ${digits(run.asked.accuracy)} was asked for` : "";
-  at.append(table(["cause", `relative error of ${spaced(estimate.quantity)}`, "", ...quantities.map(([name]) => spaced(name))], rows),
+  at.append(fill(table(["cause", `relative error of ${spaced(estimate.quantity)}`, "", ...quantities.map(([name]) => spaced(name))], rows), {class: "wide across"}, []),
             note(`Estimated${asked}. The first column is the requested quantity with the largest error.`));
   if (estimate.until_s)
     at.append(note(`Estimates hold up to the end of the first touch, at ${quantity(estimate.until_s, "s", 6)}.`));
@@ -297,14 +312,14 @@ function kernelsSection() {
     rows.push(row("kernel", body.file ? code(body.file) : "–"));
     rows.push(...(kernel ? [row("its hash", code(kernel.hash)), row("hash of the mesh", code(kernel.mesh_sha256)), row("made by", kernel.created_by)]
       : [row("", "not found beside the result: only its name is known")]));
-    at.append(make("h3", {}, make("i", {class: `swatch c${k % 6}`}), body.name), table(null, rows));
+    at.append(make("div", {}, make("h3", {}, make("i", {class: `swatch c${k % 6}`}), body.name), table(null, rows)));
   }
 }
 
 function figuresSection() {
   const scalars = Object.entries(summary).filter(([, value]) => value === null || typeof value !== "object");
   const rows = scalars.map(([key, value]) => row(code(key), figure(key, value, glosses[key]?.[1]), glosses[key]?.[0] ?? ""));
-  section("figures").append(note("summary.json; – where a figure does not exist."), table(["key", "value", "meaning"], rows));
+  section("figures").append(note("summary.json; – where a figure does not exist."), ...halves(["key", "value", "meaning"], rows));
 }
 
 function timingSection() {

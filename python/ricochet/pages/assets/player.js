@@ -98,7 +98,7 @@ class Player {
     this.ofMode = make("div", {class: "controls", hidden: ""});
     const views = make("div", {class: "controls", role: "group", "aria-label": "View"}, "view", look("front", 0, 0),
       look("side", -Math.PI / 2, 0), look("above", 0, Math.PI / 2), home,
-      ...(motion.bodies.some(body => body.wire) ? [labelled(mesh, "mesh")] : []));
+      ...(motion.bodies.some(body => body.wire) ? [labelled(mesh, "mesh")] : []), ...(filmType ? [this.filming()] : []));
     this.timed.hidden = !moving;
     return make("div", {class: "panel"}, this.timed, this.ofImpact, this.ofMode, views);
   }
@@ -108,6 +108,35 @@ class Player {
     const box = make("input", {type: "checkbox", checked: ""});
     box.addEventListener("change", () => { body.visible = box.checked; this.show(); });
     return box;
+  }
+
+  /** A button that plays the part that is shown from its start to its end, and saves it as a film. */
+  filming() {
+    const button = pressable("film", () => this.film ? this.endFilm() : this.startFilm());
+    button.title = "Plays once and saves it as a WebM film; press again to end it";
+    return this.filmButton = button;
+  }
+
+  startFilm() {
+    this.move(0);
+    this.film = new Film(this.canvas, film => download(`${run.slug ?? "modes"}.webm`, film));
+    this.filmButton.setAttribute("aria-pressed", "true");
+    this.show();  // otherwise the film would begin with an empty frame
+    this.play(true);
+  }
+
+  endFilm() {
+    this.film.stop();
+    this.film = null;
+    this.filmButton.setAttribute("aria-pressed", "false");
+    this.play(false);
+  }
+
+  /** Adds the frame that is shown to the film. */
+  takeFrame() {
+    const {motion} = this, {unit} = measures[motion.colour];
+    const texts = motion.mode ? [this.title] : [run.title, `${this.clock.textContent}${this.slower.textContent && `, ${this.slower.textContent}`}`];
+    this.film.take(texts, motion.mode ? [0, 1, ""] : unit ? [0, motion.top(), unit] : null);
   }
 
   /** Goes to a share of the part of the run that is shown, or of the period of the mode. */
@@ -148,6 +177,7 @@ class Player {
     const text = mode ? remarkOnMode(motion) : remarks(motion, motion.data);
     if (this.remark.textContent !== text) this.remark.textContent = text;
     if (!mode) this.tell(time);
+    if (this.film) this.takeFrame();
   }
 
   explain() {
@@ -181,8 +211,10 @@ class Player {
       if (!this.playing) return;
       const {motion, window} = this, past = Math.min(0.1, Math.max(0, now - last) / 1000) * this.speed.value;
       last = now;
-      if (motion.mode) this.phase = (this.phase + past / period) % 1;
+      if (motion.mode) this.phase += past / period;
       else this.time += past / seconds * (window[1] - window[0]);
+      if (this.film && (motion.mode ? this.phase >= 1 : this.time > window[1])) return this.endFilm();
+      this.phase %= 1;
       if (this.time > window[1]) this.time = window[0];
       this.show();
       requestAnimationFrame(frame);
@@ -231,16 +263,14 @@ const remarkOnMode = motion => `The largest displacement is drawn as ${100 * mot
 
 /** A row of moments of the contact that differ from each other. */
 function rowOfMoments(motion) {
-  const [across, up] = motion.spans, width = 560;
-  const height = Math.round(width * Math.min(0.9, Math.max(0.2, 1.05 * up / across)));
-  const times = motion.data.pictures.map(k => motion.time[k]), sources = motion.pictures(times, width, height);
+  const times = motion.data.pictures.map(k => motion.time[k]), {urls, top} = motion.pictures(times, 560);
   const cells = times.map((time, k) => {
-    const text = quantity(time, "s"), picture = make("img", {src: sources[k], alt: `The bodies at ${text}`});
+    const text = quantity(time, "s"), picture = make("img", {src: urls[k], alt: `The bodies at ${text}`});
     return make("figure", {}, picture, make("figcaption", {}, text));
   });
-  const scale = motion.natural > 1 ? `deformation × ${digits(motion.natural, 2)}` : "true to scale";
+  const scale = motion.natural > 1 ? `deformation × ${digits(motion.natural, 2)}` : "true to scale", {label, unit} = measures[motion.colour];
   return make("div", {}, make("h3", {}, `${plural(cells.length, "moment")} ${run.episodes.length ? "of the contact" : "of the run"}, ${scale}`),
-              make("div", {class: "moments"}, ...cells));
+              make("div", {class: "key"}, make("span", {}, label), rampKey(0, top, unit)), make("div", {class: "moments"}, ...cells));
 }
 
 /** Turns, shifts and zooms the view on events of pointer, wheel, fingers and keys. */
