@@ -99,6 +99,11 @@ void add_kernel_options(CLI::App& app, Options& options) {
          "--verify", options.verify,
          "Count the modes of the stored kernels again with K and M, and stop: status 1 if a count differs")
       ->excludes(check);
+  app.add_option("--view-up-to", options.view_mib,
+                 "Keep the visualisation surface of a body if it takes at most this many MiB, although the "
+                 "scene has no output.view (default: 0)")
+      ->type_name("MIB")
+      ->check(CLI::NonNegativeNumber);
 }
 
 /// The options of other commands, with these commands.
@@ -106,7 +111,7 @@ Elsewhere elsewhere_of(const Program& program) {
   Elsewhere elsewhere{{"-n", "ricochet kernel, modes and run"},
                       {"--ranks", "ricochet kernel, modes and run"}};
   const std::vector<const char*> of_others =
-      program.impacts ? std::vector{"--check", "--verify"}
+      program.impacts ? std::vector{"--check", "--verify", "--view-up-to"}
                       : std::vector{"--vtk", "--batch", "--fclib", "--fclib-every", "--write-scene"};
   for (const char* option : of_others)
     elsewhere[option] = program.impacts ? "ricochet kernel" : "ricochet impact";

@@ -22,6 +22,7 @@ struct Options {
   bool quiet = false;
   bool check = false;                 ///< ricochet-kernel: check the request, compute nothing
   bool verify = false;                ///< ricochet-kernel: count the modes of stored kernels again
+  double view_mib = 0;                ///< ricochet-kernel: size up to which a surface is kept unasked [MiB]
   bool vtk = false;                   ///< ricochet-contact: write the motion for ParaView
   bool batch = false;                 ///< ricochet-contact: requests on stdin, answers on stdout
   std::filesystem::path fclib;        ///< ricochet-contact: folder of complementarity problems; empty: none

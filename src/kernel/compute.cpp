@@ -5,6 +5,7 @@
 
 #include <utility>
 
+#include "base/memory.hpp"
 #include "kernels/algebra.hpp"
 #include "kernels/band.hpp"
 #include "src/kernel/discretise.hpp"
@@ -108,12 +109,17 @@ void move_above_band(Hertz band, kernels::Kernel& kernel) {
 
 }  // namespace
 
-kernels::Kernel compute(const scene::KernelRequest& request, const std::filesystem::path& checkpoint,
-                        OpenedMeshes& meshes, MPI_Comm comm, console::Console& console) {
+kernels::Kernel compute(scene::KernelRequest& request, const std::filesystem::path& checkpoint,
+                        double view_mib, OpenedMeshes& meshes, MPI_Comm comm, console::Console& console) {
   const scene::Body& body = request.body;
   const mesh::GmshSession gmsh;
-  if (body.imported() && holds_modes(body, comm)) return kernel_of_modes(request, comm, console);
-  Discretised made = discretise(request, meshes, comm, console);
+  if (body.imported() && holds_modes(body, comm)) {
+    // Its surface is part of its file.
+    if (static_cast<double>(std::filesystem::file_size(body.mesh)) <= view_mib * base::mib)
+      request = scene::with_view(std::move(request));
+    return kernel_of_modes(request, comm, console);
+  }
+  Discretised made = discretise(request, view_mib, meshes, comm, console);
   const parallel::Teams& teams = *made.teams;
   const mesh::Mesh& mesh = made.mesh;
   const elasticity::Body& matrices = made.matrices;

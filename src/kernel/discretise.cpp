@@ -102,6 +102,13 @@ double flexibility_mib(const scene::KernelRequest& request, const Discretised& m
   return shapes + std::max({complement, 3 * size, picture});
 }
 
+/// Size of the visualisation surface in the kernel: modes and static responses [MiB].
+double surface_mib(const scene::KernelRequest& request, const Discretised& made, std::int64_t modes) {
+  const auto fields = static_cast<double>(modes) +
+                      (has_flexibility(request, made) ? static_cast<double>(made.loads.cols()) : 0);
+  return 3 * sizeof(float) * fields * static_cast<double>(made.mesh.visualisation.node.size()) / base::mib;
+}
+
 /// Reads the mesh of a body on `count` teams of ranks and assembles the matrices. Collective; throws
 /// InputError on every rank.
 /// @param last  whether the source may be consumed
@@ -149,7 +156,7 @@ bool is_compressed(const scene::KernelRequest& request, const Discretised& made)
          kernels::is_compressed(surface.size());
 }
 
-Discretised discretise(const scene::KernelRequest& request, OpenedMeshes& meshes, MPI_Comm comm,
+Discretised discretise(scene::KernelRequest& request, double view_mib, OpenedMeshes& meshes, MPI_Comm comm,
                        console::Console& console) {
   const std::string& name = request.body.name;
   const std::string file = request.body.mesh.filename().string();
@@ -183,6 +190,8 @@ Discretised discretise(const scene::KernelRequest& request, OpenedMeshes& meshes
     const double room = parallel::available_mib(comm);
     made.resident_mib = parallel::largest(comm, base::resident_bytes() / base::mib);
     const std::int64_t expected = expected_count(request.modes, made);
+    const double shown = parallel::largest(comm, surface_mib(request, made, expected));
+    if (!request.view && 0 < shown && shown <= view_mib) request = scene::with_view(request);
     double need = 0;
     for (const std::int64_t per_shift : {260, 130, 65}) {
       made.modes_per_shift = per_shift;

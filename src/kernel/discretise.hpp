@@ -34,7 +34,9 @@ bool is_compressed(const scene::KernelRequest& request, const Discretised& made)
 /// each hold the whole body and process their own slices are faster than ranks that share one. If memory is
 /// short, the slices become smaller. A contact-adapted basis needs few factorisations, so all ranks form one
 /// team. Throws InputError if memory does not suffice for one team. Needs a GmshSession. Collective.
-Discretised discretise(const scene::KernelRequest& request, OpenedMeshes& meshes, MPI_Comm comm,
+/// @param request   its `view` becomes true if the visualisation surface takes at most `view_mib`
+/// @param view_mib  size up to which the surface is kept, although the request has none [MiB]
+Discretised discretise(scene::KernelRequest& request, double view_mib, OpenedMeshes& meshes, MPI_Comm comm,
                        console::Console& console);
 
 /// States the memory that a search for this number of modes needs. Collective; throws InputError on every

@@ -58,7 +58,12 @@ class Kernels {
  public:
   Kernels(const scene::Scene& scene, const console::Options& options, MPI_Comm comm,
           console::Console& console)
-      : scene_(scene), folder_(options.out), comm_(comm), console_(console), meshes_(comm, console) {
+      : scene_(scene),
+        folder_(options.out),
+        view_mib_(options.view_mib),
+        comm_(comm),
+        console_(console),
+        meshes_(comm, console) {
     parallel::on_all_ranks(comm, [&] {
       for (const scene::Body& body : scene.bodies) requests_.push_back(scene::kernel_request(scene, body));
     });
@@ -95,14 +100,25 @@ class Kernels {
     scene::KernelRequest request = limited_to(requests_[k], needs_[k]);
     std::filesystem::path path = scene::kernel_path(folder_, request);
     parallel::on_first_rank(comm_, [&] { base::check_place(path); });
-    const std::string from = derive_if_possible(request, folder_, path, comm_, console_);
+    std::string from;
+    if (view_mib_ > 0) {  // a kernel with a surface gives one to those that are derived from it
+      const scene::KernelRequest seen = scene::with_view(request);
+      path = scene::kernel_path(folder_, seen);
+      from = derive_if_possible(seen, folder_, path, comm_, console_);
+    }
+    if (from.empty()) {
+      path = scene::kernel_path(folder_, request);
+      from = derive_if_possible(request, folder_, path, comm_, console_);
+    }
     if (from.empty()) {
       request = limited_to(requests_[k], worth_computing(requests_, needs_, k));
-      path = scene::kernel_path(folder_, request);
+      const std::filesystem::path checkpoint = checkpoint_of(scene::kernel_path(folder_, request));
       before_computing();
-      const kernels::Kernel kernel = compute(request, checkpoint_of(path), meshes_, comm_, console_);
+      const kernels::Kernel kernel = compute(request, checkpoint, view_mib_, meshes_, comm_, console_);
+      path = scene::kernel_path(folder_, request);
       parallel::on_first_rank(comm_, [&] { kernels::write(kernel, path); });
       if (first() && report) report_body(request.body, kernel, console_);
+      forget(checkpoint);
     }
     forget(checkpoint_of(path));
     console_.say(fmt::format("{}: {}{}", name, from, path.string()));
@@ -132,6 +148,7 @@ class Kernels {
 
   const scene::Scene& scene_;
   std::filesystem::path folder_;
+  double view_mib_;
   MPI_Comm comm_;
   console::Console& console_;
   OpenedMeshes meshes_;

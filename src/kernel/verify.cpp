@@ -68,7 +68,8 @@ int verify_kernels(const scene::Scene& given, const console::Options& options, M
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
     const std::string& name = scene.bodies[k].name;
     const mesh::GmshSession gmsh;
-    const Discretised made = discretise(scene::kernel_request(scene, scene.bodies[k]), meshes, comm, console);
+    scene::KernelRequest request = scene::kernel_request(scene, scene.bodies[k]);
+    const Discretised made = discretise(request, 0, meshes, comm, console);
     const std::vector<Claim> claims = claims_of(stored.kernel[k]->modes);
     console.begin(name + ": inertia counts", static_cast<std::int64_t>(claims.size()));
     std::int64_t done = 0;

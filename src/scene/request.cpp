@@ -290,6 +290,12 @@ void seal(KernelRequest& request) {
   request.hash = sha256(fmt::format("{}\n{}\n{}", kernel_generation, request.mesh_sha256, request.toml));
 }
 
+KernelRequest with_view(KernelRequest request) {
+  request.view = true;
+  seal(request);
+  return request;
+}
+
 KernelRequest request_of(const kernels::Header& header, const std::string& origin) {
   KernelRequest request;
   request.mesh_sha256 = header.mesh_sha256;

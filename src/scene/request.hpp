@@ -68,6 +68,9 @@ bool may_be_normal(const KernelRequest& request);
 /// Sets `toml` and `hash` from all other members.
 void seal(KernelRequest& request);
 
+/// The same request with a visualisation surface.
+KernelRequest with_view(KernelRequest request);
+
 /// Returns the request that a kernel file answers, read from its header. The body has no name, mesh or
 /// placement. Throws InputError that begins with `origin` if this version would not make such a kernel.
 KernelRequest request_of(const kernels::Header& header, const std::string& origin);

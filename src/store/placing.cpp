@@ -105,10 +105,15 @@ bool KernelFile::holds(const Points& points, bool normals) const {
 
 std::vector<scene::KernelRequest> with_substitutes(const scene::KernelRequest& request) {
   std::vector<scene::KernelRequest> out{request};
-  if (!request.turns) return out;
-  out.push_back(request);
-  out.back().turns = false;
-  scene::seal(out.back());
+  const auto add = [&](bool scene::KernelRequest::*key, bool value) {
+    for (std::size_t k = 0, count = out.size(); k < count; ++k) {
+      out.push_back(out[k]);
+      out.back().*key = value;
+      scene::seal(out.back());
+    }
+  };
+  if (!request.view) add(&scene::KernelRequest::view, true);
+  if (request.turns) add(&scene::KernelRequest::turns, false);
   return out;
 }
 

@@ -85,12 +85,13 @@ struct KernelFile {
   bool holds(const Points& points, bool normals_suffice) const;
 };
 
-/// A request and, if its body turns, the one of a body that does not, whose kernel serves, too.
+/// A request and those whose kernels serve, too: of a body that does not turn, if this one does, and with a
+/// visualisation surface, if this one has none.
 std::vector<scene::KernelRequest> with_substitutes(const scene::KernelRequest& request);
 
 /// Kernel files in `folder` that answer `whole`, a request for all candidates, or the same request limited by
-/// a reach, or with its static correction along the normals alone. The smallest files come first. Bodies that
-/// turn are also served by the kernels of those that do not.
+/// a reach, or with its static correction along the normals alone. Those with the fewest candidates come
+/// first. The substitutes of `with_substitutes` count, too.
 std::vector<KernelFile> kernel_files(const std::filesystem::path& folder, const scene::KernelRequest& whole);
 
 }  // namespace ricochet::store

@@ -160,10 +160,11 @@ def settings(sets):
     return [argument for setting in sets for argument in ("--set", setting)]
 
 
-def kernel(scene, out, *sets, ranks=1, quiet=True):
-    """Runs ricochet-kernel. One rank runs without mpirun, whose start takes longer than most bodies here."""
+def kernel(scene, out, *sets, ranks=1, quiet=True, more=()):
+    """Runs ricochet-kernel, with `more` options. One rank runs without mpirun, whose start takes longer than most bodies here."""
     start = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", ranks] if ranks > 1 else []
-    return Run(start + [BIN / "ricochet-kernel", scene, "--out", out] + ["--quiet"] * quiet + settings(sets))
+    words = [scene, "--out", out, *more] + ["--quiet"] * quiet + settings(sets)
+    return Run(start + [BIN / "ricochet-kernel"] + words)
 
 
 def contact(scene, out, *sets, quiet=True):

@@ -8,11 +8,12 @@ import re
 import shutil
 import struct
 import unittest
+from unittest import mock
 
 import h5py
 import numpy as np
 
-from programs import MESHES, Command, Run, impact
+from programs import MESHES, Command, Run, contact, impact, kernel
 from report_test import ReportTest, number, unpacked
 
 from ricochet.pages.motion import coarser
@@ -68,6 +69,64 @@ play.click();
 const wait = () => (found.played = Number(canvas.dataset.time) > found.middle) ? resolve(found) : setTimeout(wait, 50);
 wait();
 })"""
+
+
+class Unasked(ReportTest):
+    """`ricochet run` of a scene that names neither surfaces nor snapshots."""
+
+    SETS = ["modes.count=5", "time.duration=30"]
+
+    def setUp(self):
+        super().setUp()
+        shutil.copytree(
+            MESHES / "two-rods", self.folder, dirs_exist_ok=True, ignore=shutil.ignore_patterns("out")
+        )
+        text = (self.folder / "two-rods.toml").read_text()
+        self.scene, self.out = self.write("two-rods.toml", text.split("[output]")[0]), self.folder / "out"
+
+    def run_it(self, *sets):
+        words = [word for one in (*self.SETS, *sets) for word in ("--set", one)]
+        with mock.patch("ricochet.cli.plot.draw"), mock.patch("ricochet.pages.write_page"):
+            return self.succeed(Command("run", "-n", "1", self.scene, *words))
+
+    def snapshots(self):
+        with h5py.File(self.one(self.out, "*.result.h5")) as file:
+            return len(file["snapshots/time"]) if "snapshots" in file else 0
+
+    def test_run_keeps_surfaces_and_some_hundred_snapshots_so_that_the_page_moves(self):
+        self.run_it()
+        kernels = set(self.out.glob("*.kernel.h5"))
+        self.assertEqual(len(kernels), 2)
+        # 3000 steps. The first snapshot is that of the start.
+        self.assertEqual(self.snapshots(), 1 + 3000 // 8)
+        _, _, page = self.page(self.one(self.out, "*.result.h5"))
+        self.assertEqual(page["motion"]["time"]["shape"], [376])
+        self.assertIn("up to date", self.run_it().out)
+        # `ricochet impact` alone keeps none, and finds the same kernels; so does a scene that wants no surface.
+        self.succeed(contact(self.scene, self.out, *self.SETS))
+        self.assertEqual(self.snapshots(), 0)
+        self.run_it("output.view=false")
+        self.assertEqual(self.snapshots(), 0)
+        self.assertEqual(set(self.out.glob("*.kernel.h5")), kernels)
+        # A derived kernel has the surface of the one it comes from.
+        self.run_it("bodies.moving.material.young=1.1")
+        self.assertEqual(self.snapshots(), 376)
+        self.assertEqual(len(set(self.out.glob("*.kernel.h5")) - kernels), 1)
+
+    def test_run_leaves_finished_kernels_and_large_surfaces_alone(self):
+        self.succeed(kernel(self.scene, self.out, *self.SETS))
+        finished = set(self.out.glob("*.kernel.h5"))
+        self.run_it()
+        self.assertEqual((set(self.out.glob("*.kernel.h5")), self.snapshots()), (finished, 0))
+        for path in finished:
+            path.unlink()
+        # 101 nodes with five modes and one static response, in single precision: 7.1 kB a body.
+        for most, there in ((7271 / 2**20, False), (7273 / 2**20, True)):
+            self.succeed(kernel(self.scene, self.out, *self.SETS, more=["--view-up-to", most]))
+            for path in self.out.glob("*.kernel.h5"):
+                with h5py.File(path) as file:
+                    self.assertEqual("view" in file, there)
+                path.unlink()
 
 
 class Rods(ReportTest):

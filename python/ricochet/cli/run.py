@@ -4,17 +4,21 @@
     ricochet run meshes/two-disks/two-disks.toml
     ricochet run -n 4 meshes/two-disks/two-disks.toml --set title=fast --set 'bodies.upper.velocity=[0,-6,0]'
 
-The options --set, --accuracy and --out are those of ricochet-kernel and ricochet-contact.
+The options --set, --accuracy and --out are those of ricochet-kernel and ricochet-contact. If the scene gives neither
+output.view nor output.snapshot_every, pictures and page show the motion nevertheless: surfaces of up to 64 MiB a body
+are kept, and up to 400 snapshots.
 """
 import argparse
 import contextlib
 import json
+import math
 import tomllib
 from pathlib import Path
 from typing import Any
 
 from ricochet import programs
 from ricochet.cli import plot
+from ricochet.cli.modes import stored
 from ricochet.cli.options import add_low_pass, add_run, words_for_programs
 from ricochet.errors import InputError
 
@@ -24,6 +28,54 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_low_pass(parser)
     text = "write the scene with the settings that were chosen for its accuracy"
     parser.add_argument("--write-scene", type=Path, metavar="FILE.toml", help=text)
+
+
+VIEW_MIB = 64  # largest visualisation surface of a body that is kept although the scene does not ask for it
+SNAPSHOTS = 400  # most snapshots that are kept in the same way
+SNAPSHOTS_MB = 8  # size of their modal coordinates
+
+
+def asked_output(options: argparse.Namespace) -> dict[str, Any]:
+    """The keys of [output] that the scene file or --set gives."""
+    with contextlib.suppress(OSError, UnicodeError, tomllib.TOMLDecodeError):  # the programs report these
+        output = tomllib.loads(options.scene.read_text()).get("output", {})
+        given = dict(output) if isinstance(output, dict) else {}
+        for key, value in programs.changes(options.set).items():
+            if key == "output" and isinstance(value, dict):
+                given = value
+            elif key.startswith("output."):
+                given[key.removeprefix("output.")] = value
+        return given
+    return {}
+
+
+def words_for_surfaces(output: dict[str, Any]) -> list[programs.Word]:
+    """Words that let ricochet-kernel keep surfaces, unless the scene decides this by view or snapshots."""
+    decides = "view" in output or output.get("snapshot_every", 1) == 0
+    return [] if decides else ["--view-up-to", str(VIEW_MIB)]
+
+
+def words_for_snapshots(
+    options: argparse.Namespace, output: dict[str, Any], table: dict[str, Any]
+) -> list[programs.Word]:
+    """Words that let ricochet-contact keep snapshots, if all kernels have surfaces and the scene does not decide this."""
+    if "snapshot_every" in output or output.get("view") is False or not table.get("bodies"):
+        return []
+    import h5py
+
+    coordinates = 0
+    for path in (kernels := stored(options)).values():
+        with h5py.File(path) as file:
+            if "view" not in file:
+                return []
+            coordinates += len(file["modes/angular_frequency"])
+    if not kernels:
+        return []
+    steps = 1.0
+    if table["contact"]["scheme"] != "static":
+        steps = table["time"]["duration"] * table["time"]["rate_hz"]
+    most = min(SNAPSHOTS, SNAPSHOTS_MB * 1e6 / (8 * max(coordinates, 1)))
+    return ["--set", f"output.snapshot_every={max(1, math.ceil(steps / max(most, 1)))}"]
 
 
 def newer(target: Path, *sources: Path) -> bool:
@@ -76,9 +128,14 @@ def run(options: argparse.Namespace) -> None:
     slug = programs.slug(table["title"])
     from ricochet import pages, pictures  # takes a second, and refusals of the scene come before
 
-    programs.kernel(options.scene, words, options.ranks)
+    output = asked_output(options)
+    surfaces = words_for_surfaces(output)
+    programs.kernel(options.scene, [*words, *surfaces], options.ranks)
     result = out / f"{slug}.result.h5"
     table = tomllib.loads(programs.resolved(options.scene, words))  # with settings chosen for its accuracy
+    if snapshots := words_for_snapshots(options, output, table):
+        words = [*words, *snapshots]
+        table["output"]["snapshot_every"] = int(str(snapshots[1]).rpartition("=")[2])
     wanted = ["--write-scene", options.write_scene] if options.write_scene else []
     if not wanted and current(result, table):
         print(f"{result}: up to date")
@@ -86,7 +143,8 @@ def run(options: argparse.Namespace) -> None:
         programs.contact(options.scene, [*words, *wanted])
         if lacks_kernels(result):
             with contextlib.suppress(InputError):  # the program has said why: the result stays as it is
-                programs.kernel(options.scene, [*words, "--set", "motion.rotation=finite"], options.ranks)
+                finite = [*words, *surfaces, "--set", "motion.rotation=finite"]
+                programs.kernel(options.scene, finite, options.ranks)
                 programs.contact(options.scene, [*words, *wanted])
     if table["contact"]["scheme"] != "static":  # bodies at rest have no motion to draw
         last = out / f"{slug}-energy.png"
