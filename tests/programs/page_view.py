@@ -7,10 +7,12 @@ import json
 import re
 import shutil
 import unittest
+from unittest import mock
 
 import h5py
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import ListedColormap
 
 import ricochet
 from page_test import PageTest
@@ -54,6 +56,18 @@ LAYOUT = """(() => {
   return [scrollHeight, scrollWidth, wide.map(part => part.textContent.slice(0, 40)), ends("#highlights"), ends(".stage"),
           [one.left, two.left, one.top, two.top]];
 })()"""
+
+
+class OneColour(ListedColormap):
+    """Colours of one kind, which keep what they are asked for."""
+
+    def __init__(self):
+        super().__init__(["#2b6cb0"])
+        self.asked = []
+
+    def __call__(self, values, *more, **named):
+        self.asked.append(values)
+        return super().__call__(values, *more, **named)
 
 
 class Drop(PageTest):
@@ -375,7 +389,8 @@ class Drop(PageTest):
         """By pixels: frame by frame, the share of the pixels of the part that change. With a factor of 4 in place of 200, less
         than 0.1 % do in places. And by the mean motion of the nodes as drawn, which is the same from frame to frame.
         """
-        figure = dict(figures(LoadedResult(self.result), self.out, lambda _: None))["snapshots"]
+        with mock.patch("ricochet.pictures.snapshots.COLOURS", OneColour()) as colours:
+            figure = dict(figures(LoadedResult(self.result), self.out, lambda _: None))["snapshots"]
         shown = re.search(
             r"drop: 9 moments of the contact\ndeformation drawn (\d+) times", figure._suptitle.get_text()
         )
@@ -402,6 +417,16 @@ class Drop(PageTest):
         at = [np.argmin(abs(1e6 * time - number(ax.get_title().split()[0]))) for ax in pictures]  # µs
         drawn = np.einsum("vjn,sn->svj", shape, np.where(omega > 0, float(shown[1]), 1) * q[at])
         moved = np.sqrt((np.diff(drawn, axis=0) ** 2).sum(axis=2).mean(axis=1))
+        # The colours end at the deformation that 1 % of the nodes exceed at one of these moments.
+        bent = np.linalg.norm(np.einsum("vjn,sn->svj", shape, np.where(omega > 0, 1, 0) * q[at]), axis=2)
+        (bar,) = [ax for ax in figure.axes if ax.get_xlabel() == "deformation (µm)"]
+        self.assertAlmostEqual(
+            1e-6 * bar.get_xlim()[1] / np.percentile(bent, 99, axis=1).max(), 1, delta=1e-4
+        )
+        element = unpacked(self.data["motion"]["bodies"][0]["element"]).astype(int)
+        painted = np.array([values for values in colours.asked if np.shape(values) == (len(element),)])
+        wanted = bent[:, element].mean(axis=2) / np.percentile(bent, 99, axis=1).max()
+        np.testing.assert_allclose(painted, wanted, atol=1e-4)  # fields have 32 bits
         ratio = moved.max() / moved.min()
         self.assertLess(ratio, 1.3)  # because snapshots are 2 µs apart; above 2 with even times
 

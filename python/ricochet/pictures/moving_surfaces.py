@@ -107,10 +107,14 @@ class MovingSurface:
         radius = np.linalg.norm(self.node - self.poses.centre, axis=1).max()
         return np.stack([self.poses.position.min(axis=0) - radius, self.poses.position.max(axis=0) + radius])
 
-    def deformation(self, k: int) -> float:
-        """The largest displacement without that of the rigid modes at snapshot k [m]."""
+    def deformations(self, k: int) -> Array:
+        """(V) displacements without those of the rigid modes at snapshot k [m]."""
         moved = self.shape @ np.where(self.rigid, 0, self.coordinates[k]).astype(self.shape.dtype)
-        return float(np.linalg.norm(moved, axis=1).max())
+        return np.asarray(np.linalg.norm(moved, axis=1))
+
+    def deformation(self, k: int) -> float:
+        """The largest of them [m]."""
+        return float(self.deformations(k).max())
 
     def strain(self, k: int) -> float:
         """The largest displacement by elastic modes at snapshot k, relative to the size of the body"""

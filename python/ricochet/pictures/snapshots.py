@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The picture of a contact at several moments: the forces, and the bodies from the viewpoint with the best
 view of the contact."""
+import matplotlib
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
-from matplotlib.colors import to_rgb
+from matplotlib.colors import Normalize, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon, Rectangle
@@ -19,6 +21,7 @@ from ricochet.pictures.viewpoint import clearest
 
 MOMENTS = 9
 FLOOR, GHOST = "#dedbd3", "#8a8a8a"
+COLOURS = matplotlib.colormaps["viridis"]
 
 
 def snapshots_picture(result: LoadedResult, surfaces: dict[str, MovingSurface], time: Array) -> Figure | None:
@@ -96,12 +99,17 @@ def snapshots_picture(result: LoadedResult, surfaces: dict[str, MovingSurface], 
         if whole
         else Forces(result, [int(np.argmin(np.abs(result.contact_time - time[k]))) for k in chosen])
     )
+    fields = [{body: surface.deformations(int(k)) for body, surface in surfaces.items()} for k in chosen]
+    # Sharp dents, of fewer than one node in a hundred, would leave no colours to the rest.
+    most = max(float(np.percentile(field, 99)) for at in fields for field in at.values())
+    bodies = []
     for cell, k in enumerate(chosen):
         r, c = divmod(cell, 3)
         ax = figure.add_subplot(grid[r, c] if whole else grid[r, 2 * c] if beside else grid[2 * r, c])
         for floor in floors:
             ax.add_patch(Polygon(floor[:, :2], facecolor=FLOOR, edgecolor=FLOOR, zorder=0))
-        paint(ax, result, surfaces, places[cell], turn)
+        bodies.append(ax)
+        paint(ax, result, surfaces, places[cell], turn, fields[cell], most)
         if amplify != 1:
             for body, edges in outlines.items():
                 if surfaces[body].poses:
@@ -116,9 +124,11 @@ def snapshots_picture(result: LoadedResult, surfaces: dict[str, MovingSurface], 
             below = figure.add_subplot(grid[r, 2 * c + 1] if beside else grid[2 * r + 1, c])
             forces.draw(below, cell, labelled=(cell + 3 >= len(chosen), c == 0))
     handles: list[Rectangle | Line2D] = [
-        Rectangle((0, 0), 1, 1, color=colour_of(result, body)) for body in surfaces
+        Line2D([], [], color=colour_of(result, body), linewidth=2) for body in surfaces
     ]
-    names = list(surfaces)
+    names = [f"edges of {body}" if solid else body for body in surfaces]
+    if solid and most > 0:
+        colour_bar(figure, bodies, most)
     if amplify != 1:
         handles.append(Line2D([], [], color=GHOST, linewidth=0.8))
         names.append("without deformation")
@@ -217,9 +227,16 @@ def unhidden(surface: MovingSurface, seen: Array) -> NDArray[np.int64]:
 
 
 def paint(
-    ax: Axes, result: LoadedResult, surfaces: dict[str, MovingSurface], places: dict[str, Array], turn: Array
+    ax: Axes,
+    result: LoadedResult,
+    surfaces: dict[str, MovingSurface],
+    places: dict[str, Array],
+    turn: Array,
+    fields: dict[str, Array],
+    most: float,
 ) -> None:
-    """Paints triangles and outlines from back to front."""
+    """Paints triangles and outlines from back to front: triangles by a field of the nodes from 0 to `most`, outlines in the
+    colour of the body."""
     patches, depth, face, edge, width = [], [], [], [], []
     light = np.array([0.35, 0.5, 0.8]) / np.linalg.norm([0.35, 0.5, 0.8])
     # Where flat bodies overlap slightly, the later one is in front. Outlines are in front of their surfaces.
@@ -232,7 +249,8 @@ def paint(
         if not line:
             corner = seen[surface.element]
             normal = normals(corner)
-            shaded = colour * (0.62 + 0.38 * np.abs(normal @ light))[:, None]
+            share = fields[body][surface.element].mean(axis=1) / (most or 1)
+            shaded = COLOURS(share)[:, :3] * (0.62 + 0.38 * np.abs(normal @ light))[:, None]
             patches += list(corner[:, :, :2])
             depth += list(corner[:, :, 2].mean(axis=1) + number * near)
             face += list(shaded)
@@ -241,11 +259,20 @@ def paint(
         patches += list(seen[outline][:, :, :2])
         depth += list(seen[outline][:, :, 2].mean(axis=1) + (len(surfaces) + 1) * near)
         face += [colour] * len(outline)
-        edge += [colour if line else np.zeros(3)] * len(outline)
-        width += [4 if line else 0.7] * len(outline)
+        edge += [colour] * len(outline)
+        width += [4 if line else 1.0] * len(outline)
     order = np.argsort(depth, kind="stable")
     patches, face, edge, width = ([values[k] for k in order] for values in (patches, face, edge, width))
     ax.add_collection(PolyCollection(patches, facecolors=face, edgecolors=edge, linewidths=width))
+
+
+def colour_bar(figure: Figure, axes: list[Axes], most: float) -> None:
+    """The scale of deformations from 0 to `most` [m], above the bodies."""
+    factor, unit = prefixed(most, "m")
+    colours = ScalarMappable(Normalize(0, most * factor), COLOURS)
+    figure.colorbar(
+        colours, ax=axes, location="top", shrink=0.4, aspect=40, extend="max", label=f"deformation ({unit})"
+    )
 
 
 def scale_bar(ax: Axes, left: float, bottom: float, wide: float) -> None:
@@ -269,7 +296,7 @@ class Forces:
             what.startswith("position") and np.all(np.abs(np.diff(order)) == 1)
         )
         if self.numbered:
-            self.where, self.label = numbers, "position"
+            self.where, self.label = numbers, "number of the contact position"
             return
         self.force = self.force[:, order]
         far = 1.6 * np.abs(where[result.impulse()[order] > 0]).max() or np.abs(where).max()

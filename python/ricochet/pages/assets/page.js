@@ -56,6 +56,11 @@ const glosses = {
   end_s: ["to", "s"],
 };
 
+const episodeNote = "An episode ends with the first step without a force. Approach is the speed of the bodies as a whole when it begins, and its " +
+  "restitution is minus the speed at its end over this approach. Below 0, the bodies part already, and vibration brings their surfaces together " +
+  "again: the episode belongs to the bounce before it and has no restitution of its own. The main figure is that of the run, from the " +
+  "first touch to the last.";
+
 /** A table with a row for each object in a list of the summary. */
 function listed(list, path, keys, name) {
   const cells = (item, k) => keys.map(key => figure(`${path}.${k}.${key}`, item[key], glosses[key][1]));
@@ -100,7 +105,7 @@ function highlights() {
     card("Largest pressure", figure(`pairs.${k}.peak_pressure_pa`, pair.peak_pressure_pa, "Pa"));
     card("Approach", figure(`pairs.${k}.approach_m`, pair.approach_m, "m"));
   }
-  plain("Restitution", "restitution");
+  plain("Restitution", "restitution", undefined, s.episodes?.length > 1 ? "from the first touch to the last" : undefined);
   plain("Peak force", "peak_force_n", "N", run.peak ? `in one step, sum over ${plural(run.peak.points, "point")}` +
     (run.peak.few ? ": the pressure depends on contact.spacing" : "") : undefined);
   plain("Impulse", "impulse_ns", "N s");
@@ -164,6 +169,7 @@ function contactSection() {
     const keys = ["start_s", "end_s", "impulse_ns", "peak_force_n", "approach_m_per_s", "restitution"]
       .filter(key => key in episodes[0]);  // older summaries have fewer
     at.append(make("h3", {}, "Episodes"), ...listed(episodes.slice(0, most), "episodes", keys, "episode"));
+    if ("approach_m_per_s" in episodes[0]) at.append(note(episodeNote));
     if (episodes.length > most) at.append(note(`The first ${most} of ${episodes.length}; summary.json has all.`));
   }
   const rows = Object.entries(exit ?? {}).map(([name, v]) => {
