@@ -38,5 +38,6 @@ add_program_test(programs meets)
 add_program_test(programs rotation)
 add_program_test(programs batch FIRST)
 add_program_test(programs command FIRST)
+add_program_test(programs release)
 add_program_test(programs mistakes)
 set_tests_properties(programs/batch programs/report programs/page_view programs/tumble PROPERTIES PROCESSORS 1)  # most of their time is spent waiting for SLURM and a browser

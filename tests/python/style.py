@@ -18,7 +18,14 @@ sys.path.append(str(SOURCE / "tests"))
 from hygiene import changed_lately, listed, new  # noqa: E402
 
 PYTHON = SOURCE / "python"
-CHECKED = ["python/ricochet/*.py", "benchmarks/*.py", "tests/*.py", "scripts/coverage", "scripts/fuzz"]
+CHECKED = [
+    "python/ricochet/*.py",
+    "benchmarks/*.py",
+    "tests/*.py",
+    "scripts/coverage",
+    "scripts/fuzz",
+    "scripts/release",
+]
 SETTINGS = ["python/pyproject.toml", "python/.flake8"]
 ALL = "--all" in sys.argv
 
