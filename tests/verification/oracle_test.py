@@ -10,6 +10,7 @@ import mindlin
 import modal_hertz
 import oblique_impact as oblique
 import random_rods as rods
+from cases import struck_bar
 
 CHI = oblique.chi(0.3)
 SWEEP = np.array([0.05, 0.2, 0.5, 0.9, 1, 1.2, 1.9, 2.7, 3.6, 4.2, 4.6])
@@ -51,6 +52,37 @@ class RodsTest(unittest.TestCase):
             for k in range(2):
                 x[k] += step * v[k]
         return impulse
+
+
+class StruckBarTest(unittest.TestCase):
+    """The measured record of struck_bar.py, against the figures that were published with it."""
+
+    def setUp(self):
+        self.time, self.strain = struck_bar.scaled(struck_bar.TIME, struck_bar.RECORD)
+
+    def test_the_record_has_the_figures_of_its_source(self):
+        self.assertEqual(len(struck_bar.RECORD), 242)
+        self.assertAlmostEqual(struck_bar.RECORD.sum(), 409374.5, delta=0.05)
+        inside = (struck_bar.TIME >= 20) & (struck_bar.TIME <= 140)
+        self.assertAlmostEqual(struck_bar.RECORD[inside].mean(), 2599, delta=3)  # of 121 or of 120 samples
+        self.assertAlmostEqual(self.time[0], struck_bar.FIRST, delta=0.01)  # times start at the half rise
+        self.assertAlmostEqual(self.strain.max(), 1.165, delta=1e-3)
+        _, end = struck_bar.passing(self.time, self.strain, 0.5)
+        self.assertAlmostEqual(end, 159.7, delta=0.05)
+        np.testing.assert_allclose(
+            struck_bar.extrema(self.time, self.strain),
+            [struck_bar.MAXIMA, struck_bar.MINIMA],
+            rtol=0,
+            atol=0.05,  # as rounded
+        )
+
+    def test_rods_without_dispersion_do_not_ring(self):
+        _, end = struck_bar.passing(self.time, self.strain, 0.5)
+        thin = struck_bar.thin_rods(self.time, end, struck_bar.rise(self.time, self.strain))
+        self.assertAlmostEqual(struck_bar.rise(self.time, thin), 9.27, delta=0.01)
+        self.assertAlmostEqual(struck_bar.passing(self.time, thin, 0.5)[1], end, delta=1e-9)
+        self.assertEqual(thin.max(), 1)
+        self.assertGreater(np.std((thin - self.strain)[(self.time > 20) & (self.time < 85)]), 0.05)
 
 
 class ObliqueImpactTest(unittest.TestCase):
