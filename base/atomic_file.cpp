@@ -160,6 +160,40 @@ void AtomicFile::commit(const fs::path& outdated) {
   ::close(opened);
 }
 
+SetLock::SetLock(const fs::path& stem) : path_(stem) {
+  constexpr int kTries = 6000, kPause_us = 10'000;
+  path_ += ".lock";
+  for (int tries = 0; tries < kTries; ++tries) {
+    const SignalsWait until_listed;
+    descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+    if (descriptor_ < 0) fail_to_write(path_);
+    const bool locked = ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0;
+    const bool others = !locked && (errno == EWOULDBLOCK || errno == EINTR);
+    // The one that held the lock has removed its file: that lock keeps nobody out.
+    if (locked && names(path_, descriptor_)) {
+      slot_ = list(path_.string());
+      return;
+    }
+    ::close(std::exchange(descriptor_, -1));
+    if (!locked && !others) {
+      ::unlink(path_.c_str());
+      return;
+    }
+    if (others) ::usleep(kPause_us);
+  }
+  throw InputError(
+      fmt::format("{}: another run has been writing files of this name for a minute: end it, or choose "
+                  "another title or --out",
+                  path_.string()));
+}
+
+SetLock::~SetLock() {
+  if (descriptor_ < 0) return;
+  ::unlink(path_.c_str());  // while it is locked
+  unlist(slot_);
+  ::close(descriptor_);
+}
+
 void remove_unfinished_files() noexcept {
   for (const Listed& entry : listed)
     if (entry.ready) ::unlink(entry.path.data());

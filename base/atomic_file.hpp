@@ -43,6 +43,24 @@ class AtomicFile {
   int slot_ = -1;        ///< entry in the list of remove_unfinished_files
 };
 
+/// Lets one process at a time give the files of a set their names, so that the sets of runs that write to
+/// the same names do not mix. The lock is that of the file `<stem>.lock` (flock). The system releases it
+/// when the process ends, for whatever cause; the destructor removes the file.
+class SetLock {
+ public:
+  /// Waits while another process holds the lock. Throws InputError after a minute, or if the file cannot be
+  /// created. Does nothing on file systems without locks: there, sets can mix, and their identifiers show it.
+  explicit SetLock(const std::filesystem::path& stem);
+  ~SetLock();
+  SetLock(const SetLock&) = delete;
+  SetLock& operator=(const SetLock&) = delete;
+
+ private:
+  std::filesystem::path path_;
+  int descriptor_ = -1;  ///< -1: no locks here
+  int slot_ = -1;        ///< entry in the list of remove_unfinished_files
+};
+
 /// Removes the temporary files of this process. Signal handlers that end the process may call it.
 void remove_unfinished_files() noexcept;
 

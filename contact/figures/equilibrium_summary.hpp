@@ -39,6 +39,7 @@ struct EquilibriumSummary {
   std::int64_t iterations = 0;
   std::optional<ErrorEstimate> error_estimate;  ///< set by the caller
   std::vector<std::string> warnings;
+  std::string run;    ///< identifier of the run, as in its other files; set by the caller
   double wall_s = 0;  ///< set by the caller
 
   Figures quantities() const;  ///< force and approach of each pair

@@ -87,6 +87,7 @@ struct Summary : ImpactFigures {
   std::map<std::string, Sound> sounds;                    ///< by receiver; set by the caller
   std::optional<Sound> sound;                             ///< for players; set by the caller
   std::vector<std::string> warnings;
+  std::string run;              ///< identifier of the run, as in its other files; set by the caller
   double real_time_factor = 0;  ///< ratio of simulated time to time spent in steps
   double wall_s = 0;
 };

@@ -191,11 +191,12 @@ void MotionFile::contact_frame(std::size_t pair, const std::string& number, cons
 
 std::filesystem::path MotionFile::xdmf() const { return with(stem_, ".xdmf"); }
 
-void MotionFile::commit() {
+void MotionFile::commit(const std::string& run) {
   write(file_, "/time", Vector(Eigen::Map<const Vector>(time_.data(), time_.size())), "s");
   // An .xdmf of an earlier run would not match the new data.
   std::error_code ignored;
   std::filesystem::remove(xdmf(), ignored);
+  if (!run.empty()) file_.attribute("/", "run", run);
   file_.commit();
   write_xdmf();
 }

@@ -43,7 +43,8 @@ class MotionFile {
   void record(const Equilibrium& equilibrium);
 
   /// Gives the files their final names. It must be the last call.
-  void commit();
+  /// @param run  identifier of the run, which its other files contain as well
+  void commit(const std::string& run = {});
 
   std::filesystem::path xdmf() const;  ///< the file to open in ParaView
 

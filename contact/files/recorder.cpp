@@ -265,9 +265,10 @@ void Recorder::sides_row(const SidesMotion& sides) {
   append(contact_.velocity_b, sides.velocity_b);
 }
 
-void Recorder::commit(const std::filesystem::path& summary) {
+void Recorder::commit(const std::string& run, const std::filesystem::path& summary) {
   if (receiver_rows_) receiver_rows_->finish();
   if (gauge_rows_) gauge_rows_->finish();
+  if (!run.empty()) file_.attribute("/", "run", run);
   file_.commit(summary);
 }
 

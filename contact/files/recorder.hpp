@@ -62,8 +62,9 @@ class Recorder {
   const Receivers& receivers() const { return *receivers_; }
 
   /// Writes buffered rows and gives the file its final name. No member may be called afterwards.
+  /// @param run      identifier of the run, which its other files contain as well
   /// @param summary  summary of an earlier run; it is removed first, because a summary marks a complete run
-  void commit(const std::filesystem::path& summary = {});
+  void commit(const std::string& run = {}, const std::filesystem::path& summary = {});
 
  private:
   using Rows = base::hdf5::Rows;

@@ -14,6 +14,8 @@ using Json = nlohmann::ordered_json;
 
 Json number(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
+Json text(const std::string& value) { return value.empty() ? Json(nullptr) : Json(value); }
+
 Json shares(const std::optional<ErrorEstimate>& estimate) {
   if (!estimate) return nullptr;
   Json out{{"quantity", name_of(estimate->worst())},
@@ -92,7 +94,8 @@ Json json_of(const Summary& summary) {
                        {"flexibility_compression", sizes.compression}};
   for (const auto& [name, peaks] : summary.acceleration) acceleration[name] = json_of(peaks);
   for (const auto& [name, sound] : summary.sounds) sounds[name] = json_of(sound);
-  Json out{{"contact_start_s", number(summary.contact_start_s)},
+  Json out{{"run", text(summary.run)},
+           {"contact_start_s", number(summary.contact_start_s)},
            {"contact_end_s", number(summary.contact_end_s)},
            {"parted_s", number(summary.parted_s)},
            {"contact_steps", summary.contact_steps},
@@ -148,6 +151,7 @@ Json json_of(const EquilibriumSummary& summary) {
                      {"sticking_points", pair.sticking_points ? Json(*pair.sticking_points) : Json()},
                      {"slipping_points", pair.slipping_points ? Json(*pair.slipping_points) : Json()}});
   return {
+      {"run", text(summary.run)},
       {"pairs", pairs},
       {"stress", json_of(summary.stress)},
       {"quantities", json_of(summary.quantities())},

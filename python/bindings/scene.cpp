@@ -61,6 +61,7 @@ void bind_scene(py::module_& module) {
         store::KernelStore store;
         return accuracy::chosen(scene, folder, store);
       });
+  module.def("slug", &scene::slug);
   module.def("overridden", &scene::overridden);
   module.def("materials_toml", &scene::materials_toml);
 }

@@ -223,7 +223,9 @@ def resolved(scene: Word, arguments: Sequence[Word], program: str = "ricochet-co
 
 def slug(title: str) -> str:
     """The start of all file names of a result, derived from the title of the scene."""
-    return re.sub("[^a-z0-9]+", "-", title.lower()).strip("-") or "scene"
+    from ricochet import _core  # only here, as most commands need no library
+
+    return _core.slug(title)
 
 
 def out_folder(scene: Word, out: Word | None = None) -> Path:

@@ -195,6 +195,19 @@ class FrictionFigures:
     ambiguous_steps: int
 
 
+def _summary_of(path: Path) -> tuple[str, str | None]:
+    """The text of a summary.json, empty if it cannot be read, and the identifier of its run."""
+    try:
+        text = path.read_text("utf-8")
+    except (OSError, ValueError):
+        return "", None
+    try:
+        run = json.loads(text).get("run")
+    except (ValueError, AttributeError, RecursionError):
+        run = None
+    return text, run if isinstance(run, str) else None
+
+
 class Result(_Data):
     """The result of an impact. Each array is read on first use.
 
@@ -205,13 +218,18 @@ class Result(_Data):
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         """Opens a `.result.h5`. Raises InputError, one line, for a file that is missing, damaged or not a
-        result."""
+        result, and if the summary beside it is of another run."""
         self.path = Path(path)
+        beside = self.path.with_name(f"{self.slug}.summary.json")
         super().__init__(File(self.path, "ricochet-result"), "")
-        try:  # read now, because another run may replace the file
-            self._summary = self.path.with_name(f"{self.slug}.summary.json").read_text("utf-8")
-        except (OSError, ValueError):
-            self._summary = ""
+        self._summary, run = _summary_of(beside)  # now, because another run may replace the file
+        if run != self.run:  # it may just have replaced both, the summary after the result
+            super().__init__(File(self.path, "ricochet-result"), "")
+            self._summary, run = _summary_of(beside)
+        if run and self.run and run != self.run:
+            raise InputError(
+                f"{self.path}: is of the run {self.run}, and {beside.name} of the run {run}. Repeat the run."
+            )
 
     @property
     def slug(self) -> str:
@@ -221,6 +239,12 @@ class Result(_Data):
     @property
     def title(self) -> str:
         return self._file.text("/", "title") or self.slug
+
+    @property
+    def run(self) -> str | None:
+        """Identifier of the run, which its summary and its sounds contain as well; None in files of earlier
+        versions."""
+        return self._file.text("/", "run")
 
     @cached_property
     def scene(self) -> dict[str, Any]:

@@ -1,13 +1,55 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "src/impact/files.hpp"
 
+#include <fmt/format.h>
+
 #include "base/atomic_file.hpp"
+#include "base/hdf5_reader.hpp"
+#include "contact/files/summary_file.hpp"
+#include "ricochet/error.hpp"
 #include "src/impact/motion.hpp"
+#include "src/scene/request.hpp"
 #include "src/scene/write.hpp"
 
 namespace ricochet::impact {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// Identifies the run by what went into it and what came out, without times. Equal runs thus have equal
+/// files.
+std::string identifier(const contact::RecorderOptions& run, const ImpactSummary& figures) {
+  std::string all = run.created_by + '\n' + run.scene;
+  for (const std::string& kernel : run.kernel_files) all += kernel + '\n';
+  std::visit(
+      [&](auto known) {
+        known.wall_s = 0;
+        if constexpr (requires { known.real_time_factor; }) known.real_time_factor = 0;
+        all += contact::json_text(known);
+      },
+      figures);
+  return scene::sha256(all).substr(0, 16);
+}
+
+/// A line if there is a result of another scene under this name; otherwise empty.
+std::string of_another_run(const contact::RecorderOptions& run) {
+  std::error_code ignored;
+  if (!fs::exists(run.path, ignored)) return "";
+  std::string title;
+  try {
+    const base::hdf5::Reader before(run.path, "");
+    if (before.string_attribute("/", "scene") == run.scene) return "";
+    title = before.string_attribute("/", "title");
+  } catch (const InputError&) {  // not a result that can be read: any file may be replaced
+    return "";
+  }
+  return fmt::format("{}: replaces the files of a run with {}; another title keeps both",
+                     run.path.filename().string(),
+                     title == run.title ? "other settings" : fmt::format("the title \"{}\"", title));
+}
+
+}  // namespace
 
 fs::path ImpactFiles::with(const char* ending) const {
   fs::path out = stem_;
@@ -24,16 +66,17 @@ std::optional<int> ImpactFiles::problems() const {
   return problems_->written();
 }
 
-contact::RecorderOptions ImpactFiles::recorder_options(const Impact& impact) const {
+const contact::RecorderOptions& ImpactFiles::recorder_options(const Impact& impact) {
   const scene::Scene& scene = impact.scene;
-  return {.path = result(),
-          .title = scene.title,
-          .scene = scene::to_toml(scene),
-          .created_by = std::string("ricochet-contact ") + RICOCHET_VERSION,
-          .kernel_files = impact.kernels.file,
-          .every = scene.output.every,
-          .snapshot_every = scene.output.snapshot_every,
-          .receivers_every = scene.output.receivers_every(scene.time.rate_hz)};
+  result_ = {.path = result(),
+             .title = scene.title,
+             .scene = scene::to_toml(scene),
+             .created_by = std::string("ricochet-contact ") + RICOCHET_VERSION,
+             .kernel_files = impact.kernels.file,
+             .every = scene.output.every,
+             .snapshot_every = scene.output.snapshot_every,
+             .receivers_every = scene.output.receivers_every(scene.time.rate_hz)};
+  return result_;
 }
 
 void ImpactFiles::prepared(const Impact& impact) {
@@ -42,7 +85,7 @@ void ImpactFiles::prepared(const Impact& impact) {
 }
 
 void ImpactFiles::started(const Impact& impact, const contact::Stepper& stepper) {
-  const contact::RecorderOptions options = recorder_options(impact);
+  const contact::RecorderOptions& options = recorder_options(impact);
   const contact::MotionSource source = impact.source();
   base::check_place(result(), contact::least_bytes(source, options, impact.samples()));
   recorder_.emplace(source, impact.options, options);
@@ -79,13 +122,25 @@ void ImpactFiles::at_rest(const Impact& impact, const contact::Equilibrium& equi
   if (motion_) motion_->record(equilibrium);
 }
 
-void ImpactFiles::commit(ImpactSummary& figures) {
-  recorder_->commit(summary());
-  if (motion_) motion_->commit();
-  if (!sounds_) return;
-  auto& summary = std::get<contact::Summary>(figures);
-  summary.sounds = sounds_->write(stem_);
-  summary.sound = sounds_->write_for_players(stem_);
+std::string ImpactFiles::commit(ImpactSummary& figures, std::chrono::steady_clock::time_point started) {
+  const std::string run = identifier(result_, figures);
+  const base::SetLock alone(stem_);
+  const std::string replaced = of_another_run(result_);
+  recorder_->commit(run, summary());
+  if (motion_) motion_->commit(run);
+  if (sounds_) {
+    auto& of_motion = std::get<contact::Summary>(figures);
+    of_motion.sounds = sounds_->write(stem_, run);
+    of_motion.sound = sounds_->write_for_players(stem_);
+  }
+  std::visit(
+      [&](auto& all) {
+        all.run = run;
+        all.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+        contact::write_json(all, summary());
+      },
+      figures);
+  return replaced;
 }
 
 }  // namespace ricochet::impact

@@ -2,8 +2,10 @@
 // Writes the files of an impact while it runs: result, motion for ParaView, sound, complementarity problems.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "contact/files/fclib.hpp"
 #include "contact/files/motion_file.hpp"
@@ -29,8 +31,11 @@ class ImpactFiles : public ImpactObserver {
   void stepped(const contact::Stepper& stepper) override;
   void at_rest(const Impact& impact, const contact::Equilibrium& equilibrium) override;
 
-  /// Renames the files to their final names and adds the sounds to the summary, which the caller writes.
-  void commit(ImpactSummary& summary);
+  /// Gives all files their final names and writes the summary, with the sounds and the identifier of the run;
+  /// waits while another run writes files of the same names. No member but the names may be used afterwards.
+  /// @param started  for the duration of the run in the summary
+  /// @return a line if the files of a run of another scene were replaced; otherwise empty
+  std::string commit(ImpactSummary& summary, std::chrono::steady_clock::time_point started);
 
   std::filesystem::path result() const { return with(".result.h5"); }
   std::filesystem::path summary() const { return with(".summary.json"); }
@@ -39,10 +44,11 @@ class ImpactFiles : public ImpactObserver {
 
  private:
   std::filesystem::path with(const char* ending) const;
-  contact::RecorderOptions recorder_options(const Impact& impact) const;
+  const contact::RecorderOptions& recorder_options(const Impact& impact);
 
   ImpactFileOptions options_;
-  std::filesystem::path stem_;  ///< start of all file names
+  std::filesystem::path stem_;       ///< start of all file names
+  contact::RecorderOptions result_;  ///< what identifies the run
   std::optional<contact::Recorder> recorder_;
   std::optional<contact::MotionFile> motion_;
   std::optional<sound::ReceiverSounds> sounds_;

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "base/atomic_file.hpp"
-#include "contact/files/summary_file.hpp"
 #include "ricochet/error.hpp"
 #include "src/accuracy/scene_dial.hpp"
 #include "src/impact/files.hpp"
@@ -72,14 +71,9 @@ int run_contact(const console::Options& options, std::ostream& out) {
     console.say(fmt::format("{}: {} problems", options.fclib.string(), *files.problems()));
 
   console.begin("writing");
-  files.commit(summary);
+  const std::string replaced = files.commit(summary, started);
   if (!options.write_scene.empty()) write_scene(impact->scene, options.write_scene);
-  std::visit(
-      [&](auto& figures) {
-        figures.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
-        contact::write_json(figures, files.summary());
-      },
-      summary);
+  if (!replaced.empty()) console.say(replaced);
   console.end(files.result().filename().string());
   console.total();
 

@@ -2,10 +2,13 @@
 #include "src/scene/scene.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 #include "base/rotation.hpp"
+#include "src/scene/request.hpp"
 
 namespace ricochet::scene {
 
@@ -38,17 +41,25 @@ Scene with_finite_rotation(Scene scene, std::string reason) {
 }
 
 std::string slug(const std::string& title) {
-  std::string result;
-  for (char c : title) {
+  constexpr std::array<std::string_view, 8> separators{"", " ", "-", "_", "/", ".", ", ", ": "};
+  std::string result, dropped;
+  bool loses = false;
+  for (std::size_t k = 0; k <= title.size(); ++k) {  // the end is judged like a character that stays
+    const bool end = k == title.size();
+    const char c = end ? '\0' : title[k];
     const char lower = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    if ((lower >= 'a' && lower <= 'z') || (lower >= '0' && lower <= '9')) {
-      result += lower;
-    } else if (!result.empty() && result.back() != '-') {
-      result += '-';
+    if (!end && !(lower >= 'a' && lower <= 'z') && !(lower >= '0' && lower <= '9')) {
+      dropped += c;
+      continue;
     }
+    const bool inside = !end && !result.empty();
+    loses = loses || (inside ? std::ranges::count(separators, dropped) == 0 : !dropped.empty());
+    if (inside && !dropped.empty()) result += '-';
+    dropped.clear();
+    if (!end) result += lower;
   }
-  if (!result.empty() && result.back() == '-') result.pop_back();
-  return result.empty() ? "scene" : result;
+  if (result.empty()) result = "scene";
+  return loses ? result + '-' + sha256(title).substr(0, 6) : result;
 }
 
 std::array<double, 9> rotation_of(const Body& body) { return ricochet::rotation_of(body.rotate_deg); }

@@ -68,8 +68,11 @@ inline constexpr double default_accuracy = 1e-2;
 /// The text of one option `--set KEY=VALUE`.
 using Override = std::string;
 
-/// The title in lower case. Each run of other characters than a–z and 0–9 becomes one "-", except at the
-/// ends. Returns "scene" if nothing remains.
+/// The title in lower case, for names of files. Each run of other characters than a–z and 0–9 becomes one
+/// "-", except at the ends; "scene" if nothing remains. If this loses more than the separators of words (" ",
+/// "_",
+/// "/", ".", ", " and ": " for "-"), six digits of the SHA-256 of the title follow, so that titles such as
+/// "v=1.0" and "v=-1.0" give different names.
 std::string slug(const std::string& title);
 
 }  // namespace ricochet::scene

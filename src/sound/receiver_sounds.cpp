@@ -32,12 +32,13 @@ void ReceiverSounds::record(const contact::Receivers& motion) {
     for (const double v : motion[k].velocity) velocity_[k].push_back(static_cast<float>(v));
 }
 
-std::map<std::string, contact::Sound> ReceiverSounds::write(const std::filesystem::path& stem) const {
+std::map<std::string, contact::Sound> ReceiverSounds::write(const std::filesystem::path& stem,
+                                                            const std::string& run) const {
   std::map<std::string, contact::Sound> out;
   for (std::size_t k = 0; k < name_.size(); ++k) {
     std::filesystem::path file = stem;
     file += "." + name_[k] + ".wav";
-    const Scale scale = write_wav(file, velocity_[k], rate_hz_);
+    const Scale scale = write_wav(file, velocity_[k], rate_hz_, {.run = run});
     out[name_[k]] = {file.filename().string(), scale.full_scale_m_per_s, scale.rate_hz};
   }
   return out;

@@ -25,9 +25,11 @@ class ReceiverSounds {
   /// Must be called with the motion at t = 0 and then after each step.
   void record(const contact::Receivers& motion);
 
-  /// Writes `<stem>.<receiver>.wav` for each receiver. Throws InputError in the same cases as write_wav.
+  /// Writes `<stem>.<receiver>.wav` for each receiver, with the identifier `run` in its comment. Throws
+  /// InputError in the same cases as write_wav.
   /// @return the files by receiver
-  std::map<std::string, contact::Sound> write(const std::filesystem::path& stem) const;
+  std::map<std::string, contact::Sound> write(const std::filesystem::path& stem,
+                                              const std::string& run = {}) const;
 
   /// Writes `<stem>.wav`, the sound for players. Throws as `write`. @return no value if the scene has none
   std::optional<contact::Sound> write_for_players(const std::filesystem::path& stem) const;

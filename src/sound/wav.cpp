@@ -86,9 +86,10 @@ Scale write_wav(const std::filesystem::path& path, const std::vector<float>& vel
   // libsndfile writes the date into a PEAK chunk, but equal runs must give equal files.
   sf_command(raw, SFC_SET_ADD_PEAK_CHUNK, nullptr, SF_FALSE);
   if (form.comment)
-    sf_set_string(
-        raw, SF_STR_COMMENT,
-        fmt::format("velocity along x, y, z; a sample of 1 is {:.9g} m/s", scale.full_scale_m_per_s).c_str());
+    sf_set_string(raw, SF_STR_COMMENT,
+                  fmt::format("velocity along x, y, z; a sample of 1 is {:.9g} m/s{}{}",
+                              scale.full_scale_m_per_s, form.run.empty() ? "" : "; run ", form.run)
+                      .c_str());
   const auto frames = static_cast<sf_count_t>(sound.size() / static_cast<std::size_t>(form.channels));
   const bool whole = sf_writef_float(raw, sound.data(), frames) == frames;
   if (sf_close(raw) != 0 || !whole) fail(path);

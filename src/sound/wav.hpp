@@ -22,6 +22,7 @@ struct Form {
   int channels = 3;
   scene::SampleFormat samples = scene::SampleFormat::float32;
   bool comment = true;  ///< whether the file states its scale and that its channels are x, y and z
+  std::string run{};    ///< identifier of the run, for the comment; empty: none
 };
 
 /// Sample rate of the file: `rate_hz` itself if players support it (44.1, 48, 88.2, 96, 176.4, 192 kHz).

@@ -7,8 +7,13 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 
+#include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <csignal>
 #include <functional>
+#include <thread>
+#include <vector>
 
 #include "base/hdf5_writer.hpp"
 #include "tests/kernels/sample.hpp"
@@ -121,6 +126,40 @@ TEST(Writer, on_a_full_disk_throws_and_lets_the_program_end) {
   };
   EXPECT_EXIT(fill(), testing::ExitedWithCode(0), "^$");
   EXPECT_EQ(folder.entries(), 0U);
+}
+
+TEST(SetLock, lets_one_at_a_time_write_and_leaves_no_file) {
+  const Folder folder;
+  std::atomic<int> inside = 0, most = 0, done = 0;
+  std::vector<std::thread> writers;
+  for (int k = 0; k < 4; ++k)
+    writers.emplace_back([&] {
+      const SetLock alone(folder / "run");
+      most = std::max<int>(most, ++inside);
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      --inside;
+      ++done;
+    });
+  for (std::thread& writer : writers) writer.join();
+  EXPECT_EQ(most, 1);
+  EXPECT_EQ(done, 4);
+  EXPECT_EQ(folder.entries(), 0U);
+}
+
+TEST(SetLock, of_a_killed_process_is_free) {
+  const Folder folder;
+  const pid_t killed = fork();
+  if (killed == 0) {
+    const SetLock alone(folder / "run");
+    raise(SIGKILL);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(killed, &status, 0), killed);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(folder.entries(), 1U);
+  { const SetLock alone(folder / "run"); }
+  EXPECT_EQ(folder.entries(), 0U);
+  EXPECT_THROW(SetLock(folder / "none" / "run"), InputError);
 }
 
 }  // namespace atomic_file_test

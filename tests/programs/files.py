@@ -3,19 +3,22 @@
 any characters."""
 
 import contextlib
+import fcntl
 import json
 import os
 import pathlib
 import resource
 import shutil
+import subprocess
 import unittest
 
 import h5py
 import numpy as np
 
-from programs import BIN, MESHES, Command, ProgramTest, Run, impact, limited
+from programs import BIN, MESHES, Command, ProgramTest, Run, impact, limited, settings
 
-from ricochet import files
+import ricochet
+from ricochet import errors, files
 
 TITLE = "a $x^$ 日本語 😀"  # not a formula, and with characters that no font has
 # Waves cross the rods of 10 m in 1 ms: few rows and a short sound.
@@ -224,6 +227,82 @@ class Files(ProgramTest):
         with open("/dev/full", "w") as full:
             run = Run([BIN / "ricochet", *command], stdout=full)
         self.refused(run, status=1)
+
+    def test_the_files_of_runs_at_once_with_one_title_do_not_mix(self):
+        speeds = (60, 80, 100)
+        for _ in range(3):
+            runs = [
+                subprocess.Popen(
+                    [
+                        BIN / "ricochet-contact",
+                        SCENE,
+                        "--out",
+                        self.out,
+                        "--quiet",
+                        *settings([*SETS, f"bodies.moving.velocity=[{speed},0,0]"]),
+                    ],
+                    stderr=subprocess.DEVNULL,
+                )
+                for speed in speeds
+            ]
+            self.assertEqual([run.wait() for run in runs], [0, 0, 0])
+            result = ricochet.Result(self.result)  # refuses a summary of another run
+            self.assertEqual(result.run, result.summary["run"])
+            speed = result.scene["bodies"]["moving"]["velocity"][0]
+            approach = result.summary["episodes"][0]["approach_m_per_s"]
+            self.assertAlmostEqual(approach, speed, delta=1e-6 * speed)
+            self.assertEqual(list(self.out.glob("*.lock")), [])
+            sound = next(self.out.glob("*.wav")).read_bytes()
+            self.assertIn(f"; run {result.run}".encode(), sound)
+
+    def test_a_run_waits_while_another_writes_its_files(self):
+        before = self.result.read_bytes()
+        command = [BIN / "ricochet-contact", SCENE, "--out", self.out, "--quiet"]
+        sets = settings([*SETS, "bodies.moving.velocity=[60,0,0]"])
+        with open(self.out / "rods.lock", "wb") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            run = subprocess.Popen([*command, *sets], stderr=subprocess.DEVNULL)
+            with self.assertRaises(subprocess.TimeoutExpired):  # it takes half a second without the lock
+                run.wait(2)
+            self.assertEqual(self.result.read_bytes(), before)
+        self.assertEqual(run.wait(), 0)
+        self.assertNotEqual(self.result.read_bytes(), before)
+        self.assertFalse((self.out / "rods.lock").exists())
+
+    def test_sets_of_files_of_different_runs_are_refused(self):
+        run = ricochet.Result(self.result).run
+        self.assertRegex(run, "^[0-9a-f]{16}$")
+        other = self.folder / "other"
+        again = impact(SCENE, other, *SETS)
+        self.assertEqual(again.run, run)  # equal runs have equal files
+        fast = impact(SCENE, other, *SETS, "bodies.moving.velocity=[60,0,0]")
+        self.assertNotEqual(fast.run, run)
+        words = f"rods.result.h5: is of the run {run}, and rods.summary.json of the run {fast.run}"
+        whole = self.summary_path.read_bytes()
+        shutil.copy(other / "rods.summary.json", self.summary_path)
+        for name in ("plot", "report"):
+            self.refuses(words, name)
+        with self.assertRaisesRegex(errors.InputError, "Repeat the run"):
+            ricochet.Result(self.result)
+        self.summary_path.write_bytes(whole)
+        self.drawn("report")
+        sound = next(self.out.glob("*.wav"))
+        shutil.copy(other / sound.name, sound)
+        self.refuses(f"{sound.name}: is of the run {fast.run}, and the result of the run {run}")
+        # Files of earlier versions have no identifier.
+        with h5py.File(self.result, "r+") as file:
+            del file.attrs["run"]
+        self.drawn("report")
+
+    def test_a_run_that_replaces_the_files_of_another_says_so(self):
+        def out_of(*more):
+            command = [BIN / "ricochet-contact", SCENE, "--out", self.out, *settings([*SETS, *more])]
+            return self.succeed(Run(command)).out
+
+        self.assertNotIn("replaces", out_of())
+        line = "rods.result.h5: replaces the files of a run with "
+        self.assertIn(line + "other settings; ", out_of("bodies.moving.velocity=[60,0,0]"))
+        self.assertIn(line + 'the title "rods"; ', out_of("title=Rods"))
 
     def test_what_killed_writers_left_goes_and_what_living_ones_write_stays(self):
         left, living, other = (

@@ -189,11 +189,17 @@ TEST(Numbers, are_the_shortest_that_read_back_and_always_floats) {
 
 TEST(Slug, is_the_title_as_a_file_name) {
   EXPECT_EQ(slug("Two disks, edge on"), "two-disks-edge-on");
-  EXPECT_EQ(slug("  V0 = 6 m/s!  "), "v0-6-m-s");
-  EXPECT_EQ(slug("a--b__c"), "a-b-c");
-  EXPECT_EQ(slug("../../etc"), "etc");
-  EXPECT_EQ(slug("Étude"), "tude");  // characters other than a–z are dropped, even at the start
-  EXPECT_EQ(slug("!?"), "scene");
+  EXPECT_EQ(slug("Two disks at 6 m/s: part 1.5_b"), "two-disks-at-6-m-s-part-1-5-b");
+  // Other characters are dropped, even at the start, and digits of `printf TITLE | sha256sum` follow.
+  EXPECT_EQ(slug("  V0 = 6 m/s!  "), "v0-6-m-s-cb3c8b");
+  EXPECT_EQ(slug("a--b__c"), "a-b-c-bc3c74");
+  EXPECT_EQ(slug("../../etc"), "etc-74ccf3");
+  EXPECT_EQ(slug("Étude"), "tude-5bb2b9");
+  EXPECT_EQ(slug("!?"), "scene-8faf83");
+  EXPECT_EQ(slug("v=1.0"), "v-1-0-19b33d");
+  EXPECT_EQ(slug("v=-1.0"), "v-1-0-84dbe6");
+  EXPECT_EQ(slug("日本"), "scene-cf2abf");
+  EXPECT_EQ(slug("中国"), "scene-f0e952");
   EXPECT_EQ(slug(""), "scene");
 }
 

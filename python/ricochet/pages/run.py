@@ -142,7 +142,7 @@ def run_of(path: Path, kernels: Path | None = None) -> dict[str, Any]:
     beside = path.with_name(f"{result.slug}.summary.json")
     summary = summary_of(beside, result)
     with expected(beside):
-        sounds = sounds_of(summary, path.parent)
+        sounds = sounds_of(summary, path.parent, result.run)
     scene = result.scene
     by_table = not result.energy
     still = len(result.time) == 1
@@ -162,6 +162,7 @@ def run_of(path: Path, kernels: Path | None = None) -> dict[str, Any]:
     return {
         "title": result.title,
         "slug": result.slug,
+        "run": result.run,
         "summary": summary,
         "scene": result.file.text("/", "scene") or "",
         "asked": {name: scene.get(name) for name in ["accuracy", "modes", "contact", "time", "loads"]},

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The sound of receivers for a page: one channel of 16 bits, limited in length."""
 import base64
+import re
 import struct
 from pathlib import Path
 from typing import Any
@@ -14,9 +15,9 @@ from ricochet.result_file import is_there
 SAMPLES = 700_000  # maximum number of samples of all receivers together: 1.9 MB in the page
 
 
-def channels(path: Path, most: int) -> tuple[Array, int, int]:
+def channels(path: Path, most: int, run: str | None) -> tuple[Array, int, int]:
     """The first samples (n,3) of a WAV file of ricochet-contact, the sample rate, and the total number of
-    samples."""
+    samples. Raises InputError if its comment names another run than `run`."""
     refusal = InputError(f"{path}: is not a sound that ricochet-contact wrote. Run it again.")
     with open(path, "rb") as file:
         riff = file.read(12)
@@ -33,13 +34,20 @@ def channels(path: Path, most: int) -> tuple[Array, int, int]:
                 if shape[0] not in (3, 0xFFFE) or shape[1] != 3 or shape[5] != 32 or shape[2] == 0:
                     raise refusal
                 size -= 16
+            if name == b"LIST":  # contains the comment
+                theirs = re.search(rb"; run ([0-9a-f]{16})", file.read(min(size, 4096)))
+                if run and theirs and theirs[1].decode() != run:
+                    raise InputError(
+                        f"{path}: is of the run {theirs[1].decode()}, and the result of the run {run}. Repeat the run."
+                    )
+                size -= min(size, 4096)
             file.seek(size + size % 2, 1)
     raise refusal
 
 
-def sound_of(path: Path, most: int) -> dict[str, Any]:
+def sound_of(path: Path, most: int, run: str | None = None) -> dict[str, Any]:
     """The channel with the largest motion, as a WAV file in base64."""
-    samples, rate, total = channels(path, most)
+    samples, rate, total = channels(path, most, run)
     if not np.isfinite(samples).all():
         raise InputError(f"{path}: holds samples that are not finite. Run ricochet-contact again.")
     axis = int(np.argmax(np.ptp(samples, axis=0))) if len(samples) else 0
@@ -56,14 +64,14 @@ def sound_of(path: Path, most: int) -> dict[str, Any]:
     }
 
 
-def sounds_of(summary: dict[str, Any], folder: Path) -> dict[str, Any]:
+def sounds_of(summary: dict[str, Any], folder: Path, run: str | None) -> dict[str, Any]:
     """The sound of each receiver for which the summary names a file, or {"missing": reason} if that file does
-    not exist."""
+    not exist. Raises InputError if a file is of another run than `run`."""
     out = {}
     named = summary.get("sounds") or {}
     for name, sound in named.items():
         path = folder / Path(sound["file"]).name
         out[name] = {"missing": f"there is no file {path.name}"}
         if is_there(path):
-            out[name] = sound_of(path, SAMPLES // len(named))
+            out[name] = sound_of(path, SAMPLES // len(named), run)
     return out
