@@ -42,6 +42,15 @@ void refuse_sources(const Kernel& kernel) {
     fail(kernel, "has loads, moving supports, receivers or gauges: compute the requested kernel");
 }
 
+/// Calls act(values) for the responses of the visualisation surface and of its stress to forces on the
+/// candidates, which may be empty.
+template <class Act>
+void for_each_view(Kernel& kernel, Act&& act) {
+  if (!kernel.view) return;
+  act(kernel.view->residual_flexibility);
+  if (kernel.view->stress) act(kernel.view->stress->residual_flexibility);
+}
+
 /// Throws InputError unless the kernel contains all modes below the end of the certificate.
 void require_all_found(const Kernel& kernel) {
   if (kernel.modes.contact_adapted())
@@ -197,22 +206,21 @@ Kernel rescaled(Kernel kernel, const Similarity& factors, const Damping& damping
     multiply(point, by.length);
     rescale_responses(shape, by_contact, by_gravity, by_loads, by, applied);
   }
-  for (Gauge& gauge : gauges) {
-    auto& [name, point, stress, strain] = gauge;
+  const auto rescale_all = [&](auto& seen, double factor) {
+    auto& [shape, by_contact, by_gravity, by_loads, by_motions] = seen;
+    rescale_responses(shape, by_contact, by_gravity, by_loads, by, applied);
+    for (auto* values : {&shape, &by_contact, &by_gravity, &by_loads, &by_motions}) multiply(*values, factor);
+  };
+  for (auto& [name, point, stress, strain] : gauges) {
     multiply(point, by.length);
-    const auto rescale_all = [&](Sensitivity& seen, double factor) {
-      auto& [shape, by_contact, by_gravity, by_loads, by_motions] = seen;
-      rescale_responses(shape, by_contact, by_gravity, by_loads, by, applied);
-      for (std::vector<double>* values : {&shape, &by_contact, &by_gravity, &by_loads, &by_motions})
-        multiply(*values, factor);
-    };
     rescale_all(stress, by.young / by.length);
     if (strain) rescale_all(*strain, 1 / by.length);
   }
   if (view) {
-    auto& [node, corners, element, shape, by_contact, by_gravity, by_loads, by_motions] = *view;
+    auto& [node, corners, element, shape, by_contact, by_gravity, by_loads, by_motions, stress] = *view;
     multiply(node, by.length);
     rescale_responses(shape, by_contact, by_gravity, by_loads, by, applied);
+    if (stress) rescale_all(*stress, by.young / by.length);
   }
   return kernel;
 }
@@ -292,14 +300,13 @@ Kernel restricted_to_points(Kernel kernel, const std::vector<std::int64_t>& poin
   }
   if (surface.compact) surface.compact = restricted(*surface.compact, points);
   if (!kernel.loads.body_force_residual.empty()) take_rows(kernel.loads.body_force_residual, 3, points, r);
-  if (kernel.view && !kernel.view->residual_flexibility.empty()) {
-    std::vector<float>& whole = kernel.view->residual_flexibility;
+  for_each_view(kernel, [&](std::vector<float>& whole) {
     std::vector<float> taken;
     for (std::size_t row = 0; row < whole.size() / (r * m); ++row)
       for (const std::int64_t i : points)
         for (std::size_t a = 0; a < r; ++a) taken.push_back(whole[(row * m + i) * r + a]);
     whole = std::move(taken);
-  }
+  });
   return kernel;
 }
 
@@ -318,7 +325,7 @@ Kernel restricted_to_direction(Kernel kernel, const Vector3& direction) {
     along(surface.residual_flexibility, 1);
   }
   along(kernel.loads.body_force_residual, 3);
-  if (kernel.view) along(kernel.view->residual_flexibility, 1);
+  for_each_view(kernel, [&](std::vector<float>& values) { along(values, 1); });
   surface.components = 1;
   surface.direction = direction;
   return kernel;
@@ -335,8 +342,7 @@ Kernel restricted_to_normals(Kernel kernel) {
   contract(kernel.loads.body_force_residual, 3, normal);
   for (Load& load : kernel.applied) contract(load.residual, 3, normal);
   for (Receiver& receiver : kernel.receivers) contract(receiver.residual_flexibility, 1, normal);
-  for_each_sensitivity(kernel.gauges,
-                       [&](Sensitivity& seen) { contract(seen.residual_flexibility, 1, normal); });
+  for_each_sensitivity(kernel, [&](auto& seen) { contract(seen.residual_flexibility, 1, normal); });
   if (kernel.view) contract(kernel.view->residual_flexibility, 1, normal);
   surface.normal_residual = true;
   return kernel;

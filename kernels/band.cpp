@@ -129,7 +129,7 @@ void leave_sources(Kernel& kernel, const std::vector<double>& trace, std::size_t
     add_product(motion.momentum, gravity, motion.participation, k, n, 1);
   }
   for (Receiver& receiver : kernel.receivers) leave_seen(receiver, kernel, trace, k, lambda);
-  for_each_sensitivity(kernel.gauges, [&](Sensitivity& seen) { leave_seen(seen, kernel, trace, k, lambda); });
+  for_each_sensitivity(kernel, [&](auto& seen) { leave_seen(seen, kernel, trace, k, lambda); });
   if (kernel.view) leave_seen(*kernel.view, kernel, trace, k, lambda);
 }
 
@@ -270,7 +270,7 @@ void truncate(Kernel& kernel, const std::vector<bool>& keep) {
   for (Load& load : kernel.applied) keep_columns(load.participation, keep);
   for (Motion& motion : kernel.motions) keep_columns(motion.participation, keep);
   for (Receiver& receiver : kernel.receivers) keep_columns(receiver.shape, keep);
-  for_each_sensitivity(kernel.gauges, [&](Sensitivity& seen) { keep_columns(seen.shape, keep); });
+  for_each_sensitivity(kernel, [&](auto& seen) { keep_columns(seen.shape, keep); });
   if (kernel.view) keep_columns(kernel.view->shape, keep);
 }
 

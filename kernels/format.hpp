@@ -163,18 +163,21 @@ void list_residuals(auto& file, const std::string& group, auto& seen, const Shap
   file.optional_dataset(group + "/motion_residual", seen.motion_residual, joined(at, {motions, 3}), "1");
 }
 
-/// A quantity of a gauge. @param rows  its K  @param unit  of the quantity
-void list_sensitivity(auto& file, const std::string& group, auto& seen, std::size_t rows,
+/// A quantity of a gauge or of the visualisation surface. @param rows  its shape  @param unit  of the
+/// quantity
+void list_sensitivity(auto& file, const std::string& group, auto& seen, const Shape& rows,
                       const std::string& unit, auto& kernel) {
   const std::size_t m = kernel.surface.size(), n = kernel.modes.size(), loads = kernel.applied.size(),
                     motions = kernel.motions.size();
-  file.dataset(group + "/shape", seen.shape, {rows, n}, unit + " kg^-1/2 m^-1");
+  file.dataset(group + "/shape", seen.shape, joined(rows, {n}), unit + " kg^-1/2 m^-1");
   file.optional_dataset(group + "/residual_flexibility", seen.residual_flexibility,
-                        over_residual(kernel.surface, {rows, m}), unit + "/N");
-  file.optional_dataset(group + "/body_force_residual", seen.body_force_residual, {rows, 3}, unit + " s^2/m");
-  file.optional_dataset(group + "/load_residual", seen.load_residual, {rows, loads, 3},
+                        over_residual(kernel.surface, joined(rows, {m})), unit + "/N");
+  file.optional_dataset(group + "/body_force_residual", seen.body_force_residual, joined(rows, {3}),
+                        unit + " s^2/m");
+  file.optional_dataset(group + "/load_residual", seen.load_residual, joined(rows, {loads, 3}),
                         unit + " per unit of the load");
-  file.optional_dataset(group + "/motion_residual", seen.motion_residual, {rows, motions, 3}, unit + "/m");
+  file.optional_dataset(group + "/motion_residual", seen.motion_residual, joined(rows, {motions, 3}),
+                        unit + "/m");
 }
 
 /// Gravity, loads with histories, motions of supports, receivers and gauges.
@@ -212,9 +215,9 @@ void list_sources(auto& file, auto& kernel) {
   for (auto& gauge : kernel.gauges) {
     const std::string data = "/gauges/" + gauge.name;
     file.dataset(data + "/point", gauge.point, {3}, "m");
-    list_sensitivity(file, data + "/stress", gauge.stress, 6, "Pa", kernel);
+    list_sensitivity(file, data + "/stress", gauge.stress, {stress_rows}, "Pa", kernel);
     file.choose(data + "/strain", gauge.strain);
-    if (gauge.strain) list_sensitivity(file, data + "/strain", *gauge.strain, 1, "1", kernel);
+    if (gauge.strain) list_sensitivity(file, data + "/strain", *gauge.strain, {1}, "1", kernel);
   }
 }
 
@@ -232,6 +235,8 @@ void list_kernel(auto& file, auto& kernel) {
   file.elements("/view/element", view.element, view.element_corners, 2, nodes);
   file.dataset("/view/shape", view.shape, {nodes, 3, kernel.modes.size()}, "kg^-1/2");
   list_residuals(file, "/view", view, {nodes, 3}, kernel);
+  file.choose("/view/stress", view.stress);
+  if (view.stress) list_sensitivity(file, "/view/stress", *view.stress, {nodes, stress_rows}, "Pa", kernel);
 }
 
 }  // namespace ricochet::kernels

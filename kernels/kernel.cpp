@@ -242,9 +242,12 @@ void validate_sources(const Kernel& kernel, const Validator& check) {
       check.length("/gauges/" + gauge.name + "/strain/motion_residual", gauge.strain->motion_residual.size(),
                    3 * motions);
   }
-  if (kernel.view)
-    check.length("/view/motion_residual", kernel.view->motion_residual.size(),
-                 3 * kernel.view->node.size() * motions);
+  if (!kernel.view) return;
+  check.length("/view/motion_residual", kernel.view->motion_residual.size(),
+               3 * kernel.view->node.size() * motions);
+  if (kernel.view->stress)
+    check.length("/view/stress/motion_residual", kernel.view->stress->motion_residual.size(),
+                 stress_rows * kernel.view->node.size() * motions);
 }
 
 }  // namespace

@@ -14,6 +14,9 @@
 
 namespace ricochet::contact {
 
+/// Rows of a stress.
+inline constexpr auto stress_rows = static_cast<Eigen::Index>(kernels::stress_rows);
+
 /// Of one body, in its axes.
 struct BodyCoordinates {
   Vector modal;    ///< (modes) q, with folded modes and the lift of supports [kg^1/2 m]

@@ -46,10 +46,11 @@ EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium,
         "{} of {} increments of the loads had more than one solution (friction too large for this contact): "
         "these bodies have several equilibria, and this is one of them. Lower contact.friction",
         equilibrium.ambiguous, equilibrium.increments));
-  if (has_gauges(model)) {
+  if (has_stress(model)) {
     StressPeaks stress(model, {.scheme = Scheme::at_rest}, limits);
     stress.observe(equilibrium.time, equilibrium.q, equilibrium.force);
     out.stress = stress.peaks();
+    out.stress_envelope = stress.envelopes();
     for (std::string& warning : stress.warnings()) out.warnings.push_back(std::move(warning));
   }
   PressureCheck pressure(model, std::move(limits));

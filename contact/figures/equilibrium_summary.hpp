@@ -28,7 +28,8 @@ struct EquilibriumSummary {
     std::optional<int> sticking_points, slipping_points;
   };
   std::vector<Pair> pairs;
-  std::map<std::string, StressPeak> stress;  ///< by body with gauges
+  std::map<std::string, StressPeak> stress;               ///< as of Summary
+  std::map<std::string, StressEnvelope> stress_envelope;  ///< likewise; of this equilibrium
   double imbalance = 0;
   double max_penetration_m = 0;  ///< largest u − g
   std::map<std::string, int> modes;

@@ -9,8 +9,6 @@
 namespace ricochet::contact {
 namespace {
 
-constexpr Eigen::Index stress_rows = 6;
-
 /// Adds a response (rows, columns) times x; an empty one is none.
 void add(const std::vector<double>& response, const Vector& x, Eigen::Map<Vector>& out) noexcept {
   if (response.empty() || x.isZero(0)) return;

@@ -27,6 +27,8 @@ class Gauges {
     std::size_t first;  ///< of its values: 6 of stress [Pa], and 1 of strain if it records one
   };
   const std::vector<Gauge>& gauges() const { return gauges_; }
+  /// What determines the deformation of the bodies.
+  const AllCoordinates& coordinates() const { return coordinates_; }
   /// Values of all gauges.
   std::span<const double> values() const { return values_; }
 

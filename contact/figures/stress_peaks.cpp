@@ -3,21 +3,34 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
 #include <utility>
+
+#include "contact/figures/stress_measures.hpp"
 
 namespace ricochet::contact {
 
-double von_mises(const double* s) noexcept {
-  const double normal = std::pow(s[0] - s[1], 2) + std::pow(s[1] - s[2], 2) + std::pow(s[2] - s[0], 2);
-  return std::sqrt(normal / 2 + 3 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
+bool has_stress(const Model& model) {
+  return has_gauges(model) ||
+         std::ranges::any_of(model.bodies, [](const auto& body) { return has_surface_stress(*body.kernel); });
+}
+
+std::string place_of(const StressPeak& peak) {
+  if (!peak.gauge.empty()) return "gauge " + peak.gauge;
+  return fmt::format("[{:.4g}, {:.4g}, {:.4g}] m", peak.at.x(), peak.at.y(), peak.at.z());
 }
 
 StressPeaks::StressPeaks(const Model& model, const StepOptions& options, std::vector<MaterialLimits> limits)
-    : model_(model), limits_(std::move(limits)), gauges_(model, options), largest_(model.bodies.size()) {
+    : model_(model),
+      limits_(std::move(limits)),
+      gauges_(model, options),
+      largest_(model.bodies.size()),
+      surface_(model.bodies.size()) {
   limits_.resize(model.bodies.size());
   for (const Gauges::Gauge& gauge : gauges_.gauges())
     if (largest_[gauge.body].gauge == nullptr) largest_[gauge.body].gauge = gauge.kernel;
+  for (std::size_t k = 0; k < model.bodies.size(); ++k)
+    if (has_surface_stress(*model.bodies[k].kernel)) surface_[k].emplace(*model.bodies[k].kernel);
   if (options.scheme != Scheme::at_rest) note(0);
 }
 
@@ -32,6 +45,8 @@ void StressPeaks::observe(double time, const Vector& q, const Vector& p) noexcep
 }
 
 void StressPeaks::note(double time) noexcept {
+  for (std::size_t k = 0; k < surface_.size(); ++k)
+    if (surface_[k]) surface_[k]->observe(time, gauges_.coordinates()[k]);
   for (const Gauges::Gauge& gauge : gauges_.gauges()) {
     const double stress = von_mises(&gauges_.values()[gauge.first]);
     if (stress > largest_[gauge.body].stress)
@@ -43,14 +58,31 @@ std::map<std::string, StressPeak> StressPeaks::peaks() const {
   std::map<std::string, StressPeak> out;
   for (std::size_t k = 0; k < largest_.size(); ++k) {
     const Largest& largest = largest_[k];
-    if (largest.gauge == nullptr) continue;
+    if (largest.gauge == nullptr && !surface_[k]) continue;
     StressPeak& peak = out[model_.bodies[k].name];
-    peak = {.gauge = largest.gauge->name,
-            .at = Eigen::Vector3d(largest.gauge->point.data()),
-            .von_mises_pa = largest.stress,
-            .time_s = largest.time};
-    if (limits_[k].yield > 0) peak.ratio_to_yield = largest.stress / limits_[k].yield;
+    if (largest.gauge != nullptr)
+      peak = {.gauge = largest.gauge->name,
+              .at = Eigen::Vector3d(largest.gauge->point.data()),
+              .von_mises_pa = largest.stress,
+              .time_s = largest.time};
+    if (surface_[k]) {
+      const StressEnvelope::Largest& of = surface_[k]->envelope().von_mises;
+      const auto node = static_cast<std::size_t>(std::ranges::max_element(of.value) - of.value.begin());
+      if (node < of.value.size() && (largest.gauge == nullptr || of.value[node] > peak.von_mises_pa))
+        peak = {.gauge = "",
+                .at = Eigen::Vector3d(&model_.bodies[k].kernel->view->node[3 * node]),
+                .von_mises_pa = of.value[node],
+                .time_s = of.time[node]};
+    }
+    if (limits_[k].yield > 0) peak.ratio_to_yield = peak.von_mises_pa / limits_[k].yield;
   }
+  return out;
+}
+
+std::map<std::string, StressEnvelope> StressPeaks::envelopes() const {
+  std::map<std::string, StressEnvelope> out;
+  for (std::size_t k = 0; k < surface_.size(); ++k)
+    if (surface_[k]) out[model_.bodies[k].name] = surface_[k]->envelope();
   return out;
 }
 
@@ -59,10 +91,10 @@ std::vector<std::string> StressPeaks::warnings() const {
   for (const auto& [body, peak] : peaks())
     if (peak.ratio_to_yield && *peak.ratio_to_yield > 1)
       out.push_back(fmt::format(
-          "the stress at gauge {} of {} reaches {:.3g} MPa (von Mises) at {:.4g} s, {:.3g} times yield: it "
+          "the stress at {} of {} reaches {:.3g} MPa (von Mises) at {:.4g} s, {:.3g} times yield: it "
           "would deform permanently, which the model leaves out. Lower the load or the speed, or take a "
           "stronger material",
-          peak.gauge, body, peak.von_mises_pa * 1e-6, peak.time_s, *peak.ratio_to_yield));
+          place_of(peak), body, peak.von_mises_pa * 1e-6, peak.time_s, *peak.ratio_to_yield));
   return out;
 }
 

@@ -1,21 +1,25 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The largest von Mises stress at the gauges of each body over all steps of a run, compared with the stress
-// at which its material yields.
+// The largest von Mises stress of each body over all steps of a run, at its gauges and on its visualisation
+// surface, compared with the stress at which its material yields.
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "contact/figures/gauges.hpp"
 #include "contact/figures/pressure_check.hpp"
+#include "contact/figures/stress_envelope.hpp"
 #include "contact/figures/summary.hpp"
 
 namespace ricochet::contact {
 
-/// √(½ ((σx − σy)² + (σy − σz)² + (σz − σx)²) + 3 (τ_yz² + τ_xz² + τ_xy²)) of a stress in the order of a
-/// gauge.
-double von_mises(const double* stress) noexcept;
+/// Whether a body of the model has gauges, or stress of its visualisation surface.
+bool has_stress(const Model& model);
+
+/// "gauge foil" or "[0.1, 0, 0.02] m"
+std::string place_of(const StressPeak& peak);
 
 class StressPeaks {
  public:
@@ -28,8 +32,10 @@ class StressPeaks {
   /// For bodies at rest. @param q, p  as of AllCoordinates
   void observe(double time, const Vector& q, const Vector& p) noexcept;
 
-  /// By body with gauges.
+  /// By body with gauges or stress of its surface.
   std::map<std::string, StressPeak> peaks() const;
+  /// By body with stress of its surface.
+  std::map<std::string, StressEnvelope> envelopes() const;
   /// A line for each body whose stress exceeds its yield.
   std::vector<std::string> warnings() const;
 
@@ -43,7 +49,8 @@ class StressPeaks {
   const Model& model_;
   std::vector<MaterialLimits> limits_;
   Gauges gauges_;
-  std::vector<Largest> largest_;  ///< by body; no gauge: it has none
+  std::vector<Largest> largest_;                          ///< by body; no gauge: it has none
+  std::vector<std::optional<EnvelopeObserver>> surface_;  ///< by body
 };
 
 }  // namespace ricochet::contact

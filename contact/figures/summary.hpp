@@ -10,6 +10,7 @@
 
 #include "contact/figures/error_estimate.hpp"
 #include "contact/figures/impact_figures.hpp"
+#include "contact/figures/stress_envelope.hpp"
 #include "ricochet/scheme.hpp"
 
 namespace ricochet::contact {
@@ -29,9 +30,9 @@ struct AccelerationPeaks {
   std::map<int, std::optional<double>> by_class;
 };
 
-/// The largest von Mises stress at the gauges of a body.
+/// The largest von Mises stress at the gauges of a body and on its visualisation surface.
 struct StressPeak {
-  std::string gauge;                       ///< where
+  std::string gauge;                       ///< where; empty: a node of the surface
   Eigen::Vector3d at{0, 0, 0};             ///< its point, in the axes of the body [m]
   double von_mises_pa = 0;                 ///< of all steps
   double time_s = 0;                       ///< when
@@ -83,7 +84,8 @@ struct Summary : ImpactFigures {
   int unpaired = 0;
   std::optional<ErrorEstimate> error_estimate;            ///< set by the caller; no value if not estimated
   std::map<std::string, AccelerationPeaks> acceleration;  ///< by receiver; empty with sampled responses
-  std::map<std::string, StressPeak> stress;               ///< by body with gauges
+  std::map<std::string, StressPeak> stress;               ///< by body with gauges or stress of its surface
+  std::map<std::string, StressEnvelope> stress_envelope;  ///< by body with stress of its surface
   std::map<std::string, Sound> sounds;                    ///< by receiver; set by the caller
   std::optional<Sound> sound;                             ///< for players; set by the caller
   std::vector<std::string> warnings;

@@ -53,7 +53,7 @@ void SummaryObserver::observe(const Stepper& stepper) {
     if (!acceleration_) acceleration_.emplace(*model, stepper.options());
     acceleration_->observe(stepper);
   }
-  if (stress_ || has_gauges(*model)) {
+  if (stress_ || has_stress(*model)) {
     if (!stress_) stress_.emplace(*model, stepper.options(), limits_);
     stress_->observe(stepper);
   }
@@ -97,7 +97,10 @@ Summary SummaryObserver::summary() const {
     if (acceleration_) out.acceleration = acceleration_->peaks();
     out.neglected = checks_->neglected();
     out.warnings = warnings(out);
-    if (stress_) out.stress = stress_->peaks();
+    if (stress_) {
+      out.stress = stress_->peaks();
+      out.stress_envelope = stress_->envelopes();
+    }
     if (out.contact_end_s) add_band(out);
   }
   if (!out.contact_start_s)

@@ -48,7 +48,7 @@ class SummaryObserver {
   std::optional<RunChecks> checks_;                   ///< with modes
   std::optional<BandShare> band_;                     ///< with modes
   std::optional<AccelerationObserver> acceleration_;  ///< with receivers, from the first step on
-  std::optional<StressPeaks> stress_;                 ///< with gauges, from the first step on
+  std::optional<StressPeaks> stress_;                 ///< where there is stress, from the first step on
   double step_;
   std::vector<MaterialLimits> limits_;
   Summary out_;

@@ -12,7 +12,7 @@ GaugeRows::GaugeRows(base::hdf5::Writer& file, const Model& model, const StepOpt
   for (const Gauges::Gauge& gauge : gauges_.gauges()) {
     const std::string group = "/gauges/" + gauge.kernel->name;
     Datasets& made = datasets_.emplace_back();
-    made.stress = &file.rows(group + "/stress", {6}, "Pa");
+    made.stress = &file.rows(group + "/stress", {kernels::stress_rows}, "Pa");
     if (gauge.kernel->strain) made.strain = &file.rows(group + "/strain", {}, "1");
     file.attribute(group, "body", model.bodies[gauge.body].name);
     file.attribute(group, "point", std::span<const double>(gauge.kernel->point));
@@ -45,8 +45,8 @@ void GaugeRows::append(double time, std::span<const double> values) {
   time_->append(time);
   for (std::size_t k = 0; k < datasets_.size(); ++k) {
     const std::size_t first = gauges_.gauges()[k].first;
-    datasets_[k].stress->append(values.subspan(first, 6));
-    if (datasets_[k].strain != nullptr) datasets_[k].strain->append(values[first + 6]);
+    datasets_[k].stress->append(values.subspan(first, kernels::stress_rows));
+    if (datasets_[k].strain != nullptr) datasets_[k].strain->append(values[first + kernels::stress_rows]);
   }
 }
 

@@ -58,9 +58,16 @@ std::vector<int> candidates_of(const Model& model, const Model::PairBlock& pair)
 }  // namespace
 
 MotionFile::MotionFile(const Model& model, const StepOptions& step, const MotionOptions& options)
-    : model_(model), stem_(options.stem), every_(options.every), file_(with(stem_, ".h5")) {
-  for (std::size_t k = 0; k < model.bodies.size(); ++k)
+    : model_(model),
+      stem_(options.stem),
+      every_(options.every),
+      file_(with(stem_, ".h5")),
+      coordinates_(model) {
+  for (std::size_t k = 0; k < model.bodies.size(); ++k) {
     surfaces_.emplace_back(model, static_cast<int>(k), step);
+    const kernels::Kernel& kernel = *model.bodies[k].kernel;
+    stress_.push_back(has_surface_stress(kernel) ? std::optional<SurfaceStress>(kernel) : std::nullopt);
+  }
   for (std::size_t p = 0; p < model.pairs.size(); ++p)
     patches_.push_back(patch_of(model.pairs[p], options.pairs.at(p)));
   write_setting(options);
@@ -140,12 +147,14 @@ void MotionFile::frame(double t, const Vector& q, const Vector& v, const Vector&
                        const Vector& end_force, std::span<const ContactState> states,
                        const Turning* turning) {
   const std::string number = number_of(time_.size());
+  coordinates_.set(t, q, end_force, turning);
   for (std::size_t k = 0; k < surfaces_.size(); ++k) {
     const std::string group = group_of(model_.bodies[k].name);
     const SurfaceMotion& surface = surfaces_[k].at(t, q, v, end_force, turning);
     write(file_, group + "/position" + number, surface.position, "m");
     write(file_, group + "/deformation" + number, surface.deformation, "m");
     write(file_, group + "/velocity" + number, surface.velocity, "m/s");
+    if (stress_[k]) write(file_, group + "/von_mises" + number, stress_[k]->von_mises(coordinates_[k]), "Pa");
     for (std::size_t p = 0; p < patches_.size(); ++p)
       if (patches_[p].pair->a == static_cast<int>(k))
         contact_frame(p, number, u, force, states, surface, turning);
@@ -222,12 +231,15 @@ void MotionFile::write_xdmf() const {
   for (std::size_t k = 0; k < surfaces_.size(); ++k) {
     const kernels::View& view = surfaces_[k].view();
     const std::string &name = model_.bodies[k].name, group = group_of(name);
+    std::vector<xdmf::Field> moving{
+        {"position", "", true, 4}, {"deformation", "", true, 4}, {"velocity", "", true, 4}};
+    if (stress_[k]) moving.push_back({"von_mises", "", false, 4});
     film({.name = name,
           .corners = view.element_corners,
           .elements = view.element.size() / static_cast<std::size_t>(view.element_corners),
           .nodes = surfaces_[k].nodes(),
           .element = group + "/element"},
-         group, {{"position", "", true, 4}, {"deformation", "", true, 4}, {"velocity", "", true, 4}});
+         group, moving);
   }
   for (std::size_t p = 0; p < patches_.size(); ++p) {
     const Patch& patch = patches_[p];

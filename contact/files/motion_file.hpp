@@ -9,10 +9,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/hdf5_writer.hpp"
+#include "contact/figures/surface_stress.hpp"
 #include "contact/figures/visualisation_surface.hpp"
 #include "contact/model/model.hpp"
 #include "contact/static/equilibrium.hpp"
@@ -73,7 +75,9 @@ class MotionFile {
   std::filesystem::path stem_;
   std::int64_t every_;
   base::hdf5::Writer file_;
-  std::vector<VisualisationSurface> surfaces_;  ///< by body
+  std::vector<VisualisationSurface> surfaces_;        ///< by body
+  std::vector<std::optional<SurfaceStress>> stress_;  ///< by body, if its kernel has it
+  AllCoordinates coordinates_;
   std::vector<Patch> patches_;
   std::vector<double> time_;  ///< of the frames
 };

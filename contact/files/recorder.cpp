@@ -25,7 +25,8 @@ double least_bytes(const MotionSource& source, const RecorderOptions& options, s
     numbers += static_cast<double>(samples / options.receivers_every) * (1 + 9 * receivers);
   double of_gauges = 0;
   for (const Bodies::Block& body : model->bodies)
-    for (const kernels::Gauge& gauge : body.kernel->gauges) of_gauges += gauge.strain ? 7 : 6;
+    for (const kernels::Gauge& gauge : body.kernel->gauges)
+      of_gauges += static_cast<double>(kernels::stress_rows) + (gauge.strain ? 1 : 0);
   if (of_gauges > 0) numbers += static_cast<double>(samples / options.receivers_every) * (1 + of_gauges);
   if (options.snapshot_every > 0)
     numbers += static_cast<double>(samples / options.snapshot_every) * (1.0 + model->omega.size());
@@ -263,6 +264,19 @@ void Recorder::sides_row(const SidesMotion& sides) {
   append(contact_.displacement_b, sides.displacement_b);
   append(contact_.velocity_a, sides.velocity_a);
   append(contact_.velocity_b, sides.velocity_b);
+}
+
+void Recorder::record(const std::map<std::string, StressEnvelope>& envelopes) {
+  for (const auto& [body, envelope] : envelopes) {
+    const auto add = [&](const std::string& name, const StressEnvelope::Largest& largest) {
+      const std::string dataset = "/stress/" + body + "/" + name;
+      file_.write(dataset, largest.value, {largest.value.size()}, "Pa");
+      file_.write(dataset + "_time", largest.time, {largest.time.size()}, "s");
+    };
+    add("von_mises", envelope.von_mises);
+    add("principal", envelope.principal);
+    add("shear", envelope.shear);
+  }
 }
 
 void Recorder::commit(const std::string& run, const std::filesystem::path& summary) {

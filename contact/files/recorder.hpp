@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -18,6 +19,7 @@
 #include "contact/figures/contact_sides.hpp"
 #include "contact/figures/motion_source.hpp"
 #include "contact/figures/receivers.hpp"
+#include "contact/figures/stress_envelope.hpp"
 #include "contact/files/energy_rows.hpp"
 #include "contact/files/entry_rows.hpp"
 #include "contact/files/gauge_rows.hpp"
@@ -57,6 +59,8 @@ class Recorder {
   void record(const Stepper& stepper);
   /// Writes a row. Throws as above.
   void record(const Equilibrium& equilibrium);
+  /// Writes the envelopes by body, once. Throws as above.
+  void record(const std::map<std::string, StressEnvelope>& envelopes);
 
   /// Motion of the receivers after the last step. Must not be called with sampled responses.
   const Receivers& receivers() const { return *receivers_; }

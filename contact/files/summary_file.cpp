@@ -65,7 +65,7 @@ Json json_of(const std::map<std::string, StressPeak>& stress) {
   for (const auto& [body, peak] : stress)
     out[body] = {{"von_mises_pa", peak.von_mises_pa},
                  {"at", {peak.at.x(), peak.at.y(), peak.at.z()}},
-                 {"gauge", peak.gauge},
+                 {"gauge", peak.gauge.empty() ? Json() : Json(peak.gauge)},
                  {"time_s", peak.time_s},
                  {"ratio_to_yield", number(peak.ratio_to_yield)}};
   return out;

@@ -191,14 +191,19 @@ struct Receiver {
 
 /// A quantity of K rows that is linear in the displacement, in its unit [Q]: of each mode, and of each static
 /// correction as for receivers.
-struct Sensitivity {
-  std::vector<double> shape;                 ///< (K,N) [Q kg^-1/2 m^-1]
-  std::vector<double> residual_flexibility;  ///< (K,rM) [Q/N]; empty without R
-  std::vector<double> body_force_residual;   ///< (K,3) [Q s²/m]; empty without R
-  std::vector<double> load_residual;         ///< (K,3L) [Q per unit]; empty without R
-  std::vector<double> motion_residual;       ///< (K,3S) [Q/m]
-  bool operator==(const Sensitivity&) const = default;
+template <class T>
+struct SensitivityOf {
+  std::vector<T> shape;                 ///< (K,N) [Q kg^-1/2 m^-1]
+  std::vector<T> residual_flexibility;  ///< (K,rM) [Q/N]; empty without R
+  std::vector<T> body_force_residual;   ///< (K,3) [Q s²/m]; empty without R
+  std::vector<T> load_residual;         ///< (K,3L) [Q per unit]; empty without R
+  std::vector<T> motion_residual;       ///< (K,3S) [Q/m]
+  bool operator==(const SensitivityOf&) const = default;
 };
+using Sensitivity = SensitivityOf<double>;
+
+/// Rows of a stress: xx, yy, zz, yz, xz, xy.
+inline constexpr std::size_t stress_rows = 6;
 
 /// A point whose stress is recorded, and its strain along a direction.
 struct Gauge {
@@ -220,6 +225,9 @@ struct View {
   std::vector<float> body_force_residual;   ///< (V,3,3) [s²]
   std::vector<float> load_residual;         ///< (V,3,3L) [m per unit]
   std::vector<float> motion_residual;       ///< (V,3,3S) Ψ − ΦΓ [1]; never empty if S > 0
+  /// (6V) stress at the nodes in the axes of the body [Pa], 6 rows for each; 0 for rigid modes. No value
+  /// unless the scene asks for it.
+  std::optional<SensitivityOf<float>> stress{};
   bool operator==(const View&) const = default;
 };
 
@@ -252,13 +260,15 @@ struct Kernel {
   bool operator==(const Kernel&) const = default;
 };
 
-/// Calls act(sensitivity) for the stress and, where there is one, the strain of each gauge.
-template <class Gauges, class Act>
-void for_each_sensitivity(Gauges& gauges, Act&& act) {
-  for (auto& gauge : gauges) {
+/// Calls act(sensitivity) for the stress and, where there is one, the strain of each gauge, and for the
+/// stress of the visualisation surface.
+template <class Act>
+void for_each_sensitivity(Kernel& kernel, Act&& act) {
+  for (Gauge& gauge : kernel.gauges) {
     act(gauge.stress);
     if (gauge.strain) act(*gauge.strain);
   }
+  if (kernel.view && kernel.view->stress) act(*kernel.view->stress);
 }
 
 /// Whether a load, a motion, a receiver or a gauge may have this name, which becomes the name of a dataset: 1

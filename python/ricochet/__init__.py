@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from ricochet.scene import Scene
     from ricochet.shock import ShockResponse, cfc_filter, shock_response_spectrum
     from ricochet.simulation import Pickup, Simulation
+    from ricochet.stress import StressEnvelope, principal_stresses, von_mises
     from ricochet.sweep_result import SweepResult
 
 __all__ = [
@@ -38,6 +39,7 @@ __all__ = [
     "ShockResponse",
     "Simulation",
     "SolverError",
+    "StressEnvelope",
     "SweepResult",
     "__version__",
     "cfc_filter",
@@ -45,9 +47,11 @@ __all__ = [
     "kernels",
     "materials",
     "plot",
+    "principal_stresses",
     "report",
     "shock_response_spectrum",
     "sweep",
+    "von_mises",
 ]
 
 _PLACES = {
@@ -60,6 +64,7 @@ _PLACES = {
     "scene": ["Scene"],
     "shock": ["ShockResponse", "cfc_filter", "shock_response_spectrum"],
     "simulation": ["Pickup", "Simulation"],
+    "stress": ["StressEnvelope", "principal_stresses", "von_mises"],
     "sweep_result": ["SweepResult"],
 }
 _PLACE = {name: place for place, names in _PLACES.items() for name in names}

@@ -8,7 +8,7 @@ import json
 import os
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,7 @@ from ricochet.arrays import Floats
 from ricochet.contacts import Contacts, Entries, Ints
 from ricochet.errors import InputError
 from ricochet.result_file import File
+from ricochet.stress import StressEnvelope
 
 
 class _Data:
@@ -549,6 +550,41 @@ class Result(_Data):
         """(S) times of the rows of gauges [s], as of receivers; at rest, those of the rows. Raises InputError if the scene
         has no gauges."""
         return self._read("gauges/time", None)
+
+    @cached_property
+    def stress(self) -> dict[str, StressEnvelope]:
+        """The largest stresses of the run at the nodes of the visualisation surfaces, by body. Empty without
+        `output.stress`."""
+        names = [field.name for field in fields(StressEnvelope)]
+        return {
+            body: StressEnvelope(**{name: self._read(f"stress/{body}/{name}", None) for name in names})
+            for body in self._file.names("/stress")
+        }
+
+    def surface_stress(self, body: str, kernels: str | os.PathLike[str] | None = None) -> Floats:
+        """(s,V,6) stress at the nodes of the visualisation surface of a body at the snapshots, xx, yy, zz, yz, xz, xy in the
+        axes of the body [Pa]; `ricochet.von_mises` and `ricochet.principal_stresses` take it.
+
+        @param kernels  folder of the kernels; by default, that of the result
+        Raises InputError if the result has no snapshots of this body, or if its kernel has no stress.
+        """
+        from ricochet.pictures.static_part import static_part
+
+        if body not in self.snapshots:
+            raise InputError(
+                f"{self.path}: has no snapshots of {body}. Set output.snapshot_every and run again."
+            )
+        name = Path(self._file.text(f"/bodies/{body}", "kernel") or "").name
+        kernel = File(Path(kernels or self.path.parent) / name, "ricochet-kernel")
+        if not kernel.has("/view/stress/shape"):
+            raise InputError(
+                f"{kernel.path}: holds no stress of its surface. Set output.stress = true and compute it again."
+            )
+        modal = self.snapshots[body]
+        shape = kernel.array("/view/stress/shape", None, 6, modal.shape[1])
+        static, amplitudes = static_part(self._file, kernel, body, len(modal), "/view/stress", 6)
+        both, at = np.concatenate([shape, static], axis=2), np.concatenate([modal, amplitudes], axis=1)
+        return np.moveaxis(both @ at.T.astype(both.dtype), 2, 0).astype(float)
 
     @cached_property
     def energy(self) -> dict[str, Floats]:

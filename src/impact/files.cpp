@@ -123,6 +123,7 @@ void ImpactFiles::at_rest(const Impact& impact, const contact::Equilibrium& equi
 }
 
 std::string ImpactFiles::commit(ImpactSummary& figures, std::chrono::steady_clock::time_point started) {
+  std::visit([&](const auto& known) { recorder_->record(known.stress_envelope); }, figures);
   const std::string run = identifier(result_, figures);
   const base::SetLock alone(stem_);
   const std::string replaced = of_another_run(result_);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "contact/accuracy/error_report.hpp"
+#include "contact/figures/stress_peaks.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet::impact {
@@ -52,8 +53,8 @@ std::string acceleration_of(const std::string& name, const contact::Acceleration
 
 /// "case 71.2 MPa (von Mises) at gauge foil, 0.001 s, 1.1 of yield"
 std::string stress_of(const std::string& body, const contact::StressPeak& peak) {
-  return fmt::format("{} {:.4g} MPa (von Mises) at gauge {}, {:.4g} s{}", body, peak.von_mises_pa * 1e-6,
-                     peak.gauge, peak.time_s,
+  return fmt::format("{} {:.4g} MPa (von Mises) at {}, {:.4g} s{}", body, peak.von_mises_pa * 1e-6,
+                     contact::place_of(peak), peak.time_s,
                      peak.ratio_to_yield ? fmt::format(", {:.3g} of yield", *peak.ratio_to_yield) : "");
 }
 

@@ -43,7 +43,7 @@ Paired pair(Impact& impact, const ImpactRequest& request, store::KernelStore& st
             console::Console& console) {
   const scene::Scene& scene = impact.scene;
   console.begin("kernels");
-  impact.kernels = store::read_kernels(scene, request.folder, store, request.views);
+  impact.kernels = store::read_kernels(scene, request.folder, store, request.views || scene.output.stress);
   if (request.views) check_views(impact.kernels);
   console.end(fmt::format("{} bodies", impact.kernels.kernel.size()));
 

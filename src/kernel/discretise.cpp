@@ -85,7 +85,8 @@ double flexibility_mib(const scene::KernelRequest& request, const Discretised& m
   const auto loads = static_cast<double>(border.cols()), rows = static_cast<double>(made.matrices.local_rows),
              shapes = mib_of(rows * static_cast<double>(modes)) / made.teams->count();
   // With a picture: factors again, and the response of its nodes, as they come, gathered and stored.
-  const auto seen = 3 * static_cast<double>(made.mesh.visualisation.node.size());
+  const auto seen = 3 * static_cast<double>(made.mesh.visualisation.node.size()) +
+                    static_cast<double>(made.sources.view_stress.cols());
   const double nodes = request.view ? mib_of(seen * loads * 2.5) : 0;
   if (is_compressed(request, made))
     return shapes + made.factor->expected_mib() +

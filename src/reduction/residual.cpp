@@ -71,24 +71,24 @@ Retained retained(const parallel::Teams& teams, const mesh::Mesh& mesh, const el
   return out;
 }
 
-/// Responses of selected rows, by solves with K on springs. See residual_response for T and Z.
+/// Values of the responses, by solves with K on springs. See residual_response for T and Z.
 void respond(const parallel::Teams& teams, Factorisation& factor, const std::vector<std::int64_t>& on_springs,
              const ModeSet& modes, const Retained& kept, const Loads& loads, const MatrixXd& t,
              const MatrixXd& z, Rows& field) {
   factor.factor_on_springs(on_springs);
-  const auto rows = std::ssize(field.row);
+  const Index rows = field.of.rows();
   const auto solved = [&](Index columns, const auto& block) {
     MatrixXd value(rows, columns);
     const Index width = columns_at_once * teams.count();
     for (Index from = 0; from < columns; from += width) {
       const Index n = std::min(width, columns - from);
-      value.middleCols(from, n) = modes::shared_solve(teams, factor, block(from, n))(field.row, Eigen::all);
+      value.middleCols(from, n) = field.of * modes::shared_solve(teams, factor, block(from, n));
     }
     return value;
   };
   MatrixXd shape = MatrixXd::Zero(rows, kept.inverse.size());
   for (std::size_t j = 0; j < modes.index.size(); ++j)
-    shape.col(modes.index[j]) = modes.shape(field.row, static_cast<Index>(j));
+    shape.col(modes.index[j]) = field.of * modes.shape.col(static_cast<Index>(j));
   parallel::sum(teams.peers(), shape);
   const MatrixXd by_low = solved(
       kept.load.cols(), [&](Index from, Index n) -> MatrixXd { return kept.load.middleCols(from, n); });

@@ -10,10 +10,10 @@
 
 namespace ricochet::reduction {
 
-/// Selected local rows of a field on the mesh.
+/// Linear functions of a field on the mesh, such as its values at some nodes.
 struct Rows {
-  std::vector<Eigen::Index> row;
-  Eigen::MatrixXd value;  ///< (rows, columns of the field)
+  Eigen::SparseMatrix<double, Eigen::RowMajor> of;  ///< (rows, local rows of the field)
+  Eigen::MatrixXd value;                            ///< (rows, columns of the field) this rank's share
 };
 
 /// Returns Fᵀ K⁺ F − Σ (Fᵀφ)(φᵀF)/ω² of all modes φ in the set: the quasi-static response of the modes
@@ -25,7 +25,7 @@ struct Rows {
 /// that its errors cancel.
 ///
 /// @param loads  F (local rows, b), the same in every team
-/// @param field  if given, receives its rows of the responses on the mesh (rows, b)
+/// @param field  if given, receives the values of the responses on the mesh (rows, b)
 /// @return (b, b) symmetric [m/N for unit loads], the same on every rank. Collective on all ranks of `teams`.
 /// Source: MacNeal 1971, Rubin 1975.
 Eigen::MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh& mesh,
@@ -45,7 +45,7 @@ class ResidualColumns {
   /// rank. Collective.
   Eigen::MatrixXd at(std::span<const Eigen::Index> columns);
 
-  /// Sets rows of the responses on the mesh (rows, b). Collective.
+  /// Sets the values of the responses on the mesh (rows, b). Collective.
   void respond(Rows& field);
 
  private:

@@ -132,6 +132,8 @@ kernels::Kernel derived(kernels::Kernel kernel, const KernelRequest& had, const 
   if (!factors) fail(kernel, "is of another body or has other candidates: compute the requested kernel");
   if (!is_rod(kernel, had.body)) factors->area.reset();
   if (wanted.view && !kernel.view) fail(kernel, "has no visualisation surface: compute it with one");
+  if (wanted.stress && !kernel.view->stress)
+    fail(kernel, "holds no stress of its visualisation surface: compute it with it");
   if (wanted.body.damping.law == Damping::Law::by_mode && kernel.modes.certificate.left_out > 0)
     fail(kernel,
          "some of its modes were left out, so that damping by mode does not apply: compute the kernel");
@@ -161,11 +163,12 @@ kernels::Kernel derived(kernels::Kernel kernel, const KernelRequest& had, const 
         part->clear();
     };
     for (kernels::Receiver& receiver : kernel.receivers) without_residual(receiver);
-    kernels::for_each_sensitivity(kernel.gauges, without_residual);
+    kernels::for_each_sensitivity(kernel, without_residual);
     if (kernel.view) without_residual(*kernel.view);
   }
   if (wanted.turns) kernel = kernels::compacted(std::move(kernel));
   if (!wanted.view) kernel.view.reset();
+  if (kernel.view && !wanted.stress) kernel.view->stress.reset();
   kernel.body = wanted.body.name;
   kernel.hash = wanted.hash;
   kernel.scene = wanted.toml;

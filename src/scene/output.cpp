@@ -25,6 +25,12 @@ const SectionOf<Output> output_keys{
       "keep each body's visualisation surface in its kernel, for pictures: the modes and, with "
       "`residual_flexibility`, the static response to each candidate. Each of them takes 12 bytes for each "
       "node"},
+     {"stress", Access(&Output::stress).if_changed(), "", initial, any(),
+      "keep the [stress of each body's visualisation surface](results.md#stress-and-strain) in its kernel, "
+      "and "
+      "the largest of the whole run in the result. In kernels, each mode and static response takes 24 bytes "
+      "more "
+      "for each node. Sets `view`; not with `kernel = \"table\"`"},
      {"snapshot_every", &Output::snapshot_every, "samples", initial, at_least("0"),
       "interval between snapshots of the modal coordinates; 0: none"},
      {"vtk_every", &Output::vtk_every, "samples", initial, at_least("0"),
@@ -139,7 +145,9 @@ void read_output(const Table& root, Scene& scene) {
   output_keys.read(*table, output);
   if (output.vtk_every > 0 && table->has("view") && !output.view)
     table->complain("view", "vtk_every needs the visualisation surfaces: leave view out, or set it to true");
-  output.view = output.view || output.vtk_every > 0;
+  if (output.stress && table->has("view") && !output.view)
+    table->complain("view", "stress needs the visualisation surfaces: leave view out, or set it to true");
+  output.view = output.view || output.vtk_every > 0 || output.stress;
   const double samples = output.receivers_rate ? scene.time.rate_hz / output.receivers_rate->value : 1;
   if (scene.time.duration > 0 && !(samples >= 1 && samples <= most_samples_per_receiver_row))
     table->complain("receivers_rate_hz", fmt::format("must be from rate_hz / {} to rate_hz = {:g}",

@@ -215,6 +215,8 @@ void refuse_what_does_not_go(const Table& root, const Scene& scene) {
     root.complain("accuracy", "errors of runs by contact.kernel = \"table\" are not estimated: leave it out");
   if (table && !scene.output.gauges.empty())
     root.complain("output.gauge", "contact.kernel = \"table\" gives no stress of the bodies: leave it out");
+  if (table && scene.output.stress)
+    root.complain("output.stress", "contact.kernel = \"table\" gives no stress of the bodies: leave it out");
   if (!table && scene.contact.scheme != Scheme::at_rest) return;
   const char* with = table ? "contact.kernel = \"table\"" : "contact.scheme = \"static\"";
   const Loads& loads = scene.loads;

@@ -165,10 +165,12 @@ const SectionOf<KernelRequest> request_contact_keys{
      {"within_reach", Access(Type::text, read_reach, reach_of)},
      {"residual", choice<KernelRequest>(&KernelRequest::normal_residual, {"all", "normal"}).if_changed()},
      {"turns", Access(&KernelRequest::turns).if_changed()}}};
-const SectionOf<KernelRequest> request_output_keys{
-    "[output] of a kernel's scene",
-    "",
-    {{"view", &KernelRequest::view}, {"receiver", Type::tables}, {"gauge", Type::tables}}};
+const SectionOf<KernelRequest> request_output_keys{"[output] of a kernel's scene",
+                                                   "",
+                                                   {{"view", &KernelRequest::view},
+                                                    {"stress", Access(&KernelRequest::stress).if_changed()},
+                                                    {"receiver", Type::tables},
+                                                    {"gauge", Type::tables}}};
 
 /// The keys of a request, in which places are in the frame of the body, whichever key of the scene gave them.
 template <class S>
@@ -231,6 +233,7 @@ KernelRequest kernel_request(const Scene& scene, const Body& body, MeshHashes* k
   if (!body.copy_of.empty()) request.body.name = body.copy_of;  // one file serves all strikes
   request.modes = scene.modes;
   request.view = scene.output.view;
+  request.stress = scene.output.stress;
   request.turns = scene.motion.is_finite();
 
   const Pair* first = nullptr;

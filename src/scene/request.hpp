@@ -40,6 +40,7 @@ struct KernelRequest {
   /// obstacle in any direction, and its residual flexibility is compact.
   bool turns = false;
   bool view = false;
+  bool stress = false;  ///< at the nodes of the visualisation surface, which `view` then asks for
   /// Whether the kernel estimates its errors by the mesh. Not part of the hash: it is the same kernel.
   bool mesh_error = false;
   /// Of this body; vectors and histories empty. `at` is in its frame, whatever `at_axes`, those of the scene.

@@ -95,9 +95,12 @@ double bytes_of(const kernels::Kernel& kernel) {
   if (const auto& compact = surface.compact)
     out += sizeof(float) *
            static_cast<double>(compact->whole.size() + compact->global.size() + compact->near_block.size());
-  if (kernel.view)
-    out += sizeof(float) *
-           static_cast<double>(kernel.view->shape.size() + kernel.view->residual_flexibility.size());
+  if (!kernel.view) return out;
+  const auto add = [&](const auto& seen) {
+    out += sizeof(float) * static_cast<double>(seen.shape.size() + seen.residual_flexibility.size());
+  };
+  add(*kernel.view);
+  if (kernel.view->stress) add(*kernel.view->stress);
   return out;
 }
 

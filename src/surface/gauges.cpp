@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "ricochet/kernel.hpp"
 #include "src/surface/recovery.hpp"
 
 namespace ricochet::surface {
@@ -23,19 +24,22 @@ constexpr double most_off = 0.05;
 const std::array<std::pair<double, double>, 3> along_length{
     {{-std::sqrt(0.15), 5.0 / 18}, {0, 8.0 / 18}, {std::sqrt(0.15), 5.0 / 18}}};
 
+/// Rows of a stress; a strain has one more.
+constexpr auto stress_rows = static_cast<Index>(kernels::stress_rows);
+
 /// A point at which the gradient is recovered.
 struct Point {
-  std::size_t gauge;
-  Index first;    ///< row of the gauge
-  bool stress;    ///< whether the stress of the gauge is taken here
-  double strain;  ///< share of this point in its strain
+  Index first;                  ///< row of its gauge
+  bool stress = true;           ///< whether the stress is taken here
+  double strain = 0;            ///< share of this point in the strain
+  Vector3d direction{0, 0, 0};  ///< of the strain
 };
 
 /// What one share of a node gives: (rows of the gauge, components of the mesh).
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic>;
 
 Rows stress_of(const mesh::Mesh& mesh, const scene::Material& material, const Vector3d& weight) {
-  constexpr std::array<std::pair<int, int>, stress_rows> order{
+  constexpr std::array<std::pair<int, int>, kernels::stress_rows> order{
       {{0, 0}, {1, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}}};
   Rows out = Rows::Zero(stress_rows, mesh.components());
   const Vector3d axis(mesh.axis.data());
@@ -71,7 +75,8 @@ std::pair<std::vector<Point>, std::vector<Located>> points_of(const mesh::Mesh& 
   Index first = 0;
   for (std::size_t g = 0; g < places.size(); ++g) {
     const scene::Gauge& gauge = request.gauges[g];
-    points.push_back({g, first, true, gauge.direction && !(gauge.length > 0) ? 1.0 : 0.0});
+    const Vector3d direction = gauge.direction ? Vector3d(gauge.direction->data()) : Vector3d::Zero();
+    points.push_back({first, true, gauge.direction && !(gauge.length > 0) ? 1.0 : 0.0, direction});
     at.push_back(places[g]);
     for (const auto& [along, share] : along_length) {
       if (!(gauge.length > 0)) break;
@@ -85,7 +90,7 @@ std::pair<std::vector<Point>, std::vector<Located>> points_of(const mesh::Mesh& 
                         "m: shorten it, or turn its direction",
                         request.body.mesh.filename().string(), gauge.name, request.body.name, found.distance,
                         gauge.length));
-      points.push_back({g, first, false, share});
+      points.push_back({first, false, share, direction});
       at.push_back(found);
     }
     first += stress_rows + (gauge.direction ? 1 : 0);
@@ -93,7 +98,48 @@ std::pair<std::vector<Point>, std::vector<Located>> points_of(const mesh::Mesh& 
   return {points, at};
 }
 
+using Entries = std::vector<Eigen::Triplet<double>>;
+
+/// Calls put(entry, fixed) for each entry of the columns of the points. Collective.
+template <class Put>
+void for_each_entry(const mesh::Mesh& mesh, const std::vector<scene::Material>& materials,
+                    const std::vector<Point>& points, const std::vector<Located>& at, Put&& put) {
+  const int c = mesh.components();
+  for (const GradientShare& share : recover_gradients(mesh, at)) {
+    const Index row = mesh.owned(share.node);
+    if (row < 0) continue;
+    const auto local = static_cast<std::size_t>(
+        std::lower_bound(mesh.node.begin(), mesh.node.end(), share.node) - mesh.node.begin());
+    const Point& point = points[static_cast<std::size_t>(share.point)];
+    const scene::Material& material =
+        materials[static_cast<std::size_t>(at[static_cast<std::size_t>(share.point)].label)];
+    const Vector3d weight(share.weight.data());
+    const auto add = [&](const Rows& rows, Index first) {
+      for (Index k = 0; k < rows.rows(); ++k)
+        for (int d = 0; d < c; ++d)
+          put(Eigen::Triplet<double>(static_cast<int>(row * c + d), static_cast<int>(first + k), rows(k, d)),
+              mesh.is_fixed(local, d));
+    };
+    if (point.stress) add(stress_of(mesh, material, weight), point.first);
+    if (point.strain > 0)
+      add(point.strain * strain_of(mesh, material, weight, point.direction), point.first + stress_rows);
+  }
+}
+
 }  // namespace
+
+Eigen::SparseMatrix<double> stress_columns(const mesh::Mesh& mesh,
+                                           const std::vector<scene::Material>& materials,
+                                           const std::vector<Located>& places) {
+  std::vector<Point> points;
+  for (std::size_t i = 0; i < places.size(); ++i) points.push_back({static_cast<Index>(i) * stress_rows});
+  Entries entries;
+  for_each_entry(mesh, materials, points, places,
+                 [&](const Eigen::Triplet<double>& entry, bool) { entries.push_back(entry); });
+  Eigen::SparseMatrix<double> out(mesh.owned_nodes * mesh.components(), std::ssize(places) * stress_rows);
+  out.setFromTriplets(entries.begin(), entries.end());
+  return out;
+}
 
 GaugeColumns gauge_columns(const mesh::Mesh& mesh, const scene::KernelRequest& request,
                            const std::vector<Located>& places) {
@@ -109,30 +155,10 @@ GaugeColumns gauge_columns(const mesh::Mesh& mesh, const scene::KernelRequest& r
                     "the gauge out",
                     request.body.mesh.filename().string(), request.gauges.front().name, request.body.name));
   const auto [points, at] = points_of(mesh, request, places);
-  std::vector<Eigen::Triplet<double>> all, held;
-  for (const GradientShare& share : recover_gradients(mesh, at)) {
-    const Index row = mesh.owned(share.node);
-    if (row < 0) continue;
-    const auto local = static_cast<std::size_t>(
-        std::lower_bound(mesh.node.begin(), mesh.node.end(), share.node) - mesh.node.begin());
-    const Point& point = points[static_cast<std::size_t>(share.point)];
-    const scene::Material& material =
-        request.body.materials[static_cast<std::size_t>(at[static_cast<std::size_t>(share.point)].label)];
-    const Vector3d weight(share.weight.data());
-    const auto add = [&](const Rows& rows, Index first) {
-      for (Index k = 0; k < rows.rows(); ++k)
-        for (int d = 0; d < c; ++d) {
-          const Eigen::Triplet<double> entry(static_cast<int>(row * c + d), static_cast<int>(first + k),
-                                             rows(k, d));
-          (mesh.is_fixed(local, d) ? held : all).push_back(entry);
-        }
-    };
-    if (point.stress) add(stress_of(mesh, material, weight), point.first);
-    if (point.strain > 0)
-      add(point.strain *
-              strain_of(mesh, material, weight, Vector3d(request.gauges[point.gauge].direction->data())),
-          point.first + stress_rows);
-  }
+  Entries all, held;
+  for_each_entry(
+      mesh, request.body.materials, points, at,
+      [&](const Eigen::Triplet<double>& entry, bool fixed) { (fixed ? held : all).push_back(entry); });
   out.free.setFromTriplets(all.begin(), all.end());
   all.insert(all.end(), held.begin(), held.end());
   out.filled.setFromTriplets(all.begin(), all.end());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Stress and strain at gauges, as linear functions of the displacement of the nodes.
+// Stress and strain at gauges and at other points, as linear functions of the displacement of the nodes.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -9,9 +9,6 @@
 #include "src/surface/locate.hpp"
 
 namespace ricochet::surface {
-
-/// Rows of stress of a gauge; a strain has one more.
-inline constexpr Eigen::Index stress_rows = 6;
 
 /// The rows of all gauges, each over its unit: 6 of stress (xx, yy, zz, yz, xz, xy in the axes of the mesh),
 /// then 1 of strain if the gauge has a direction.
@@ -28,5 +25,12 @@ struct GaugeColumns {
 /// is off the body.
 GaugeColumns gauge_columns(const mesh::Mesh& mesh, const scene::KernelRequest& request,
                            const std::vector<Located>& places);
+
+/// The stress at places, recovered as for gauges.
+/// @return (local rows, 6 per place) [Pa/m] with fixed rows of the mesh; its transpose gives the stress
+/// Needs a GmshSession. Collective.
+Eigen::SparseMatrix<double> stress_columns(const mesh::Mesh& mesh,
+                                           const std::vector<scene::Material>& materials,
+                                           const std::vector<Located>& places);
 
 }  // namespace ricochet::surface

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <unordered_map>
 
 namespace ricochet::surface {
 
@@ -192,6 +193,68 @@ Located locate_here(const mesh::Mesh& mesh, const Vector3d& point) {
 }
 
 }  // namespace
+
+std::vector<Located> at_nodes(const mesh::Mesh& mesh, const std::vector<std::int64_t>& nodes) {
+  std::unordered_map<std::int64_t, std::size_t> asked;
+  for (std::size_t v = 0; v < nodes.size(); ++v) asked.emplace(nodes[v], v);
+  std::vector<Located> own(nodes.size());
+  for (std::size_t b = 0; b < mesh.blocks.size(); ++b) {
+    const mesh::Block& block = mesh.blocks[b];
+    const mesh::ReferenceElement element = mesh::reference_element(block.gmsh_type);
+    const auto n = static_cast<std::size_t>(block.nodes_per_element),
+               corners = static_cast<std::size_t>(element.corners);
+    const std::vector<double> linear =
+        mesh::basis_at(mesh::reference_element(mesh::type_of(element.family, 1)), mesh::local_nodes(element))
+            .value;
+    for (std::size_t e = 0; e < block.size(); ++e) {
+      if (mesh.own[b][e] == 0) continue;
+      for (std::size_t a = 0; a < n; ++a) {
+        const auto local = static_cast<std::size_t>(block.node[e * n + a]);
+        const auto found = asked.find(mesh.node[local]);
+        if (found == asked.end()) continue;
+        Located& known = own[found->second];
+        if (known.label >= 0 && known.label <= block.label[e]) continue;
+        known = {.node = {}, .weight = std::vector<double>(n, 0), .label = block.label[e]};
+        for (std::size_t c = 0; c < n; ++c)
+          known.node.push_back(mesh.node[static_cast<std::size_t>(block.node[e * n + c])]);
+        known.weight[a] = 1;
+        const auto from = linear.begin() + static_cast<std::ptrdiff_t>(a * corners);
+        known.corner_weight.assign(from, from + static_cast<std::ptrdiff_t>(corners));
+        std::copy_n(&mesh.position[3 * local], 3, known.place.begin());
+      }
+    }
+  }
+  std::vector<std::int64_t> whole;  // node asked for, label, lengths, nodes
+  std::vector<double> parts;        // their weights and places
+  for (std::size_t v = 0; v < nodes.size(); ++v) {
+    const Located& found = own[v];
+    if (found.label < 0) continue;
+    whole.insert(whole.end(), {static_cast<std::int64_t>(v), found.label, std::ssize(found.node),
+                               std::ssize(found.corner_weight)});
+    whole.insert(whole.end(), found.node.begin(), found.node.end());
+    for (const auto& values : {found.weight, found.corner_weight})
+      parts.insert(parts.end(), values.begin(), values.end());
+    parts.insert(parts.end(), found.place.begin(), found.place.end());
+  }
+  whole = parallel::gather(mesh.comm, whole);
+  parts = parallel::gather(mesh.comm, parts);
+  parallel::broadcast(mesh.comm, whole);
+  parallel::broadcast(mesh.comm, parts);
+  std::vector<Located> out(nodes.size());
+  auto number = whole.cbegin();
+  auto part = parts.cbegin();
+  while (number != whole.cend()) {
+    Located& known = out[static_cast<std::size_t>(*number++)];
+    const std::int64_t label = *number++, n = *number++, corners = *number++;
+    Located found{.node = {number, number + n}, .weight = {part, part + n}, .label = label};
+    found.corner_weight.assign(part + n, part + n + corners);
+    std::copy_n(part + n + corners, 3, found.place.begin());
+    number += n;
+    part += n + corners + 3;
+    if (known.label < 0 || label < known.label) known = std::move(found);
+  }
+  return out;
+}
 
 double size_of(const mesh::Mesh& mesh) {
   Vector3d low = Vector3d::Constant(infinity), high = -low;

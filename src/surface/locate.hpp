@@ -24,6 +24,11 @@ struct Located {
 /// nearest node. Needs a GmshSession. Collective.
 Located locate(const mesh::Mesh& mesh, const Vector3& point);
 
+/// Nodes of the mesh as positions, in an element of the lowest label; the same on every rank. The body must
+/// have elements. Collective.
+/// @param nodes  global, the same on every rank
+std::vector<Located> at_nodes(const mesh::Mesh& mesh, const std::vector<std::int64_t>& nodes);
+
 /// Diagonal of the bounding box [m]. Collective.
 double size_of(const mesh::Mesh& mesh);
 

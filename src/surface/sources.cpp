@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "src/reduction/static_flexibility.hpp"
 #include "src/surface/gauges.hpp"
 #include "src/surface/locate.hpp"
 
@@ -178,6 +179,11 @@ Sources make_sources(const mesh::Mesh& mesh, const scene::KernelRequest& request
   sources.receiver = seen(FixedRows::zero, gauges.free);
   sources.receiver_filled = seen(FixedRows::filled, gauges.filled);
   sources.gauge_unit = std::move(gauges.unit);
+  if (request.stress && mesh.total_elements > 0) {
+    std::vector<std::int64_t> nodes = mesh.visualisation.node;
+    parallel::broadcast(mesh.comm, nodes);
+    sources.view_stress = stress_columns(mesh, request.body.materials, at_nodes(mesh, nodes));
+  }
   return sources;
 }
 

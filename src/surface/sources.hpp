@@ -23,7 +23,10 @@ struct Sources {
   Eigen::MatrixXd receiver;
   Eigen::SparseMatrix<double> receiver_filled;  ///< the same with fixed rows
   Eigen::VectorXd gauge_unit;  ///< (rows of all gauges) [Pa] or [1]; so that columns have length 1
-  reduction::Lift lift;        ///< of the moving supports; set once the matrices are factored
+  /// (local rows, 6 per node of the visualisation surface) [Pa/m]; its transpose gives their stress. No
+  /// columns unless the request asks for them and the body has elements.
+  Eigen::SparseMatrix<double> view_stress;
+  reduction::Lift lift;  ///< of the moving supports; set once the matrices are factored
 };
 
 /// Returns the groups of the mesh that a request needs.

@@ -2,12 +2,12 @@
 #include "src/surface/trace.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 #include "kernels/compression.hpp"
 #include "src/elasticity/rigid.hpp"
 #include "src/reduction/residual.hpp"
-#include "src/surface/gauges.hpp"
 
 namespace ricochet::surface {
 
@@ -22,35 +22,61 @@ std::vector<double> flat(const Eigen::MatrixBase<Derived>& matrix) {
   return values;
 }
 
-/// A field on the mesh at the nodes of the visualisation surface.
+/// A field on the mesh at the nodes of the visualisation surface: its displacement and, if `stress` has
+/// columns (Sources::view_stress), its stress.
 class VisualisationField {
  public:
-  explicit VisualisationField(const mesh::Mesh& mesh) : mesh_(mesh), node_(mesh.visualisation.node) {
-    parallel::broadcast(mesh.comm, node_);
+  /// One of them: some rows of `rows`, and the number of each in (V,3) or (V,6).
+  struct Quantity {
+    Eigen::Index first = 0;
+    std::vector<std::size_t> number{};
+    std::size_t size = 0;  ///< 3V or 6V; 0: there is none
+    Eigen::Index count() const { return std::ssize(number); }
+  };
+
+  VisualisationField(const mesh::Mesh& mesh, const Eigen::SparseMatrix<double>& stress) : mesh_(mesh) {
+    std::vector<std::int64_t> node = mesh.visualisation.node;
+    parallel::broadcast(mesh.comm, node);
+    std::vector<Eigen::Triplet<double>> entries;
+    const auto add = [&](Quantity& to, std::size_t number) {
+      to.number.push_back(number);
+      return static_cast<int>(to.first + to.count() - 1);
+    };
     const int c = mesh.components();
-    for (std::size_t v = 0; v < node_.size(); ++v) {
-      const std::int64_t local = mesh.owned(node_[v]);
+    displacement.size = 3 * node.size();
+    for (std::size_t v = 0; v < node.size(); ++v) {
+      const auto local = static_cast<int>(mesh.owned(node[v]));
       if (local < 0) continue;
-      own_.push_back(v);
-      for (int d = 0; d < c; ++d) rows.row.push_back(local * c + d);
+      for (std::size_t d = 0; d < 3; ++d) {
+        const int row = add(displacement, 3 * v + d), of = static_cast<int>(d);
+        entries.emplace_back(row, c == 3 ? 3 * local + of : local, c == 3 ? 1 : mesh.axis[d]);
+      }
     }
+    this->stress.first = displacement.count();
+    this->stress.size = static_cast<std::size_t>(stress.cols());
+    for (int k = 0; k < stress.outerSize(); ++k) {
+      Eigen::SparseMatrix<double>::InnerIterator entry(stress, k);
+      if (!entry) continue;
+      const int row = add(this->stress, static_cast<std::size_t>(k));
+      for (; entry; ++entry) entries.emplace_back(row, static_cast<int>(entry.row()), entry.value());
+    }
+    rows.of.resize(displacement.count() + this->stress.count(), mesh.owned_nodes * c);
+    rows.of.setFromTriplets(entries.begin(), entries.end());
   }
 
-  /// Gathers columns on the first rank of `comm`, one at a time. Returns (V,3,count), or an empty vector on
-  /// other ranks. `column(j)` returns this rank's rows of a column, or std::nullopt if another team holds it.
+  /// Gathers columns on the first rank of `comm`, one at a time. Returns (size, count), or an empty vector on
+  /// other ranks. `column(j)` returns this rank's share of a column, or std::nullopt if it has none.
   /// Collective.
   template <class Column>
-  std::vector<float> gather(MPI_Comm comm, std::size_t count, Column&& column) const {
+  static std::vector<float> gather(const Quantity& of, MPI_Comm comm, std::size_t count, Column&& column) {
     const bool first = parallel::rank_of(comm) == 0;
-    std::vector<float> out(first ? node_.size() * 3 * count : 0);
-    std::vector<double> part(node_.size() * 3), whole(part.size());
+    std::vector<float> out(first ? of.size * count : 0);
+    std::vector<double> part(of.size), whole(part.size());
     for (std::size_t j = 0; j < count; ++j) {
       std::ranges::fill(part, 0.0);
       if (const std::optional<Eigen::VectorXd> value = column(static_cast<Eigen::Index>(j)))
-        for (std::size_t i = 0; i < own_.size(); ++i)
-          for (std::size_t d = 0; d < 3; ++d)
-            part[3 * own_[i] + d] = mesh_.dim == 3 ? (*value)[static_cast<Eigen::Index>(3 * i + d)]
-                                                   : (*value)[static_cast<Eigen::Index>(i)] * mesh_.axis[d];
+        for (std::size_t i = 0; i < of.number.size(); ++i)
+          part[of.number[i]] = (*value)[static_cast<Eigen::Index>(i)];
       MPI_Reduce(part.data(), whole.data(), static_cast<int>(part.size()), MPI_DOUBLE, MPI_SUM, 0, comm);
       for (std::size_t k = 0; first && k < whole.size(); ++k)
         out[k * count + j] = static_cast<float>(whole[k]);
@@ -60,35 +86,45 @@ class VisualisationField {
 
   /// Gathers columns of `rows`, which every team holds, on the first rank of the team. Collective on the
   /// team.
-  std::vector<float> gather(Eigen::Index from, Eigen::Index count) const {
-    return gather(mesh_.comm, static_cast<std::size_t>(count),
-                  [&](Eigen::Index j) -> Eigen::VectorXd { return rows.value.col(from + j); });
+  std::vector<float> gather(const Quantity& of, Eigen::Index from, Eigen::Index count) const {
+    return gather(of, mesh_.comm, static_cast<std::size_t>(count), [&](Eigen::Index j) -> Eigen::VectorXd {
+      return rows.value.col(from + j).segment(of.first, of.count());
+    });
   }
 
   reduction::Rows rows;
+  Quantity displacement, stress;
 
  private:
   const mesh::Mesh& mesh_;
-  std::vector<std::int64_t> node_;
-  std::vector<std::size_t> own_;  ///< indices into node_
 };
 
 /// Stores the modes on the visualisation surface in the kernel of the first rank. Collective.
 void gather_view(const parallel::Teams& teams, const mesh::Mesh& mesh, const modes::ModeSet& modes,
-                 kernels::Kernel& kernel) {
-  const VisualisationField field(mesh);
-  std::size_t own = 0;
-  std::vector<float> shape = field.gather(
-      teams.world(), modes.angular_frequency.size(), [&](Eigen::Index n) -> std::optional<Eigen::VectorXd> {
-        if (own == modes.index.size() || modes.index[own] != n) return std::nullopt;
-        return modes.shape(field.rows.row, static_cast<Eigen::Index>(own++));
-      });
+                 const Sources& sources, kernels::Kernel& kernel) {
+  const VisualisationField field(mesh, sources.view_stress);
+  const auto gathered = [&](const VisualisationField::Quantity& of, double from) {
+    std::size_t own = 0;
+    return field.gather(of, teams.world(), modes.angular_frequency.size(),
+                        [&](Eigen::Index n) -> std::optional<Eigen::VectorXd> {
+                          if (own == modes.index.size() || modes.index[own] != n) return std::nullopt;
+                          const auto mode = modes.shape.col(static_cast<Eigen::Index>(own++));
+                          if (modes.angular_frequency[static_cast<std::size_t>(n)] < from)
+                            return std::nullopt;
+                          return field.rows.of.middleRows(of.first, of.count()) * mode;
+                        });
+  };
+  std::vector<float> shape = gathered(field.displacement, 0);
+  // Rigid modes have no stress, and a body that flies far would multiply the round-off of one.
+  std::vector<float> stress;
+  if (field.stress.size > 0) stress = gathered(field.stress, std::numeric_limits<double>::min());
   if (parallel::rank_of(teams.world()) != 0) return;
   kernels::View& view = kernel.view.emplace();
   view.node = mesh.visualisation.position;
   view.element_corners = mesh.visualisation.blocks.front().nodes_per_element;
   view.element = mesh.visualisation.blocks.front().node;
   view.shape = std::move(shape);
+  if (field.stress.size > 0) view.stress.emplace().shape = std::move(stress);
 }
 
 }  // namespace
@@ -99,8 +135,9 @@ template <class Act>
 static void for_each_row(kernels::Kernel& kernel, Act&& act) {
   Eigen::Index from = 0;
   for (kernels::Gauge& gauge : kernel.gauges) {
-    act(gauge.stress, from, stress_rows);
-    from += stress_rows;
+    constexpr auto count = static_cast<Eigen::Index>(kernels::stress_rows);
+    act(gauge.stress, from, count);
+    from += count;
     if (gauge.strain) act(*gauge.strain, from++, 1);
   }
 }
@@ -195,30 +232,40 @@ namespace {
 /// Collective on the team.
 void take_corrections(const VisualisationField& field, Eigen::Index candidates, Eigen::Index seen,
                       kernels::Kernel& kernel) {
-  auto by_contact = field.gather(0, candidates), by_gravity = field.gather(seen, 3),
-       by_loads = field.gather(seen + 3, field.rows.value.cols() - seen - 3);
-  if (!kernel.view) return;
-  kernel.view->residual_flexibility = std::move(by_contact);
-  kernel.view->body_force_residual = std::move(by_gravity);
-  kernel.view->load_residual = std::move(by_loads);
+  const auto take = [&](const VisualisationField::Quantity& of, auto* to) {
+    auto by_contact = field.gather(of, 0, candidates), by_gravity = field.gather(of, seen, 3),
+         by_loads = field.gather(of, seen + 3, field.rows.value.cols() - seen - 3);
+    if (!to) return;
+    to->residual_flexibility = std::move(by_contact);
+    to->body_force_residual = std::move(by_gravity);
+    to->load_residual = std::move(by_loads);
+  };
+  kernels::View* const view = kernel.view ? &*kernel.view : nullptr;
+  take(field.displacement, view);
+  if (field.stress.size > 0) take(field.stress, view ? &*view->stress : nullptr);
 }
 
 /// Stores Ψ − ΦΓ on the visualisation surface. Collective on the team.
-void trace_motions(const mesh::Mesh& mesh, const reduction::Lift& lift, kernels::Kernel& kernel) {
-  VisualisationField field(mesh);
-  field.rows.value = lift.shape(field.rows.row, Eigen::all);
-  std::vector<float> moved = field.gather(0, lift.shape.cols());
-  if (!kernel.view) return;
-  const std::size_t n = kernel.view->shape.size() / std::max<std::size_t>(kernel.view->node.size(), 1);
-  const auto count = static_cast<std::size_t>(lift.shape.cols());
-  for (std::size_t row = 0; row < kernel.view->node.size(); ++row)
-    for (std::size_t j = 0; j < count; ++j) {
-      const double* gamma = &kernel.motions[j / 3].participation[j % 3 * n];
-      double taken = 0;
-      for (std::size_t k = 0; k < n; ++k) taken += kernel.view->shape[row * n + k] * gamma[k];
-      moved[row * count + j] -= static_cast<float>(taken);
-    }
-  kernel.view->motion_residual = std::move(moved);
+void trace_motions(const mesh::Mesh& mesh, const Sources& sources, kernels::Kernel& kernel) {
+  VisualisationField field(mesh, sources.view_stress);
+  field.rows.value = field.rows.of * sources.lift.shape;
+  const auto count = static_cast<std::size_t>(sources.lift.shape.cols());
+  const auto take = [&](const VisualisationField::Quantity& of, auto* to) {
+    std::vector<float> moved = field.gather(of, 0, sources.lift.shape.cols());
+    if (!to) return;
+    const std::size_t n = of.size > 0 ? to->shape.size() / of.size : 0;
+    for (std::size_t row = 0; row < of.size; ++row)
+      for (std::size_t j = 0; j < count; ++j) {
+        const double* gamma = &kernel.motions[j / 3].participation[j % 3 * n];
+        double taken = 0;
+        for (std::size_t k = 0; k < n; ++k) taken += to->shape[row * n + k] * gamma[k];
+        moved[row * count + j] -= static_cast<float>(taken);
+      }
+    to->motion_residual = std::move(moved);
+  };
+  kernels::View* const view = kernel.view ? &*kernel.view : nullptr;
+  take(field.displacement, view);
+  if (field.stress.size > 0) take(field.stress, view ? &*view->stress : nullptr);
 }
 
 /// Stores the motions of the moving supports, u = (Ψ − ΦΓ) ū + Φ p.
@@ -277,8 +324,8 @@ void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticit
                       seen_by_modes(sources.receiver)};
   take_traces(patches, traces, sources, kernel);
   trace_motions(teams, mesh, body, modes, patches, traces, sources, kernel);
-  if (view) gather_view(teams, mesh, modes, kernel);
-  if (view && !sources.motions.empty()) trace_motions(mesh, sources.lift, kernel);
+  if (view) gather_view(teams, mesh, modes, sources, kernel);
+  if (view && !sources.motions.empty()) trace_motions(mesh, sources, kernel);
   if (correction != Correction::none) {
     kernel.surface.normal_residual = correction == Correction::normal;
     const reduction::Loads pressed =
@@ -288,7 +335,7 @@ void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticit
         reduction::beside({pressed, sources.receiver.sparseView(),
                            gravity_without_fall(mesh, body).sparseView(), sources.load.sparseView()});
     std::optional<VisualisationField> field;
-    if (view) field.emplace(mesh);
+    if (view) field.emplace(mesh, sources.view_stress);
     if (correction == Correction::compressed) {
       reduction::ResidualColumns response(teams, mesh, body, factor, modes, all);
       std::vector<Eigen::Index> others(static_cast<std::size_t>(all.cols() - candidates));

@@ -30,10 +30,10 @@ void take_corrections(const Eigen::Ref<const Eigen::MatrixXd>& response, Eigen::
 enum class Correction { none, all, normal, compressed };
 
 /// Fills a kernel with shapes, loads and the data of `sources`. Adds the static correction unless
-/// `correction` is `none`, and the visualisation surface if `view` is set. The visualisation surface is
-/// stored on rank 0 only; everything else is the same on every rank. `loads` are the loads of the patches,
-/// `advance` is called with the number of candidates whose correction is compressed, of all.
-/// Collective.
+/// `correction` is `none`, and the visualisation surface if `view` is set, with its stress if `sources` has
+/// it. The visualisation surface is stored on rank 0 only; everything else is the same on every rank. `loads`
+/// are the loads of the patches, `advance` is called with the number of candidates whose correction is
+/// compressed, of all. Collective.
 void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
            modes::Factorisation& factor, const modes::ModeSet& modes, const Patches& patches,
            const reduction::Loads& loads, Correction correction, bool view, kernels::Kernel& kernel,

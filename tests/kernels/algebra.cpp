@@ -435,6 +435,11 @@ TEST(Rescaling, gives_each_datum_the_factor_of_its_unit) {
   expect_unit(made.view->residual_flexibility, had.view->residual_flexibility, flexibility, "R of the view");
   expect_unit(made.view->body_force_residual, had.view->body_force_residual, {0, 0, 2}, "sag of the view");
   expect_unit(made.view->motion_residual, had.view->motion_residual, {}, "lift of the view");
+  const SensitivityOf<float>&to = *made.view->stress, &from = *had.view->stress;  // Pa = kg m⁻¹ s⁻²
+  expect_unit(to.shape, from.shape, {0.5, -2, -2}, "stress");
+  expect_unit(to.residual_flexibility, from.residual_flexibility, {0, -2, 0}, "R of the stress");
+  expect_unit(to.body_force_residual, from.body_force_residual, {1, -2, 0}, "stress by gravity");
+  expect_unit(to.motion_residual, from.motion_residual, {1, -2, -2}, "stress by a support");
 }
 
 TEST(Restriction, is_refused_for_kernels_with_loads_or_receivers) {

@@ -111,6 +111,14 @@ void expect_same(const Kernel& a, const Kernel& b) {
   EXPECT_TRUE(same_bits(a.view->body_force_residual, b.view->body_force_residual));
   EXPECT_TRUE(same_bits(a.view->load_residual, b.view->load_residual));
   EXPECT_TRUE(same_bits(a.view->motion_residual, b.view->motion_residual));
+  ASSERT_EQ(a.view->stress.has_value(), b.view->stress.has_value());
+  if (!a.view->stress) return;
+  const SensitivityOf<float>&one = *a.view->stress, &other = *b.view->stress;
+  EXPECT_TRUE(same_bits(one.shape, other.shape));
+  EXPECT_TRUE(same_bits(one.residual_flexibility, other.residual_flexibility));
+  EXPECT_TRUE(same_bits(one.body_force_residual, other.body_force_residual));
+  EXPECT_TRUE(same_bits(one.load_residual, other.load_residual));
+  EXPECT_TRUE(same_bits(one.motion_residual, other.motion_residual));
 }
 
 class Components : public testing::TestWithParam<int> {};

@@ -117,6 +117,12 @@ inline Kernel sample_kernel(int components, std::size_t n = 5, std::size_t m = 4
   fill_single(view.body_force_residual, 9 * 3);
   fill_single(view.load_residual, 9 * 3 * 2);
   fill_single(view.motion_residual, 9 * 3);
+  SensitivityOf<float>& stress = view.stress.emplace();
+  fill_single(stress.shape, 18 * n);
+  fill_single(stress.residual_flexibility, 18 * c * m);
+  fill_single(stress.body_force_residual, 18 * 3);
+  fill_single(stress.load_residual, 18 * 3 * 2);
+  fill_single(stress.motion_residual, 18 * 3);
   kernel.view = view;
 
   for (const auto& [name, unit] : {std::pair{"upper face", "Pa"}, std::pair{"point 1", "N"}}) {
@@ -169,6 +175,8 @@ inline Kernel plain_kernel(int components = 3, std::size_t n = 5, std::size_t m 
   kernel.gauges.clear();
   kernel.view->load_residual.clear();
   kernel.view->motion_residual.clear();
+  kernel.view->stress->load_residual.clear();
+  kernel.view->stress->motion_residual.clear();
   return kernel;
 }
 

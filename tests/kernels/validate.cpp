@@ -133,6 +133,8 @@ INSTANTIATE_TEST_SUITE_P(
                "/view/element"},
         Breach{"visualisation_shapes_are_finite", [](Kernel& k) { k.view->shape[3] = std::nanf(""); },
                "/view/shape"},
+        Breach{"surface_stresses_have_six_rows", [](Kernel& k) { k.view->stress->shape.pop_back(); },
+               "/view/stress/shape"},
         Breach{"visualisation_nodes_have_three_coordinates", [](Kernel& k) { k.view->node.pop_back(); },
                "/view/node"}),
     [](const testing::TestParamInfo<Breach>& instance) { return instance.param.name; });

@@ -241,6 +241,11 @@ TEST(SceneValues, of_everything_else_are_read) {
   EXPECT_EQ(scene.output.vtk_every, 16);
 }
 
+TEST(SceneValues, of_stress_keep_visualisation_surfaces) {
+  EXPECT_TRUE(scene_of(smallest, {"output.stress=true"}).output.view);
+  EXPECT_FALSE(scene_of(smallest, {"output.stress=false"}).output.view);
+}
+
 TEST(SceneValues, of_frames_for_paraview_keep_visualisation_surfaces) {
   EXPECT_TRUE(scene_of(smallest, {"output.vtk_every=5"}).output.view);
   EXPECT_FALSE(scene_of(smallest, {"output.vtk_every=0"}).output.view);

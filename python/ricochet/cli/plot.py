@@ -3,8 +3,8 @@
 
     ricochet plot out/two-disks.result.h5
 
-Writes <slug>-contact.png, <slug>-energy.png, if a pair has friction <slug>-friction.png and, if the scene
-requests snapshots and views, <slug>-snapshots.png, and prints their paths.
+Writes <slug>-contact.png, <slug>-energy.png, if a pair has friction <slug>-friction.png, if the scene requests
+snapshots and views <slug>-snapshots.png, and with [output] stress <slug>-stress.png, and prints their paths.
 
 --low-pass HZ draws the forces without vibration from this frequency on: the mean under a Hann window that is
 2/HZ long. Give the end of the band, modes.up_to_hz, if a warning reports a ripple above it.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Pictures of results (contact, friction, snapshots, energy) and of modes, as matplotlib figures and as files."""
+"""Pictures of results (contact, friction, snapshots, energy, stress) and of modes, as matplotlib figures and as files."""
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
@@ -16,6 +16,7 @@ from ricochet.pictures.energy import energy_picture
 from ricochet.pictures.friction import friction_picture
 from ricochet.pictures.modes import modes_picture
 from ricochet.pictures.snapshots import snapshots_picture
+from ricochet.pictures.stress import stress_picture
 from ricochet.pictures.style import DPI, STYLE
 from ricochet.pictures.loaded_result import LoadedResult
 from ricochet.pictures.moving_surfaces import moving_surfaces
@@ -28,13 +29,20 @@ def figures(
     result: LoadedResult, kernels: Path, note: Callable[[str], None], laws: Sequence[Law] = ()
 ) -> Iterator[tuple[str, Figure]]:
     """Yields the figures of a result with their names: "contact", "friction", "snapshots",
-    "energy".
+    "energy", "stress"; of bodies at rest only "stress".
 
     @param kernels  folder of the kernels
     @param note     called with the reason for each figure that is omitted
     @param laws     whose forces are drawn beside those of the contact
     """
+    stressed = stress_picture(result, kernels)
+    if isinstance(stressed, Figure):
+        yield "stress", stressed
+    elif stressed is not None:
+        note(f"no picture of stress: {stressed}")
     if result.static:
+        if stressed is not None:
+            return
         raise InputError(f"{result.path}: bodies at rest have no motion to draw. Use ricochet report.")
     if not result.energy:
         yield "contact", table_picture(result)

@@ -85,15 +85,25 @@ def draw_surface(ax: Axes, node: Floats, element: Floats, shape: Floats) -> None
     size = np.linalg.norm(np.ptp(node, axis=0))
     moved = np.linalg.norm(shape, axis=1)
     view = clearest([(node, element)], np.empty((0, 3)), tilted=True, up=upright(node)).turn()
-    at_rest = (node @ view.T)[element]
     deflected = (node + AMPLITUDE * size / moved.max() * shape) @ view.T
-    corner = finer(np.column_stack([deflected, moved / moved.max()])[element])
+    paint(ax, deflected, element, moved / moved.max(), behind=node @ view.T)
+
+
+def paint(ax: Axes, place: Floats, element: Floats, share: Floats, behind: Floats | None = None) -> None:
+    """Draws triangles in the colours of their corners.
+
+    @param place   (V,3) right, up, towards the eye
+    @param share   (V) from 0 to 1
+    @param behind  (V,3) places of the same triangles in grey behind them
+    """
+    corner = finer(np.column_stack([place, share])[element])
     colour = matplotlib.colormaps["viridis"](corner[:, :, 3].mean(axis=1))
     colour[:, :3] *= (0.65 + 0.35 * np.abs(normals(corner[:, :, :3])[:, 2]))[:, None]
     order = np.argsort(corner[:, :, 2].mean(axis=1), kind="stable")
-    for patches, tint in ((at_rest, "#e8e8e8"), (corner[order], colour[order])):
+    layers = [(behind[element], "#e8e8e8")] if behind is not None else []
+    for patches, tint in [*layers, (corner[order], colour[order])]:
         flat = PolyCollection(patches[:, :, :2], facecolors=tint, edgecolors=tint, linewidths=0.3)
         ax.add_collection(flat)
-    everything = np.concatenate([at_rest, corner[:, :, :3]]).reshape(-1, 3)[:, :2]
+    everything = np.concatenate([place] + ([behind] if behind is not None else []))[:, :2]
     low, high = everything.min(axis=0), everything.max(axis=0)
     fit(ax, low, high, 0.03 * (high - low).max())

@@ -35,6 +35,7 @@ inline constexpr int most_samples_per_receiver_row = 1000;
 struct Output {
   int every = 1;                    ///< steps between rows of the result
   bool view = false;                ///< keep the visualisation surface in the kernels
+  bool stress = false;              ///< of the visualisation surface, and its envelope. Sets `view`
   std::int64_t snapshot_every = 0;  ///< steps between snapshots of the modal coordinates; 0: none
   std::int64_t vtk_every = 0;  ///< steps between frames of the motion for ParaView; 0: none. Needs `view`
   std::vector<Receiver> receivers;        ///< [[output.receiver]]
