@@ -10,7 +10,6 @@ from xml.etree import ElementTree
 
 import matplotlib
 import numpy as np
-from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 import friction_file
@@ -32,7 +31,7 @@ from ricochet.pictures.moving_surfaces import (
     largest_amplification,
     moving_surfaces,
 )
-from ricochet.pictures.style import BODY, STYLE, prefixed
+from ricochet.pictures.style import STYLE, prefixed
 from ricochet.result_file import File
 from ricochet.studies import chart as studies
 
@@ -107,6 +106,9 @@ class Histories(HistoryTest):
         self.assertEqual(what, "position along the contact")
         np.testing.assert_allclose(where, np.linspace(-4e-3, 4e-3, 41), atol=1e-9)
         np.testing.assert_array_equal(order, np.arange(41))
+        history.point_a[19, 0] = 3.42e-15  # round-off, which would stand on an axis
+        _, where, _ = history.positions()
+        self.assertEqual(np.count_nonzero(where == 0), 2)
         history, drag = self.history()
         order, where, what = history.positions()
         self.assertEqual(what, "distance from the first touch")
@@ -391,13 +393,19 @@ class Snapshots(HistoryTest):
         for turn, order in ((np.eye(3), [0, 1]), (np.diag([-1, 1, -1]), [1, 0])):
             (low, below), (high, above) = made(0), made(1)
             ax = Figure().add_subplot()
-            snapshots.paint(ax, result, {"low": below, "high": above}, {"low": low, "high": high}, turn)
+            fields = {"low": np.zeros(4), "high": np.full(4, 2.0)}
+            bodies, places = {"low": below, "high": above}, {"low": low, "high": high}
+            snapshots.paint(ax, result, bodies, places, turn, fields, 2.0)
             (drawn,) = ax.collections
             faces, paths = drawn.get_facecolors()[:, :3], drawn.get_paths()
             light = 0.62 + 0.38 * 0.8 / np.linalg.norm([0.35, 0.5, 0.8])  # of a face towards the viewer
             filled = [k for k, path in enumerate(paths) if len(path.vertices) > 3]
             found = [
-                next(n for n in (0, 1) if np.allclose(faces[k], light * np.array(to_rgb(BODY[n]))))
+                next(
+                    n
+                    for n in (0, 1)
+                    if np.allclose(faces[k], light * np.array(snapshots.COLOURS(float(n))[:3]))
+                )
                 for k in filled
             ]
             self.assertEqual(found, [order[0]] * 2 + [order[1]] * 2)
@@ -422,6 +430,7 @@ class Snapshots(HistoryTest):
         surface = types.SimpleNamespace(
             at=lambda *_: rod,
             strain=lambda _: 1.0,
+            deformations=lambda _: np.zeros(5),
             weights=lambda _: np.ones(1),
             node=rod,
             shape=np.ones((5, 3, 1)),
@@ -467,11 +476,13 @@ class Snapshots(HistoryTest):
             upright = np.tile([1.0, 0, 0, 0], (len(time), 1))
             surface.poses = Poses(0.01 * time[:, None] * [[1, 0, 0]], upright, np.zeros(3))
         figure = self.drawn(history, surfaces, time)
-        self.assertEqual(len(figure.axes), 3)  # without panels of forces, which act at few of these moments
+        bodies = [ax for ax in figure.axes if not ax.axison]
+        # A scale of colours, but no panels of forces, which act at few of these moments.
+        self.assertEqual((len(bodies), len(figure.axes)), (3, 4))
         self.assertIn(": 3 moments of the motion\ntrue to scale", figure._suptitle.get_text())
         spans = history.spans()
         scale = prefixed(spans[-1][0], "s")[0]
-        at = [float(ax.get_title(loc="left").split()[0]) / scale for ax in figure.axes]
+        at = [float(ax.get_title(loc="left").split()[0]) / scale for ax in bodies]
         between = np.diff(time)[0]
         # Snapshots just before the first touch and just after the last one began, and the one between them
         self.assertAlmostEqual(at[0], spans[0][0] - between / 2, delta=0.51 * between)
@@ -501,7 +512,9 @@ class Snapshots(HistoryTest):
         panel.draw(ax, 0, (True, True))
         factor, unit = prefixed(history.force[row].max(), "N")
         np.testing.assert_allclose([bar.get_height() for bar in ax.patches], factor * history.force[row])
-        self.assertEqual((ax.get_xlabel(), ax.get_ylabel()), ("position", f"force ({unit})"))
+        self.assertEqual(
+            (ax.get_xlabel(), ax.get_ylabel()), ("number of the contact position", f"force ({unit})")
+        )
         history, drag = self.history()
         panel = snapshots.Forces(history, [row])
         self.assertFalse(panel.numbered)

@@ -58,8 +58,12 @@ def words_for_surfaces(output: dict[str, Any]) -> list[programs.Word]:
 def words_for_snapshots(
     options: argparse.Namespace, output: dict[str, Any], table: dict[str, Any]
 ) -> list[programs.Word]:
-    """Words that let ricochet-contact keep snapshots, if all kernels have surfaces and the scene does not decide this."""
+    """Words that let ricochet-contact keep snapshots, if all kernels have surfaces and the scene does not decide this. None
+    if the run itself chooses the rate, for its accuracy."""
     if "snapshot_every" in output or output.get("view") is False or not table.get("bodies"):
+        return []
+    still = table["contact"]["scheme"] == "static"
+    if not still and "rate_hz" not in table["time"]:
         return []
     import h5py
 
@@ -71,9 +75,7 @@ def words_for_snapshots(
             coordinates += len(file["modes/angular_frequency"])
     if not kernels:
         return []
-    steps = 1.0
-    if table["contact"]["scheme"] != "static":
-        steps = table["time"]["duration"] * table["time"]["rate_hz"]
+    steps = 1.0 if still else table["time"]["duration"] * table["time"]["rate_hz"]
     most = min(SNAPSHOTS, SNAPSHOTS_MB * 1e6 / (8 * max(coordinates, 1)))
     return ["--set", f"output.snapshot_every={max(1, math.ceil(steps / max(most, 1)))}"]
 
