@@ -51,12 +51,13 @@ Eigen::Matrix3d tensor(const kernels::Kernel& kernel, std::size_t node, const Bo
 }
 
 /// A contact in a short part of the run, and modes that decay, so that most blocks raise few values; or
-/// `growing` weak ones beside steady strong ones, which raise values that the strong ones alone do not reach.
+/// weak ones that grow beside strong ones which repeat themselves in each block of 64 steps. The strong ones
+/// alone then never exceed what was there before.
 BodyCoordinates state(double t, bool growing) {
   BodyCoordinates at{Vector(modes), Vector::Zero(candidates), {}, {}, Eigen::Vector3d(0.2, 0, -0.1)};
   for (Eigen::Index n = 0; n < at.modal.size(); ++n) {
-    const double size = !growing ? std::exp(-0.4 * t) : n < 8 ? 1 : 0.2 * t;
-    at.modal[n] = size * std::cos((1 + 0.7 * static_cast<double>(n)) * t);
+    const double size = !growing ? std::exp(-0.4 * t) : n < 8 ? 1 : 3e-3 * t, number = static_cast<double>(n);
+    at.modal[n] = size * std::cos((growing ? 2 * M_PI / 0.64 * (1 + number) : 1 + 0.7 * number) * t);
   }
   if (t > 3.02 && t < 3.2) at.force.setConstant(-2 * std::sin((t - 3.02) / 0.18 * M_PI));
   return at;

@@ -223,8 +223,9 @@ TEST(KernelFile, every_dataset_of_numbers_has_a_unit_and_no_object_a_time) {
   H5Ovisit(file, H5_INDEX_NAME, H5_ITER_NATIVE, check_object, &seen);
   H5Fclose(file);
   // The datasets of docs/formats/kernel.md without names: 31, plus 4 for each load,
-  // 3 for a motion, 6 for each receiver, and 1 for each gauge with 5 for its stress and 5 for its strain.
-  EXPECT_EQ(seen, 31 + 2 * 4 + 3 + 2 * 6 + (1 + 5) + (1 + 5 + 5));
+  // 3 for a motion, 6 for each receiver, 1 for each gauge with 5 for its stress and 5 for its strain, and 5
+  // for the stress of the visualisation surface.
+  EXPECT_EQ(seen, 31 + 2 * 4 + 3 + 2 * 6 + (1 + 5) + (1 + 5 + 5) + 5);
 }
 
 TEST(KernelFile, another_program_finds_the_shape_as_points_by_components_by_modes) {
