@@ -50,15 +50,11 @@ Eigen::Matrix3d tensor(const kernels::Kernel& kernel, std::size_t node, const Bo
   return (Eigen::Matrix3d() << s[0], s[5], s[4], s[5], s[1], s[3], s[4], s[3], s[2]).finished();
 }
 
-/// A contact in a short part of the run, and modes that decay, so that most blocks raise few values; or
-/// weak ones that grow beside strong ones which repeat themselves in each block of 64 steps. The strong ones
-/// alone then never exceed what was there before.
-BodyCoordinates state(double t, bool growing) {
+/// A contact in a short part of the run, and modes that decay, so that most blocks raise few values.
+BodyCoordinates state(double t) {
   BodyCoordinates at{Vector(modes), Vector::Zero(candidates), {}, {}, Eigen::Vector3d(0.2, 0, -0.1)};
-  for (Eigen::Index n = 0; n < at.modal.size(); ++n) {
-    const double size = !growing ? std::exp(-0.4 * t) : n < 8 ? 1 : 3e-3 * t, number = static_cast<double>(n);
-    at.modal[n] = size * std::cos((growing ? 2 * M_PI / 0.64 * (1 + number) : 1 + 0.7 * number) * t);
-  }
+  for (Eigen::Index n = 0; n < at.modal.size(); ++n)
+    at.modal[n] = std::exp(-0.4 * t) * std::cos((1 + 0.7 * static_cast<double>(n)) * t);
   if (t > 3.02 && t < 3.2) at.force.setConstant(-2 * std::sin((t - 3.02) / 0.18 * M_PI));
   return at;
 }
@@ -66,13 +62,12 @@ BodyCoordinates state(double t, bool growing) {
 TEST(StressEnvelope, is_that_of_all_steps) {
   std::mt19937 random(7);
   const kernels::Kernel kernel = random_kernel(random);
-  for (const auto& [steps, growing] :
-       {std::pair(1, false), std::pair(64, false), std::pair(1003, false), std::pair(1003, true)}) {
+  for (const int steps : {1, 64, 1003}) {
     EnvelopeObserver observer(kernel);
     std::vector<Eigen::Vector3d> largest(nodes, Eigen::Vector3d::Constant(-1e300)), when(nodes);
     for (int k = 0; k < steps; ++k) {
       const double t = 0.01 * k;
-      const BodyCoordinates at = state(t, growing);
+      const BodyCoordinates at = state(t);
       observer.observe(t, at);
       for (std::size_t v = 0; v < nodes; ++v) {
         const Eigen::Matrix3d s = tensor(kernel, v, at),
@@ -96,6 +91,31 @@ TEST(StressEnvelope, is_that_of_all_steps) {
       }
     }
   }
+}
+
+// A steady mode, and a weak one of the same form that grows from 5 to 10 % of it. The bounds on principal
+// stress and shear of this form (its Lode angle is 15 degrees) exceed both by 3.5 %, so the steady mode alone
+// reaches none of the largest values, however these are bounded.
+TEST(StressEnvelope, follows_a_weak_part_that_grows) {
+  kernels::Kernel kernel;
+  kernel.view.emplace().node.assign(3, 0);
+  auto& stress = kernel.view->stress.emplace();
+  stress.shape.assign(12, 0);
+  double principal[3];
+  for (std::size_t i = 0; i < 3; ++i) {
+    principal[i] = 2.0 / 3 * std::cos(M_PI / 12 + 2 * M_PI / 3 * static_cast<double>(i));  // σ_v = 1
+    stress.shape[2 * i] = static_cast<float>(principal[i]);
+    stress.shape[2 * i + 1] = 0.1F * static_cast<float>(principal[i]);
+  }
+  stress.body_force_residual.assign(18, 0);
+  EnvelopeObserver observer(kernel);
+  for (int k = 0; k <= 500; ++k)
+    observer.observe(k, {Vector{{1, 0.5 + k / 1000.0}}, Vector(0), {}, {}, Eigen::Vector3d::Zero()});
+  const StressEnvelope& found = observer.envelope();
+  EXPECT_NEAR(found.von_mises.value[0], 1.1, 1e-6);
+  EXPECT_NEAR(found.principal.value[0], 1.1 * principal[0], 1e-6);
+  EXPECT_NEAR(found.shear.value[0], 1.1 * (principal[0] - principal[1]) / 2, 1e-6);
+  for (const auto* of : {&found.von_mises, &found.principal, &found.shear}) EXPECT_EQ(of->time[0], 500);
 }
 
 TEST(StressEnvelope, of_no_step_is_empty) {
