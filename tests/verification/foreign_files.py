@@ -22,7 +22,6 @@ import hashlib
 import os
 import re
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
@@ -31,6 +30,7 @@ from pathlib import Path
 
 import numpy as np
 
+from random_bodies import ended
 from ricochet import programs
 from ricochet.errors import InputError
 from ricochet.programs import ROOT
@@ -151,27 +151,13 @@ def outcome(file, order, scratch):
     scene = file.with_name(f"{file.name}.ricochet.toml")
     scene.write_text(SCENE.format(name=file.name, order=order))
     command = [programs.BIN / "ricochet-kernel", scene, "--check", "--quiet", "--out", scratch]
-    process = subprocess.Popen(
-        command,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-        errors="replace",
-        env=os.environ | LIMIT,
-        start_new_session=True,
-    )
-    try:
-        said = process.communicate(timeout=DEADLINE_S)[1].strip()
-    except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGKILL)
-        process.communicate()
-        return False, f"takes longer than {DEADLINE_S} s"
-    if process.returncode == 0:
+    status, said = ended(command, DEADLINE_S, env=os.environ | LIMIT)
+    if status == 0:
         return True, said or "accepted"
     wrong = file.suffix in DRAWINGS and "inverted" in said
     lines = [line for line in said.splitlines() if not line.startswith("warning: ")]
-    passes = process.returncode == 2 and len(lines) == 1 and not wrong
-    return passes, said if passes else f"status {process.returncode}: {said}"
+    passes = status == 2 and len(lines) == 1 and not wrong
+    return passes, said if passes else f"status {status}: {said}"
 
 
 def collected(given, folder):

@@ -75,9 +75,8 @@ def write_body(folder, random):
     return f"{kind}, order {order}, {request}"
 
 
-def answer(scene, ranks, limit, *words):
-    """(status, last line of errors) of `ricochet modes`"""
-    command = [programs.BIN / "ricochet", "modes", scene, "-n", str(ranks), *words]
+def ended(command, limit, **more):
+    """(status, errors) of a command that may take `limit` seconds; no status if it takes longer."""
     process = subprocess.Popen(
         command,
         stdout=subprocess.DEVNULL,
@@ -85,14 +84,22 @@ def answer(scene, ranks, limit, *words):
         text=True,
         errors="replace",
         start_new_session=True,
+        **more,
     )
     try:
-        _, said = process.communicate(timeout=limit)
+        said = process.communicate(timeout=limit)[1].strip()
+        return process.returncode, said
     except subprocess.TimeoutExpired:
         os.killpg(process.pid, signal.SIGTERM)  # mpirun then ends its ranks
         process.communicate()
         return None, f"takes longer than {limit} s"
-    return process.returncode, (said.strip().splitlines() or [""])[-1]
+
+
+def answer(scene, ranks, limit, *words):
+    """(status, last line of errors) of `ricochet modes`"""
+    command = [programs.BIN / "ricochet", "modes", scene, "-n", str(ranks), *words]
+    status, said = ended(command, limit)
+    return status, (said.splitlines() or [""])[-1]
 
 
 def judged(number, given):
