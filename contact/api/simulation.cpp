@@ -105,7 +105,7 @@ double Simulation::pickup_displacement(std::size_t pickup) const noexcept {
 void Simulation::on_contact(OnContact callback, void* user) noexcept {
   impl_->on_contact = callback;
   impl_->user = user;
-  impl_->touched = false;
+  impl_->touched = !impl_->find_touching().empty();
 }
 
 Vector3 Simulation::mean_velocity(std::size_t number) const noexcept {
@@ -174,6 +174,7 @@ bool Simulation::restore(const State& state) noexcept {
   impl_->tangential_force.setZero();
   impl_->turn_to_world();
   impl_->begins_sample = true;
+  impl_->touched = !impl_->find_touching().empty();
   return true;
 }
 

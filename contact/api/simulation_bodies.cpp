@@ -169,6 +169,11 @@ std::size_t Simulation::add(const std::string& name, const SharedKernel& kernel,
   const std::size_t number = impl_->next_number++;
   impl_->entries.push_back({number, name, body});
   impl_->body_numbers.push_back(number);
+  if (impl_->watch) {
+    std::vector<std::string> earlier = impl_->warnings();
+    impl_->begin_watch(impl_->watch->limits, impl_->watch->slowest_wave);
+    impl_->watch->earlier = std::move(earlier);
+  }
   return number;
 }
 

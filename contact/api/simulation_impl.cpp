@@ -109,9 +109,12 @@ std::vector<std::string> Simulation::Impl::warnings() const {
 void Simulation::Impl::begin_watch(std::vector<MaterialLimits> limits, double slowest_wave) {
   limits.resize(model.bodies.size());
   const double step = stepper->options().step;
-  contact::SummaryObserver observer(model, step, slowest_wave, limits);
+  // A body that has taken the place of another one has a name that the model does not know.
+  auto named = std::make_shared<contact::Model>(model);
+  for (const Entry& entry : entries) named->bodies[static_cast<std::size_t>(entry.body)].name = entry.name;
+  contact::SummaryObserver observer(*named, step, slowest_wave, limits);
   observer.begin(*stepper);
-  watch.emplace(std::move(limits), slowest_wave, std::move(observer));
+  watch.emplace(std::move(limits), slowest_wave, std::move(named), std::move(observer));
 }
 
 double& Simulation::Impl::of_row(Eigen::Index row) noexcept {

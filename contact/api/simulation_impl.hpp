@@ -127,6 +127,8 @@ struct Simulation::Impl {
   struct Watch {
     std::vector<MaterialLimits> limits;  ///< by body of the model
     double slowest_wave;
+    /// With the present names of the bodies. The observer refers to it.
+    std::shared_ptr<const contact::Model> named;
     contact::SummaryObserver observer;
     std::vector<std::string> earlier{};  ///< warnings with other bodies
   };

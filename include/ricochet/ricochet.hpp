@@ -177,7 +177,7 @@ class Simulation {
 
   /// Judges the run from here on, as that of an impact is judged: whether bodies turn too far, approach too
   /// fast, yield, meet where no candidates are, or have too few of them. Steps then allocate and are slower,
-  /// so they must not run in an audio callback. Call it again to begin anew.
+  /// so they must not run in an audio callback. Call it again to begin anew, and after `restore`.
   /// @param limits        by index into Scene::bodies; empty: unknown
   /// @param slowest_wave  smallest √(E/ρ) of the bodies [m/s]; 0: unknown
   void watch(std::span<const MaterialLimits> limits = {}, double slowest_wave = 0);

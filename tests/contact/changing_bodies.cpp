@@ -174,9 +174,17 @@ TEST(ChangingBodies, keep_the_warnings_of_bodies_that_have_left) {
   ASSERT_THAT(seen, Not(IsEmpty()));
   EXPECT_THAT(seen[0], HasSubstr("fast"));
   simulation.remove(fast);
+  // Another one takes its place, with a name of its own.
+  const std::size_t next = simulation.add("next", kernel, at(5, 9, {0, 0, 0}, {0, 0, 3000}), rough);
+  simulation.step_block(50);
+  const std::vector<std::string> both = simulation.warnings();
+  ASSERT_EQ(both.size(), 2 * seen.size());
+  EXPECT_EQ(both[0], seen[0]);
+  EXPECT_THAT(both[seen.size()], HasSubstr("next"));
+  simulation.remove(next);
   simulation.add("other", shared(Cloud({0.1, 0.08, 0.06}, 2000, 1e-8, 3, true, 0).kernel), at(3, 9), rough);
   simulation.step_block(50);
-  EXPECT_EQ(simulation.warnings(), seen);
+  EXPECT_EQ(simulation.warnings(), both);
 }
 
 // Two boxes hit each other and the floor, and a third one is far away.
