@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Preloaded to ricochet-kernel, lets one process serve many runs. Linking its two hundred libraries takes longer than most bodies of
- * the tests. The process stops before main, where the libraries are linked, and forks for each client of the socket
- * RICOCHET_FORK_SOCKET (fork_client.c). The child takes over the words, environment, folder, limits and streams of the client. The
- * server ends with its standard input.
+/* Preloaded to ricochet-kernel or ricochet-mesh, lets one process serve many runs. Linking their hundreds of libraries takes longer
+ * than most bodies of the tests. The process stops before main, where the libraries are linked, and forks for each client of the
+ * socket RICOCHET_FORK_SOCKET (fork_client.c). The child takes over the words, environment, folder, limits and streams of the client.
+ * The server ends with its standard input.
+ *
+ * A program that it runs starts ricochet-mesh by the server of the socket RICOCHET_FORK_MESH, if there is one.
  *
  * A program that it runs reads the file RICOCHET_TEST_MEMINFO, if there is one, in place of /proc/meminfo, as on a machine with less
  * memory. */
@@ -11,6 +13,7 @@
 #include <errno.h>
 #include <poll.h>
 #include <signal.h>
+#include <spawn.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -136,6 +139,17 @@ static FILE* opened(const char* function, const char* path, const char* mode) {
 
 FILE* fopen(const char* path, const char* mode) { return opened("fopen", path, mode); }
 FILE* fopen64(const char* path, const char* mode) { return opened("fopen64", path, mode); }
+
+int posix_spawn(pid_t* number, const char* path, const posix_spawn_file_actions_t* files, const posix_spawnattr_t* attributes,
+                char* const* words, char* const* variables) {
+  int (*original)(pid_t*, const char*, const posix_spawn_file_actions_t*, const posix_spawnattr_t*, char* const*, char* const*) = NULL;
+  const char *const server = getenv("RICOCHET_FORK_MESH"), *const client = getenv("RICOCHET_FORK_CLIENT");
+  *(void**)&original = dlsym(RTLD_NEXT, "posix_spawn");
+  if (!server || !client || strcmp(basename(path), "ricochet-mesh") != 0)
+    return original(number, path, files, attributes, words, variables);
+  setenv("RICOCHET_FORK_SOCKET", server, 1); /* this process asks no server itself */
+  return original(number, client, files, attributes, (char*[]){(char*)client, (char*)path, NULL}, environ);
+}
 
 int __libc_start_main(Main, int, char**, void (*)(void), void (*)(void), void (*)(void), void*);
 

@@ -5,7 +5,10 @@ import os
 import unittest
 from unittest import mock
 
-from programs import Command, ProgramTest, kernel
+from programs import Command, ProgramTest, kernel, kernel_server
+
+kernel_server()
+os.environ.pop("RICOCHET_FORK_MESH", None)  # a fork of that server shares memory with it
 
 SCENE = """
 title = "Box"

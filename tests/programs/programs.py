@@ -99,30 +99,39 @@ def limited(kind, limit):
         resource.setrlimit(kind, before)
 
 
-@functools.cache
-def kernel_server():
-    """What stands before ricochet-kernel in a command, so that a server which has linked its libraries runs it (fork_server.c).
-    ctest names the server; without it, the program is started."""
-    if "RICOCHET_FORK_SERVER" not in os.environ:
-        return []
-    folder = tempfile.TemporaryDirectory(prefix="ricochet-server-", ignore_cleanup_errors=True)
+def start_server(program, socket):
+    """Lets a process that has linked the libraries of a program run it for all who ask at this socket, until this process ends."""
     before = os.environ.get("LD_PRELOAD", "")
-    os.environ["RICOCHET_FORK_SOCKET"] = f"{folder.name}/socket"
-    preload = {
+    variables = {
         "LD_PRELOAD": f"{os.environ['RICOCHET_FORK_SERVER']} {before}",
         "RICOCHET_FORK_PRELOAD": before,
+        "RICOCHET_FORK_SOCKET": socket,
     }
     server = subprocess.Popen(
-        [BIN / "ricochet-kernel"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=os.environ | preload
+        [program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=os.environ | variables
     )
-    server.stdout.readline()  # it can be asked now
 
     def end():
         server.stdin.close(), server.stdout.close()
         server.wait()
-        folder.cleanup()
 
     atexit.register(end)
+    return server
+
+
+@functools.cache
+def kernel_server():
+    """What stands before ricochet-kernel in a command, so that a server which has linked its libraries runs it (fork_server.c), and
+    another one the mesher that it starts. ctest names the server; without it, the programs are started."""
+    if "RICOCHET_FORK_SERVER" not in os.environ:
+        return []
+    folder = tempfile.TemporaryDirectory(prefix="ricochet-server-", ignore_cleanup_errors=True)
+    atexit.register(folder.cleanup)
+    sockets = {"RICOCHET_FORK_SOCKET": f"{folder.name}/kernel", "RICOCHET_FORK_MESH": f"{folder.name}/mesh"}
+    os.environ.update(sockets)
+    start_server(BIN.parent / "libexec/ricochet/ricochet-mesh", sockets["RICOCHET_FORK_MESH"])
+    kernel = start_server(BIN / "ricochet-kernel", sockets["RICOCHET_FORK_SOCKET"])
+    kernel.stdout.readline()  # it can be asked now; until the other one can, the mesher is started
     return [os.environ["RICOCHET_FORK_CLIENT"]]
 
 
