@@ -38,6 +38,10 @@ constexpr double buffers_mib = 24;
 /// Delayed pivots and buffers need more memory than estimated.
 constexpr double usable = 0.85;
 
+/// Largest visualisation surface of all nodes in a kernel [MiB]. Larger ones have the corners of elements
+/// alone: they consist of so many faces that these are small.
+constexpr double all_nodes_mib = 64;
+
 /// Number of modes or vectors that the search will find, as far as this is known before it; 0: unknown.
 std::int64_t expected_count(const scene::Modes& wanted, const Discretised& made) {
   if (wanted.count) return *wanted.count;
@@ -103,11 +107,13 @@ double flexibility_mib(const scene::KernelRequest& request, const Discretised& m
   return shapes + std::max({complement, 3 * size, picture});
 }
 
-/// Size of the visualisation surface in the kernel: modes and static responses [MiB].
+/// Size of the visualisation surface in the kernel: modes and static responses [MiB]; 0 except on the first
+/// rank of a team.
 double surface_mib(const scene::KernelRequest& request, const Discretised& made, std::int64_t modes) {
   const auto fields = static_cast<double>(modes) +
                       (has_flexibility(request, made) ? static_cast<double>(made.loads.cols()) : 0);
-  return 3 * sizeof(float) * fields * static_cast<double>(made.mesh.visualisation.node.size()) / base::mib;
+  const std::size_t rows = 3 + (request.stress ? kernels::stress_rows : 0);
+  return static_cast<double>(rows * sizeof(float) * made.mesh.visualisation.node.size()) * fields / base::mib;
 }
 
 /// Reads the mesh of a body on `count` teams of ranks and assembles the matrices. Collective; throws
@@ -191,7 +197,12 @@ Discretised discretise(scene::KernelRequest& request, double view_mib, OpenedMes
     const double room = parallel::available_mib(comm);
     made.resident_mib = parallel::largest(comm, base::resident_bytes() / base::mib);
     const std::int64_t expected = expected_count(request.modes, made);
-    const double shown = parallel::largest(comm, surface_mib(request, made, expected));
+    const auto shown_mib = [&] { return parallel::largest(comm, surface_mib(request, made, expected)); };
+    double shown = shown_mib();
+    if (shown > all_nodes_mib) {
+      surface::keep_corners(made.mesh, made.sources);
+      shown = shown_mib();
+    }
     if (!request.view && 0 < shown && shown <= view_mib) request = scene::with_view(request);
     double need = 0;
     for (const std::int64_t per_shift : {260, 130, 65}) {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "src/mesh/complaints.hpp"
+#include "src/mesh/faces.hpp"
 
 namespace ricochet::mesh {
 
@@ -19,10 +20,9 @@ constexpr std::int64_t version = 1;
 
 /// A kind of facet, identified by its number of nodes. Nodes are in the order of gmsh.
 struct FacetKind {
-  int nodes, gmsh_type, corners, order;
+  int nodes, gmsh_type, order;
 };
-constexpr FacetKind facet_kinds[] = {{3, 2, 3, 1}, {6, 9, 3, 2},  {10, 21, 3, 3},
-                                     {4, 3, 4, 1}, {9, 10, 4, 2}, {16, 36, 4, 3}};
+constexpr FacetKind facet_kinds[] = {{3, 2, 1}, {6, 9, 2}, {10, 21, 3}, {4, 3, 1}, {9, 10, 2}, {16, 36, 3}};
 
 class Content {
  public:
@@ -85,20 +85,12 @@ class Content {
 
   /// Reads the visualisation surface: the triangles of the file if it has any, otherwise the contact surface.
   void collect_visualisation() {
-    Block surface{2, 3, {}, {}, {}};
-    if (file_.exists("/skin")) {
-      surface.node = file_.read<std::int64_t>("/skin", {any, 3});
-      check_nodes("/skin", surface.node);
-    } else {
-      for (const Block& block : mesh_.contact.blocks) {
-        const auto n = static_cast<std::size_t>(block.nodes_per_element);
-        const auto& kind = *std::ranges::find(facet_kinds, block.gmsh_type, &FacetKind::gmsh_type);
-        for (std::size_t e = 0; e < block.size(); ++e)
-          for (int t = 2; t < kind.corners; ++t)
-            for (const int corner : {0, t - 1, t})
-              surface.node.push_back(block.node[e * n + static_cast<std::size_t>(corner)]);
-      }
+    if (!file_.exists("/skin")) {
+      mesh_.visualisation.blocks = triangles_of(mesh_.contact.blocks);
+      return;
     }
+    Block surface{2, 3, file_.read<std::int64_t>("/skin", {any, 3}), {}, {}};
+    check_nodes("/skin", surface.node);
     surface.tag.assign(surface.node.size() / 3, 0);
     surface.label = surface.tag;
     mesh_.visualisation.blocks.push_back(std::move(surface));

@@ -66,36 +66,109 @@ LocalFace face_of(const ReferenceElement& element, const std::vector<int>& corne
   return face;
 }
 
+/// Triangles between neighbouring nodes of a facet, as local numbers in it, facing as the facet does.
+std::vector<std::size_t> lattice_of(const ReferenceElement& facet) {
+  const int order = facet.order;
+  const bool is_triangle = facet.family == Family::triangle;
+  const auto place = [&](double local) { return is_triangle ? local : (local + 1) / 2; };
+  std::vector<std::size_t> number(static_cast<std::size_t>((order + 1) * (order + 1)));
+  for (int n = 0; n < facet.nodes; ++n) {
+    const auto i = std::lround(order * place(facet.node[2 * n])),
+               j = std::lround(order * place(facet.node[2 * n + 1]));
+    number[static_cast<std::size_t>(j * (order + 1) + i)] = static_cast<std::size_t>(n);
+  }
+  std::vector<std::size_t> triangles;
+  const auto add = [&](std::initializer_list<std::array<int, 2>> corners) {
+    for (const auto& [i, j] : corners)
+      triangles.push_back(number[static_cast<std::size_t>(j * (order + 1) + i)]);
+  };
+  for (int j = 0; j < order; ++j)
+    for (int i = 0; i < (is_triangle ? order - j : order); ++i) {
+      if (!is_triangle) {
+        add({{i, j}, {i + 1, j}, {i + 1, j + 1}});
+        add({{i, j}, {i + 1, j + 1}, {i, j + 1}});
+        continue;
+      }
+      add({{i, j}, {i + 1, j}, {i, j + 1}});
+      if (i + j + 1 < order) add({{i + 1, j}, {i + 1, j + 1}, {i, j + 1}});
+    }
+  return triangles;
+}
+
+/// The triangles of a visualisation surface: between all nodes of its faces, and between their corners alone.
+class Triangles {
+ public:
+  /// Adds a face. @param nodes  in the order of gmsh, oriented outward; its first are the corners
+  void add(Family family, int order, const std::int64_t* nodes) {
+    divided_ = divided_ || order > 1;
+    append(family, order, nodes, fine_);
+    append(family, 1, nodes, coarse_);
+  }
+
+  std::vector<Block> blocks() && {
+    std::vector<Block> blocks;
+    for (std::vector<std::int64_t>* node : {&fine_, &coarse_}) {
+      const std::vector<std::int64_t> none(node->size() / 3, 0);
+      if (blocks.empty() || divided_)
+        blocks.push_back({type_of(Family::triangle, 1), 3, std::move(*node), none, none});
+    }
+    return blocks;
+  }
+
+ private:
+  void append(Family family, int order, const std::int64_t* nodes, std::vector<std::int64_t>& to) {
+    std::vector<std::size_t>& lattice = lattices_[{family, order}];
+    if (lattice.empty()) lattice = lattice_of(reference_element(type_of(family, order)));
+    for (const std::size_t node : lattice) to.push_back(nodes[node]);
+  }
+
+  bool divided_ = false;
+  std::vector<std::int64_t> fine_, coarse_;
+  std::map<std::pair<Family, int>, std::vector<std::size_t>> lattices_;
+};
+
 }  // namespace
 
 Faces outside_of(const std::vector<Block>& blocks) {
-  struct Face {
+  struct Found {
     std::int64_t count = 0;
-    Corners outward;
+    std::size_t block = 0, element = 0, face = 0;
   };
-  std::map<Corners, Face> faces;
-  for (const Block& block : blocks) {
+  std::map<Corners, Found> faces;
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    const Block& block = blocks[b];
     const auto pattern = outward_faces(reference_element(block.gmsh_type).family);
     for (std::size_t e = 0; e < block.size(); ++e)
-      for (const std::vector<int>& face : pattern) {
-        Corners outward;
-        for (int corner : face)
-          outward.push_back(block.node[e * block.nodes_per_element + static_cast<std::size_t>(corner)]);
-        Face& stored = faces[sorted(outward)];
-        stored.outward = std::move(outward);
-        ++stored.count;
+      for (std::size_t f = 0; f < pattern.size(); ++f) {
+        Corners corners;
+        for (const int corner : pattern[f])
+          corners.push_back(block.node[e * block.nodes_per_element + static_cast<std::size_t>(corner)]);
+        Found& found = faces[sorted(std::move(corners))];
+        found = {found.count + 1, b, e, f};
       }
   }
+  std::vector<std::vector<LocalFace>> local;
+  for (const Block& block : blocks) {
+    const ReferenceElement element = reference_element(block.gmsh_type);
+    std::vector<LocalFace>& of_block = local.emplace_back();
+    for (const std::vector<int>& corners : outward_faces(element.family))
+      of_block.push_back(face_of(element, corners));
+  }
   Faces outside;
-  for (auto& [key, face] : faces)
-    if (face.count == 1) outside[key] = std::move(face.outward);
+  for (const auto& [corners, face] : faces) {
+    if (face.count != 1) continue;
+    const Block& block = blocks[face.block];
+    FaceNodes& nodes = outside[corners];
+    for (const std::size_t node : local[face.block][face.face].node)
+      nodes.push_back(block.node[face.element * block.nodes_per_element + node]);
+  }
   return outside;
 }
 
-void add_face(Faces& outside, Corners outward) {
-  const auto [face, is_new] = outside.try_emplace(sorted(outward));
+void add_face(Faces& outside, Corners corners, FaceNodes nodes) {
+  const auto [face, is_new] = outside.try_emplace(sorted(std::move(corners)));
   if (is_new)
-    face->second = std::move(outward);
+    face->second = std::move(nodes);
   else
     outside.erase(face);
 }
@@ -138,15 +211,36 @@ void keep_outside(Block& facets, const Faces& outside) {
   facets = std::move(kept);
 }
 
-Block triangles_of(const Faces& outside) {
-  Block surface{type_of(Family::triangle, 1), 3, {}, {}, {}};
-  for (const auto& [key, outward] : outside)
-    for (std::size_t c = 2; c < outward.size(); ++c) {
-      surface.node.insert(surface.node.end(), {outward[0], outward[c - 1], outward[c]});
-      surface.tag.push_back(0);
-      surface.label.push_back(0);
-    }
-  return surface;
+std::vector<Block> triangles_of(const Faces& outside, int order) {
+  Triangles surface;
+  for (const auto& [corners, nodes] : outside)
+    surface.add(corners.size() == 3 ? Family::triangle : Family::quadrangle, order, nodes.data());
+  return std::move(surface).blocks();
+}
+
+std::vector<Block> triangles_of(const std::vector<Block>& facets) {
+  Triangles surface;
+  for (const Block& block : facets) {
+    const ReferenceElement facet = reference_element(block.gmsh_type);
+    for (std::size_t e = 0; e < block.size(); ++e)
+      surface.add(facet.family, facet.order, &block.node[e * block.nodes_per_element]);
+  }
+  return std::move(surface).blocks();
+}
+
+std::vector<std::size_t> keep_corners(FacetMesh& surface) {
+  surface.blocks = {std::move(surface.blocks.back())};
+  std::vector<std::int64_t>& element = surface.blocks.front().node;
+  std::vector<std::int64_t> kept = element;
+  sort_once(kept);
+  for (std::int64_t& node : element) node = std::ranges::lower_bound(kept, node) - kept.begin();
+  FacetMesh whole = std::exchange(surface, {{}, {}, std::move(surface.blocks), {}});
+  for (const std::int64_t node : kept) {
+    const auto n = static_cast<std::size_t>(node);
+    surface.node.push_back(whole.node[n]);
+    surface.position.insert(surface.position.end(), &whole.position[3 * n], &whole.position[3 * n] + 3);
+  }
+  return {kept.begin(), kept.end()};
 }
 
 void orient(Block& facets, int order, const Faces& outside, const scene::Body& body, const std::string& key) {
@@ -160,10 +254,9 @@ void orient(Block& facets, int order, const Faces& outside, const scene::Body& b
       throw InputError(
           fmt::format("{}: facet {} of {} is not on the body's surface: name a group that bounds the body",
                       body.mesh.filename().string(), facets.tag[e], key));
-    const Corners& outward = face->second;
-    const auto first =
-        static_cast<std::size_t>(std::find(outward.begin(), outward.end(), nodes[0]) - outward.begin());
-    if (outward[(first + 1) % outward.size()] == nodes[1]) continue;
+    const auto outward = face->second.begin();
+    const auto first = std::find(outward, outward + reference.corners, nodes[0]) - outward;
+    if (outward[(first + 1) % reference.corners] == nodes[1]) continue;
     const std::vector<std::int64_t> old(nodes, nodes + reference.nodes);
     for (int n = 0; n < reference.nodes; ++n) nodes[n] = old[static_cast<std::size_t>(to[n])];
   }

@@ -12,15 +12,18 @@ namespace ricochet::mesh {
 
 /// The nodes at the corners of a face.
 using Corners = std::vector<std::int64_t>;
-/// Faces by their sorted corners. The value lists the corners such that the normal points out of the body.
-using Faces = std::map<Corners, Corners>;
+/// All nodes of a face, in the order of gmsh and such that its normal points out of the body. The first are
+/// its corners.
+using FaceNodes = std::vector<std::int64_t>;
+/// Faces by their sorted corners.
+using Faces = std::map<Corners, FaceNodes>;
 
-/// Returns the faces that belong to exactly one element.
+/// Returns the faces that belong to exactly one element. Needs a GmshSession.
 Faces outside_of(const std::vector<Block>& blocks);
 
 /// Adds a boundary face of one part. If another part has added the same face, it lies between them and is
 /// removed.
-void add_face(Faces& outside, Corners outward);
+void add_face(Faces& outside, Corners corners, FaceNodes nodes);
 
 /// Contact surface of this name: all faces in `outside`, unless the mesh has a physical surface of this name.
 inline constexpr const char* whole_boundary = "all";
@@ -34,8 +37,15 @@ std::vector<Block> boundary_of(const std::vector<Block>& blocks, const Faces& ou
 /// Removes the facets that are not in `outside`, which numbers nodes as `facets` does.
 void keep_outside(Block& facets, const Faces& outside);
 
-/// Divides the faces into triangles.
-Block triangles_of(const Faces& outside);
+/// Divides faces of elements of this order into triangles: the blocks of a visualisation surface (FacetMesh).
+/// Needs a GmshSession.
+std::vector<Block> triangles_of(const Faces& outside, int order);
+/// The same for facets that face outward.
+std::vector<Block> triangles_of(const std::vector<Block>& facets);
+
+/// Restricts a visualisation surface to the corners of its faces. Returns the indices of the nodes that it
+/// keeps, ascending.
+std::vector<std::size_t> keep_corners(FacetMesh& surface);
 
 /// Orients each facet of a surface of `body` outward. Throws InputError if a facet does not lie on the
 /// boundary, in which case the message names `key` of the scene, or if its order differs from the `order` of

@@ -37,7 +37,10 @@ struct Block {
 struct FacetMesh {
   std::vector<std::int64_t> node;  ///< (n) global node numbers
   std::vector<double> position;    ///< (n,3) [m]
-  std::vector<Block> blocks;       ///< oriented outward; Block::node: indices into `node`
+  /// Oriented outward; Block::node: indices into `node`. The visualisation surface has triangles between all
+  /// nodes of its faces and, if the elements are of order 2 or more, as a second block those between corners
+  /// alone.
+  std::vector<Block> blocks;
   /// (n,3) for rods: outward normal times cross-section at each end [m²]; otherwise empty
   std::vector<double> end_normal;
 };

@@ -93,18 +93,21 @@ Nodes number_nodes(MPI_Comm comm, const Part& share) {
 }
 
 /// Gathers the boundary faces of all ranks on rank 0 and removes faces between two parts. Collective.
-Faces gather_outside(MPI_Comm comm, const Faces& mine) {
-  // A triangle has −1 as its fourth corner.
-  constexpr std::size_t width = 4;
-  Numbers corners;
-  for (const auto& [key, outward] : mine) {
-    corners.insert(corners.end(), outward.begin(), outward.end());
-    corners.resize((corners.size() + width - 1) / width * width, -1);
+/// @param order  of the elements
+Faces gather_outside(MPI_Comm comm, const Faces& mine, int order) {
+  // A triangle has fewer nodes than a quadrangle, and −1 in place of the others.
+  const auto width = static_cast<std::ptrdiff_t>((order + 1) * (order + 1));
+  Numbers packed;
+  for (const auto& [corners, nodes] : mine) {
+    packed.insert(packed.end(), nodes.begin(), nodes.end());
+    packed.insert(packed.end(), static_cast<std::size_t>(width) - nodes.size(), -1);
   }
-  corners = gather(comm, corners);
+  packed = gather(comm, packed);
   Faces outside;
-  for (auto at = corners.begin(); at != corners.end(); at += width)
-    add_face(outside, Corners(at, std::find(at, at + width, -1)));
+  for (auto at = packed.begin(); at != packed.end(); at += width) {
+    const auto end = std::find(at, at + width, -1);
+    add_face(outside, Corners(at, at + (end == at + width ? 4 : 3)), FaceNodes(at, end));
+  }
   return outside;
 }
 
@@ -174,7 +177,7 @@ FacetMesh numbered(std::vector<Block> blocks, const scene::Body& body, const Par
 /// surface on rank 0.
 void collect_surfaces(MPI_Comm comm, const scene::Body& body, const Part& share, const Nodes& nodes,
                       Mesh& mesh) {
-  const Faces outside = gather_outside(comm, share.outside);
+  const Faces outside = gather_outside(comm, share.outside, mesh.order);
   std::vector<Block> contact = gather_facets(comm, share.contact), loaded = gather_facets(comm, share.loaded),
                      visualisation;
   parallel::on_first_rank(comm, [&] {
@@ -183,7 +186,7 @@ void collect_surfaces(MPI_Comm comm, const scene::Body& body, const Part& share,
     refuse_repeated(contact, "facet", "contact", body);
     for (Block& block : contact) orient(block, mesh.order, outside, body, "bodies." + body.name + ".contact");
     for (Block& block : loaded) orient(block, mesh.order, outside, body, traction_key);
-    visualisation.push_back(triangles_of(outside));
+    visualisation = triangles_of(outside, mesh.order);
   });
   for (auto [blocks, facets] : {std::pair{&contact, &mesh.contact}, std::pair{&loaded, &mesh.loaded}}) {
     if (parallel::rank_of(comm) != 0) blocks->clear();

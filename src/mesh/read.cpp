@@ -241,7 +241,7 @@ class MeshReader {
 
   void collect_visualisation() {
     outside_ = outside_of(mesh_.blocks);
-    mesh_.visualisation.blocks.push_back(triangles_of(outside_));
+    mesh_.visualisation.blocks = triangles_of(outside_, mesh_.order);
   }
 
   std::string key_of(const char* use) const { return fmt::format("bodies.{}.{}", body_.name, use); }
@@ -365,10 +365,11 @@ class MeshReader {
       part.fixed.push_back(mesh_.fixed[n]);
       part.position.insert(part.position.end(), &mesh_.position[3 * n], &mesh_.position[3 * n] + 3);
     }
-    for (auto& [key, outward] : outside_of(mesh_.blocks)) {
-      Corners corners = outward;
+    for (auto& [key, nodes] : outside_of(mesh_.blocks)) {
+      Corners corners = key;
       use_tags(corners);
-      add_face(part.outside, std::move(corners));
+      use_tags(nodes);
+      add_face(part.outside, std::move(corners), std::move(nodes));
     }
     part.blocks = std::move(mesh_.blocks);
     part.contact = std::move(mesh_.contact.blocks);

@@ -72,7 +72,7 @@ void append(Part& share, Part part, const scene::Body& body) {
   append(share.blocks, part.blocks);
   append(share.contact, part.contact);
   append(share.loaded, part.loaded);
-  for (auto& [key, outward] : part.outside) add_face(share.outside, std::move(outward));
+  for (auto& [corners, nodes] : part.outside) add_face(share.outside, corners, std::move(nodes));
   for (std::size_t g = 0; g < part.groups.size(); ++g) {
     GroupUse &all = share.groups[g], &one = part.groups[g];
     for (std::size_t dim = 0; dim < all.found.size(); ++dim) all.found[dim] |= one.found[dim];
@@ -190,11 +190,12 @@ bool check_groups(const scene::Body& body, const std::vector<NamedGroup>& asked,
 /// The facets of all faces on the outside of a share, with nodes identified by tags.
 std::vector<Block> boundary_of(const Part& share) {
   Faces outside;
-  for (const auto& [key, outward] : share.outside) {
-    Corners corners;
-    for (const std::int64_t tag : outward)
-      corners.push_back(std::ranges::lower_bound(share.tag, tag) - share.tag.begin());
-    add_face(outside, std::move(corners));
+  for (const auto& [key, value] : share.outside) {
+    Corners corners = key;
+    FaceNodes nodes = value;
+    for (Corners* tags : {&corners, &nodes})
+      for (std::int64_t& tag : *tags) tag = std::ranges::lower_bound(share.tag, tag) - share.tag.begin();
+    add_face(outside, std::move(corners), std::move(nodes));
   }
   std::vector<Block> boundary = boundary_of(share.blocks, outside);
   for (Block& block : boundary)

@@ -24,7 +24,7 @@ const SectionOf<Output> output_keys{
      {"view", &Output::view, "", initial, any(),
       "keep each body's visualisation surface in its kernel, for pictures: the modes and, with "
       "`residual_flexibility`, the static response to each candidate. Each of them takes 12 bytes for each "
-      "node"},
+      "node; above 64 MiB, only the corners of elements are kept"},
      {"stress", Access(&Output::stress).if_changed(), "", initial, any(),
       "keep the [stress of each body's visualisation surface](results.md#stress-and-strain) in its kernel, "
       "and "

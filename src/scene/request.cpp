@@ -26,6 +26,8 @@ namespace {
 
 /// Must be increased whenever the meaning of a kernel changes, so that old kernels are computed again.
 constexpr int kernel_generation = 7;
+/// The same for kernels with a visualisation surface.
+constexpr const char* view_generation = " view 2";
 
 /// What to do about a file that is missing: the similar one in its folder, or the meshes there.
 std::string advice_on(const std::filesystem::path& missing) {
@@ -290,7 +292,8 @@ void seal(KernelRequest& request) {
     request.toml += "[[output.receiver]]\n" + request_receiver_keys().write(receiver);
   for (const Gauge& gauge : request.gauges)
     request.toml += "[[output.gauge]]\n" + request_gauge_keys().write(gauge);
-  request.hash = sha256(fmt::format("{}\n{}\n{}", kernel_generation, request.mesh_sha256, request.toml));
+  request.hash = sha256(fmt::format("{}{}\n{}\n{}", kernel_generation, request.view ? view_generation : "",
+                                    request.mesh_sha256, request.toml));
 }
 
 KernelRequest with_view(KernelRequest request) {

@@ -38,4 +38,7 @@ mesh::RequestedGroups requested_groups(const scene::KernelRequest& request);
 /// has a gauge.
 Sources make_sources(const mesh::Mesh& mesh, const scene::KernelRequest& request);
 
+/// Restricts the visualisation surface to the corners of its faces. Collective on the team.
+void keep_corners(mesh::Mesh& mesh, Sources& sources);
+
 }  // namespace ricochet::surface

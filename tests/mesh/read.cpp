@@ -81,10 +81,10 @@ Flux flux_of(const GlobalMesh& mesh, std::int64_t label) {
   return flux;
 }
 
-/// V from the flat triangles of the visualisation surface. It is correct only if all triangles face outward.
-double enclosed_by_skin(const GlobalMesh& mesh) {
+/// V from flat triangles of the visualisation surface. It is correct only if all triangles face outward.
+double enclosed_by(const GlobalMesh& mesh, const mesh::Block& triangles) {
   double volume = 0;
-  const auto& node = mesh.visualisation.blocks.front().node;
+  const auto& node = triangles.node;
   for (std::size_t t = 0; t < node.size(); t += 3)
     volume += at(mesh, node[t]).dot(at(mesh, node[t + 1]).cross(at(mesh, node[t + 2]))) / 6;
   return volume;
@@ -107,7 +107,9 @@ TEST(Read, truncated_pyramids_have_their_volume_and_areas_in_every_element_and_o
       EXPECT_EQ(mesh.order, order);
       const double exact = prism ? 1 : volume;
       EXPECT_NEAR(volume_of(mesh), exact / 8, 1e-13) << kind << order;
-      EXPECT_NEAR(enclosed_by_skin(mesh), exact / 8, 1e-13) << kind << order;
+      EXPECT_EQ(mesh.visualisation.blocks.size(), order > 1 ? 2U : 1U);
+      for (const mesh::Block& triangles : mesh.visualisation.blocks)
+        EXPECT_NEAR(enclosed_by(mesh, triangles), exact / 8, 1e-13) << kind << order;
       const Flux bottom = flux_of(mesh, 0), above = flux_of(mesh, 1), sides = flux_of(mesh, 2);
       EXPECT_NEAR((bottom.normal - Point(0, 0, -0.25)).norm(), 0, 1e-13) << kind << order;
       EXPECT_NEAR((above.normal - Point(0, 0, (prism ? 1 : top * top) / 4)).norm(), 0, 1e-13)
@@ -115,6 +117,29 @@ TEST(Read, truncated_pyramids_have_their_volume_and_areas_in_every_element_and_o
       EXPECT_NEAR(sides.area, prism ? 1 : side, 1e-13) << kind << order;
       EXPECT_NEAR(bottom.third + above.third + sides.third, exact / 8, 1e-13) << kind << order;
     }
+}
+
+// A triangle of size h misses the sphere by a share of h², and lines between the nodes of an edge of order p
+// are p times as short as the edge.
+TEST(Read, visualisation_surface_of_a_ball_has_all_nodes_of_its_faces_and_is_as_round) {
+  const mesh::GmshSession gmsh;
+  const test::SharedFile file(".geo",
+                              "SetFactory(\"OpenCASCADE\"); Sphere(1) = {0, 0, 0, 1};\n"
+                              "Mesh.MeshSizeMin = 0.3; Mesh.MeshSizeMax = 0.3;\n"
+                              "Physical Volume(\"body\") = {1}; Physical Surface(\"top\") = {1};\n");
+  for (int order = 2; order <= 3; ++order) {
+    scene::Body body = test::body_of(file.path(), order);
+    body.contact = {"top"};
+    GlobalMesh mesh = mesh::read_mesh(body);
+    ASSERT_EQ(mesh.visualisation.blocks.size(), 2U);
+    const mesh::Block fine = mesh.visualisation.blocks[0], coarse = mesh.visualisation.blocks[1];
+    EXPECT_EQ(fine.size(), coarse.size() * static_cast<std::size_t>(order * order));
+    const std::set<std::int64_t> nodes(fine.node.begin(), fine.node.end());
+    EXPECT_EQ(nodes.size(), fine.size() / 2 + 2);  // Euler: a closed surface without holes
+    const double exact = 4 * std::numbers::pi / 3;
+    EXPECT_NEAR((exact - enclosed_by(mesh, coarse)) / (exact - enclosed_by(mesh, fine)), order * order,
+                0.05 * order * order);  // terms of h⁴, and gmsh spaces the nodes unevenly
+  }
 }
 
 /// The nodes of the facets, each sorted.

@@ -68,7 +68,7 @@ TEST(KernelHash, of_these_scenes_is_that_of_stored_kernels) {
        R"(loads.point=[{ body = "ball", at = [1, 2, 3], vector = [1, 0, 0] }])",
        R"(loads.motion=[{ body = "ball", group = "foot", vector = [0, 0, 1] }])",
        R"(output={ view = true, receiver = [{ name = "mic", body = "ball", at = [0, 0.1, 0] }] })"});
-  EXPECT_EQ(full.hash, "4d73ac98635cb7b45bf4f66bb83dc2af2500c1c46acb7f5deee1b15b0fec2dac") << full.toml;
+  EXPECT_EQ(full.hash, "9c4287e8abd51f7bafd945bdc10666ad8994da38f269cc9e04989bd29b68bfc2") << full.toml;
 }
 
 TEST(KernelHash, changes_with_everything_that_the_kernel_depends_on) {

@@ -22,6 +22,38 @@ using testing::HasSubstr;
 
 constexpr double placed = 1e-11;  // gmsh divides a line evenly to about 2e-12
 
+// 26 of the 3³ corners are on the boundary, and 98 of the 5³ nodes.
+TEST(VisualisationSurface, by_corners_has_the_places_and_stresses_of_these_nodes) {
+  scene::KernelRequest request = request_of({"top"}, {});
+  request.stress = true;
+  Made made(test::block_geo("hex", 2, 0.4), 2, request);
+  const auto places = [&] {
+    std::vector<double> of = made.mesh.visualisation.position;
+    parallel::broadcast(made.mesh.comm, of);
+    return rows(of, of.size() / 3);
+  };
+  const MatrixXd before = places(), seen = made.sources.view_stress;
+  const mesh::FacetMesh fine = made.mesh.visualisation;
+  surface::keep_corners(made.mesh, made.sources);
+  const MatrixXd after = places(), kept = made.sources.view_stress;
+  ASSERT_EQ(before.rows(), 98);
+  ASSERT_EQ(after.rows(), 26);
+  ASSERT_EQ(kept.cols(), 6 * 26);
+  for (Eigen::Index v = 0; v < after.rows(); ++v) {
+    Eigen::Index was = 0;
+    EXPECT_EQ((before.rowwise() - after.row(v)).rowwise().norm().minCoeff(&was), 0);
+    EXPECT_EQ(kept.middleCols(6 * v, 6), seen.middleCols(6 * was, 6)) << v;
+  }
+  if (parallel::rank_of(made.mesh.comm) != 0) return;
+  const mesh::FacetMesh& coarse = made.mesh.visualisation;
+  ASSERT_EQ(coarse.blocks.size(), 1U);
+  EXPECT_EQ(coarse.blocks.front().size(), 6U * 4 * 2);
+  const auto& wanted = fine.blocks.back().node;
+  for (std::size_t k = 0; k < wanted.size(); ++k)
+    EXPECT_EQ(coarse.node[static_cast<std::size_t>(coarse.blocks.front().node[k])],
+              fine.node[static_cast<std::size_t>(wanted[k])]);
+}
+
 // A surface may be both loaded and touched, and a group may carry two tractions.
 TEST(Traction, of_a_surface_is_its_area_times_the_vector) {
   for (const char* kind : {"tet", "hex", "prism"}) {

@@ -158,8 +158,8 @@ TEST(Trace, keeps_the_visualisation_surface_on_rank_0) {
   ASSERT_EQ(kernel.view.has_value(), parallel::rank_of(PETSC_COMM_WORLD) == 0);
   if (!kernel.view) return;
   const kernels::View& view = *kernel.view;
-  EXPECT_EQ(view.node.size(), 3U * 26);  // all of the 3³ corners except the inner one
-  EXPECT_EQ(view.element.size(), 3U * 6 * 4 * 2);
+  EXPECT_EQ(view.node.size(), 3U * (125 - 27));  // all of the 5³ nodes except the inner ones
+  EXPECT_EQ(view.element.size(), 3U * 6 * 16 * 2);
   ASSERT_EQ(view.shape.size(), view.node.size() * 2);
   for (std::size_t v = 0; v < view.node.size() / 3; ++v) {
     const Point u = gradient * Point(&view.node[3 * v]) + offset;
