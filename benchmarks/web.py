@@ -6,7 +6,7 @@
 
 The scene becomes an instrument as by ricochet export --web. It is played for 10 s at 48 kHz, with a blow every
 0.5 s and, in the second row, every 10 ms, so that a mallet is in front of the body most of the time. Native
-code and Node run in turn. Run scripts/setup --web and scripts/build first.
+code and Node run in turn. Run scripts/build first; Node comes with emscripten.
 """
 import pathlib
 import tempfile
@@ -35,7 +35,7 @@ def add_arguments(parser):
 
 
 def run(options):
-    launch.build("bench_player", "ricochet_web")
+    launch.build("bench_player")
     instrument, _, _ = instruments.of_scene(options.scene)
     print(f"player.wasm: {len(module())} bytes; block: {len(instrument.block())} bytes")
     with tempfile.TemporaryDirectory(prefix="ricochet-bench-") as folder:

@@ -114,6 +114,7 @@ class Bell(ProgramTest):
             files[name] = self.folder / name
             files[name].write_bytes(base64.b64decode(instrument[name]))
         samples = 400
+        self.assertTrue(shutil.which("node"), "no node: scripts/setup --tests installs it")
         words = ["node", "-e", NODE, FOLDER / "engine.js", files["wasm"], files["block"], RATE, 1, samples]
         done = Run(words)
         self.assertEqual(done.status, 0, done.err)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# Needs the player in WebAssembly; scripts/setup --tests installs emscripten.
-if(TARGET ricochet_web)
-  add_program_test(web instrument)
-  set_tests_properties(web/instrument PROPERTIES COST 100 PROCESSORS 4)
-endif()
+add_program_test(web instrument)
+set_tests_properties(web/instrument PROPERTIES COST 100 PROCESSORS 4)
+add_program_test(web module)
+add_test(NAME web/rebuilt COMMAND ${PROJECT_SOURCE_DIR}/scripts/player --rebuild)
+set_tests_properties(web/rebuilt PROPERTIES TIMEOUT 600 LABELS "programs;long" SKIP_RETURN_CODE 77)

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from ricochet import programs
 from ricochet.arrays import Array
 from ricochet.errors import InputError
 from ricochet.interchange.instrument import Instrument, instrument_of
@@ -26,14 +25,13 @@ ELEVATION = 0.4  # of the viewpoint [rad]
 
 
 def module() -> bytes:
-    """The player in WebAssembly, beside the other parts of pages or in the build. Raises InputError."""
-    for path in (FOLDER / "player.wasm", programs.BIN.parent / "web" / "player.wasm"):
-        if is_there(path):
-            return path.read_bytes()
-    raise InputError(
-        "player.wasm: pages to play need this file, which a build without emscripten does not make. "
-        "Run scripts/setup --web and scripts/build."
-    )
+    """The player in WebAssembly, beside the other parts of pages. Raises InputError."""
+    path = FOLDER / "player.wasm"
+    if not is_there(path):
+        raise InputError(
+            f"{path}: pages to play need this file, which belongs to the package. Install it again."
+        )
+    return path.read_bytes()
 
 
 def surface_of(kernel: Kernel) -> tuple[Array, Array]:
