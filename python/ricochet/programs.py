@@ -136,13 +136,19 @@ def replace_this_process(command: Sequence[Word]) -> NoReturn:
     os.execvp(command[0], [str(word) for word in command])
 
 
-def refusal(process: "subprocess.Popen[str]") -> Answer | None:
+def refusal(process: "subprocess.Popen[str]", show: Show | None = None) -> Answer | None:
     """Waits for the end of a quiet program. Returns its error in the form of an answer of --batch, or None if
     it succeeded. An error that the program itself did not report has "died": mpirun ends with status 1 if a
-    signal ends it."""
+    signal ends it. `show` is called with each line that it writes to standard error."""
     lines: list[str] = []
+
+    def take(line: str) -> None:
+        lines.append(line)
+        if show:
+            show(line)
+
     try:
-        wait(process, lines.append)
+        wait(process, take)
     except RicochetError as error:
         if error.status not in (1, 2):
             raise

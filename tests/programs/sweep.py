@@ -236,14 +236,40 @@ class Sweeps(SweepTest):
         self.assertNotIn("while the bodies touch", again.out)
         self.assertEqual(self.rows()[0]["restitution"], self.rows()[1]["restitution"])
 
+    def check_log(self, log, stage):
+        """The log of a batch job states time and memory of each part of the kernels, and of its stage as a whole. Returns the
+        number of processes side by side."""
+        *parts, last = log.splitlines()
+        found = re.fullmatch(
+            stage + r" +(\d+\.\d\d) s +(\d+) MiB  in total: (\d+), and (\d+) x (\d+) of the largest program",
+            last,
+        )
+        self.assertIsNotNone(found, last)
+        total, own, count, other = map(int, found.groups()[1:])
+        self.assertAlmostEqual(total, own + count * other, delta=1 + count)  # each is rounded
+        self.assertTrue(all(re.search(r" [\d.]+ s +\d+ MiB(  |$)", line) for line in parts), log)
+        if stage == "kernels":
+            whole = [line for line in parts if line.startswith("total ")]
+            self.assertEqual(
+                len(whole), 1
+            )  # for "resting" and one of "moving", from which the other is derived
+            self.assertEqual(
+                sum("MiB needed of" in line for line in parts), 4
+            )  # before and after the inertia counts
+            largest = max(int(line.split(" MiB")[0].split()[-1]) for line in whole)
+            self.assertGreaterEqual(other, largest - 1)
+            self.assertLess(float(whole[0].split(" s ")[0].split()[-1]), float(found[1]))
+        return count
+
     def test_each_impact_is_that_of_the_program_alone_and_kernels_are_shared(self):
         study = self.study(GRID)
-        self.assertEqual(self.succeed(self.sweep(study, "--kernels")).out, "3 kernels, all computed\n")
+        done = self.succeed(self.sweep(study, "--kernels"))
+        self.assertEqual(done.out, "3 kernels, all computed\n")
+        self.check_log(done.err, "kernels")
         for before in ("", " before"):
-            self.assertEqual(
-                self.succeed(self.sweep(study, "--part", "2/3")).out,
-                f"part 2/3: 4 impacts, all done{before}\n",
-            )
+            done = self.succeed(self.sweep(study, "--part", "2/3", "--jobs", "3"))
+            self.assertEqual(done.out, f"part 2/3: 4 impacts, all done{before}\n")
+            self.assertEqual(self.check_log(done.err, "impacts 2/3"), 3)
         for before in ("", ", all done before"):
             done = self.succeed(self.sweep(study, "--plot", "impulse_ns"))
             self.assertEqual(done.out.splitlines()[0], f"12 impacts{before}")

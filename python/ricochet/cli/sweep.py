@@ -24,6 +24,7 @@ Exit status: 0 if all impacts are finished, 3 if some were refused or, with --co
 failed: their rows state why. 2 if the study is refused. --kernels and --part end with 0 when they have done their work.
 """
 import argparse
+import contextlib
 import math
 import os
 import re
@@ -32,6 +33,7 @@ from pathlib import Path
 from ricochet import programs, scene_keys
 from ricochet.cli.options import add_study, count, say, writing
 from ricochet.errors import InputError, RicochetError, SolverError
+from ricochet.studies import stage_log
 from ricochet.studies.histories import not_kept
 from ricochet.studies.journal import outputs
 from ricochet.studies.records import Row
@@ -219,14 +221,31 @@ def report(sweep: Sweep, table: Table, drawn: Drawn, ran: int) -> None:
         raise RicochetError(status=FAILED if failed else INCOMPLETE)
 
 
+def logged(options: argparse.Namespace) -> contextlib.AbstractContextManager[None]:
+    """States time and memory of one of the stages that jobs of a cluster run."""
+    jobs = options.jobs or os.cpu_count() or 1
+    if options.kernels:
+        return stage_log.stage("kernels", max(jobs, options.ranks))
+    if options.part:
+        return stage_log.stage("impacts {}/{}".format(*options.part), jobs)
+    return stage_log.stage("collect", jobs) if options.collect else contextlib.nullcontext()
+
+
 def run(options: argparse.Namespace) -> None:
     check_options(options)
     study = Study(options.study)
     drawn = Drawn(study, options)
     folder = options.out or options.study.parent / "out"
-    with writing(folder):
+    with writing(folder), logged(options):
         sweep = Sweep(
-            study, folder, options.jobs, options.ranks, options.part, options.collect, options.retry
+            study,
+            folder,
+            options.jobs,
+            options.ranks,
+            options.part,
+            options.collect,
+            options.retry,
+            stage_log.phases() if options.kernels else None,
         )
         sweep.prepare()
         if options.kernels:

@@ -25,10 +25,13 @@ Files = dict[int, list[str]]  # kernel files by index of a setting
 
 
 class Kernels:
-    """The kernels of the settings of a study, in a folder."""
+    """The kernels of the settings of a study, in a folder. `show` is called with each line that states the time and memory
+    of a part of their computation."""
 
-    def __init__(self, study: Study, folder: Path, jobs: int, ranks: int) -> None:
-        self.study, self.folder, self.jobs, self.ranks = study, folder, jobs, ranks
+    def __init__(
+        self, study: Study, folder: Path, jobs: int, ranks: int, show: programs.Show | None = None
+    ) -> None:
+        self.study, self.folder, self.jobs, self.ranks, self.show = study, folder, jobs, ranks, show
         self.refused: dict[int, Answer] = {}  # answer of --batch, by index of the setting
         self.names: set[str] = set()  # kernel files of all settings
         self.checked: dict[str, Answer | None] = {}  # error or None, by meshes
@@ -52,8 +55,9 @@ class Kernels:
             name, index = min(left.items(), key=lambda item: item[1])
             bar.advance(name, 0)
             before = self._stamps()
-            command = programs.kernel_command(self.study.scene, self._words(index), self.ranks)
-            if answer := programs.refusal(programs.start(command)):
+            words = self._words(index, quiet=self.show is None)
+            command = programs.kernel_command(self.study.scene, words, self.ranks)
+            if answer := programs.refusal(programs.start(command), self.show):
                 self._refuse(index, answer, missing)
             else:
                 self.tried.add(name)
@@ -64,9 +68,9 @@ class Kernels:
             bar.advance(name, len(left) - len(remaining))
             left = remaining
 
-    def _words(self, index: int) -> list[Word]:
+    def _words(self, index: int, quiet: bool = True) -> list[Word]:
         changes = self.study.fixed | self.study.settings[index]
-        return ["--quiet", *programs.with_set(programs.settings(changes), self.folder)]
+        return [*["--quiet"] * quiet, *programs.with_set(programs.settings(changes), self.folder)]
 
     def _stamps(self) -> dict[str, int]:
         return {path.name: path.stat().st_mtime_ns for path in self.folder.glob("*.kernel.h5")}

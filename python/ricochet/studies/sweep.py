@@ -12,6 +12,7 @@ from typing import Any
 
 from ricochet import programs
 from ricochet.errors import InputError, failure
+from ricochet.programs import Show
 from ricochet.progress import Progress
 from ricochet.studies.groups import Groups
 from ricochet.studies.histories import Source
@@ -30,6 +31,7 @@ class Sweep:
     @param part      run only this part of the impacts, beside other parts, with existing kernels
     @param collects  run nothing and only collect finished impacts
     @param retry     run impacts again that were refused or have failed
+    @param show      called with lines about the time and memory of kernels
     """
 
     def __init__(
@@ -41,12 +43,13 @@ class Sweep:
         part: Part | None = None,
         collects: bool = False,
         retry: bool = False,
+        show: Show | None = None,
     ) -> None:
         self.study, self.folder, self.part, self.collects = study, folder, part, collects
         self.stem = folder / study.slug
         self.results = Path(f"{self.stem}.sweep.h5")
         self.journal = Journal(self.stem, part, collects, study.keep, retry)
-        self.kernels = Kernels(study, folder, jobs or os.cpu_count() or 1, ranks)
+        self.kernels = Kernels(study, folder, jobs or os.cpu_count() or 1, ranks, show)
         # Keys identify impacts by program, scene, setting, kernels and other files that they read.
         self.keys = [""] * len(study.settings)
         self.refused: dict[int, Row] = {}  # answers by index of the setting
