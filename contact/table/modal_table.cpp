@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/table/modal_table.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <vector>
 
@@ -79,20 +80,34 @@ void sample_responses(const Model& model, const StepOptions& options, std::int64
   }
 }
 
-/// The bodies without supports.
+/// Projects onto the directions in which a body moves as a whole without a reaction of its supports, such as
+/// those in a plane of symmetry. Along a direction e of this kind, its rigid modes carry the momentum of a
+/// free body: Σ (p_kᵀ e)² = m.
+Eigen::Matrix3d free_directions(const Model& model, const Bodies::Block& block) {
+  constexpr double all = 1 - 1e-6;  // of the mass; a body that turns about an axis or a point has less
+  if (!block.supported) return Eigen::Matrix3d::Identity();
+  const Eigen::Index rigid = (model.omega.segment(block.first_mode, block.modes).array() == 0).count();
+  const auto momentum = block.momentum.leftCols(rigid);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> share(momentum * momentum.transpose() / block.mass);
+  const Eigen::Vector3d kept = (share.eigenvalues().array() > all).cast<double>();
+  return share.eigenvectors() * kept.asDiagonal() * share.eigenvectors().transpose();
+}
+
+/// The bodies that move freely along one axis at least, with their motion along these axes.
 std::vector<FreeBody> free_bodies(const Model& model) {
   std::vector<FreeBody> bodies;
   for (std::size_t k = 0; k < model.bodies.size(); ++k) {
     const Bodies::Block& block = model.bodies[k];
-    if (block.supported) continue;
-    FreeBody body{block.name, block.mass,
-                  block.momentum * model.v0.segment(block.first_mode, block.modes) / block.mass,
-                  block.weight / block.mass, Matrix::Zero(model.gap.size(), 3)};
+    const Eigen::Matrix3d free = free_directions(model, block);
+    if (free.isZero(0)) continue;
+    const Eigen::Vector3d momentum = block.momentum * model.v0.segment(block.first_mode, block.modes);
+    FreeBody body{block.name, block.mass, free * momentum / block.mass, free * block.weight / block.mass,
+                  Matrix::Zero(model.gap.size(), 3)};
     for (const Model::PairBlock& pair : model.pairs)
       for (const auto& [side, sign] : {std::pair{pair.a, -1.0}, std::pair{pair.b, 1.0}})
         if (side == static_cast<int>(k))
           body.push.middleRows(pair.first_point, pair.points) =
-              sign * model.normal.middleRows(pair.first_point, pair.points);
+              sign * model.normal.middleRows(pair.first_point, pair.points) * free;
     bodies.push_back(body);
   }
   return bodies;

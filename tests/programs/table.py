@@ -12,6 +12,33 @@ from programs import MESHES, ProgramTest, Run, contact, impact, kernel
 ANALYTIC = MESHES / "two-rods-analytic"
 SCENE = ANALYTIC / "two-rods-analytic.toml"
 IMPULSE = "contact.scheme=impulse"
+MASS = 0.5
+HALF = """
+SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 0.5, 1, 1};
+Mesh.MeshSizeMin = 0.5; Mesh.MeshSizeMax = 0.5;
+Physical Volume("half") = {1}; Physical Surface("plane") = {1}; Physical Surface("bottom") = {5};
+"""
+HALF_SCENE = """
+title = "Half"
+[bodies.half]
+mesh = "half.geo"
+order = 1
+material = { density = 1, young = 1e3, poisson = 0.3 }
+velocity = [0, 0.25, -1]
+contact = "bottom"
+support = { plane = "x" }
+[obstacles.floor]
+point = [0, 0, -0.02]
+normal = [0, 0, 1]
+[modes]
+count = 8
+[contact]
+between = ["half", "floor"]
+[time]
+rate_hz = 2000
+duration = 0.2
+"""
 
 
 class AnalyticRods(ProgramTest):
@@ -58,6 +85,28 @@ class ModalRods(ProgramTest):
                 for body, name in (("moving", "velocity"), ("resting", "momentum")):
                     values = [getattr(one.bodies[body], name) for one in (table, modes)]
                     np.testing.assert_allclose(*values, rtol=0, atol=1e-9)
+
+    # Half of a block is held on its plane of symmetry and free along it. Responses are those of the modes within round-off, which
+    # the stiff contact amplifies.
+    def test_half_a_body_rebounds_as_by_modes(self):
+        self.write("half.geo", HALF)
+        scene = self.write("half.toml", HALF_SCENE)
+        self.succeed(kernel(scene, self.folder / "out"))
+        table, modes = (
+            impact(scene, self.folder / "out", f"title={kind}", f"contact.kernel={kind}")
+            for kind in ("table", "modes")
+        )
+        for result in (table, modes):
+            (episode,) = result.summary["episodes"]
+            self.assertAlmostEqual(episode["approach_m_per_s"], 1, delta=1e-9)
+        restitution = [result.summary["restitution"] for result in (table, modes)]
+        self.assertAlmostEqual(*restitution, delta=1e-7)
+        self.assertAlmostEqual(
+            restitution[0], modes.summary["impulse_ns"] / MASS - 1, delta=1e-7
+        )  # J = m (1 + e) v
+        velocity = table.bodies["half"].velocity
+        self.assertEqual(np.abs(velocity[:, 0]).max(), 0)  # held
+        self.assertAlmostEqual(velocity[0, 1], 0.25, delta=1e-9)  # free
 
 
 if __name__ == "__main__":
