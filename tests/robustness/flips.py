@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Flips single bits of kernels and results, and checks that each flip is refused in one line or changes nothing.
+"""Flips single bits of files, and checks that each flip is refused in one line or changes nothing.
 
     scripts/verify --flips --count 1000 --seed 1
 
-A flipped kernel is read by ricochet-contact, whose result must be that of the whole kernel, byte for byte. Of a flipped result, the
-Python package reads all datasets and attributes. The status is 1 if a flip is silent, or is answered otherwise.
+A flipped kernel or table is read by ricochet-contact, whose result must be that of the whole file, byte for byte. Of a flipped
+result, the Python package reads all datasets and attributes. With a flipped slice, or plan of slices, ricochet-kernel goes on where it
+was killed, and its kernel must be that of an undisturbed run up to round-off. The status is 1 if a flip is silent, or is answered
+otherwise.
 """
 import argparse
 import collections
@@ -13,10 +15,13 @@ import pathlib
 import random
 import shutil
 import subprocess
+import sys
 import tempfile
+import time
 
 import h5py
 
+from kill_subjects import same_numbers, write_scenes
 from ricochet import errors
 from ricochet.result_file import File
 
@@ -24,9 +29,9 @@ SOURCE = pathlib.Path(__file__).resolve().parents[2]
 BIN = pathlib.Path(os.environ["RICOCHET_BIN"])
 
 
-def program(name, folder):
-    """Status and lines of a program with the scene of `folder`."""
-    words = [BIN / f"ricochet-{name}", folder / "two-rods.toml", "--out", folder / "out", "--quiet"]
+def program(name, scene, out):
+    """Status and lines of a program."""
+    words = [BIN / f"ricochet-{name}", scene, "--out", out, "--quiet"]
     done = subprocess.run(words, capture_output=True, text=True, timeout=120, check=False)
     return done.returncode, done.stderr.splitlines()
 
@@ -78,45 +83,106 @@ def answers(path, count, seed, read):
     return found
 
 
+def by_contact(scene, out):
+    """The result of the impact of a scene."""
+    for result in out.glob("*.result.h5"):
+        result.unlink()
+    status, lines = program("contact", scene, out)
+    left = list(out.glob("*.result.h5"))
+    if status == 0:
+        return left[0].read_bytes()
+    return "refused" if (status, len(lines)) == (2, 1) and not left else "otherwise"
+
+
+def by_package(path, names):
+    """All that a result holds."""
+    try:
+        return values_of(path, *names)
+    except errors.InputError as refusal:
+        return "refused" if "\n" not in str(refusal) else "otherwise"
+    except Exception as other:  # the finding
+        print(f"{type(other).__name__}: {other}")
+        return "otherwise"
+
+
+class Killed:
+    """A run of ricochet-kernel that was killed after its first slices."""
+
+    def __init__(self, folder):
+        folder.mkdir()
+        write_scenes(folder)
+        self.scene, self.out = folder / "kills.toml", folder / "out"
+        status, lines = program("kernel", self.scene, self.out)
+        assert status == 0, lines
+        (self.whole,) = self.out.glob("moving-*.kernel.h5")
+        self.whole = self.whole.rename(folder / "whole.kernel.h5")
+        self.slices = self.killed()
+
+    def killed(self):
+        words = [BIN / "ricochet-kernel", self.scene, "--out", self.out, "--quiet"]
+        for _ in range(100):
+            process = subprocess.Popen(words, stderr=subprocess.DEVNULL)
+            while process.poll() is None and not list(self.out.glob("moving-*.slices/slice-*.h5")):
+                time.sleep(0.001)
+            process.kill()
+            process.wait()
+            for slices in self.out.glob("moving-*.slices"):
+                return slices.rename(self.scene.parent / slices.name)
+            for kernel in self.out.glob("moving-*.kernel.h5"):
+                kernel.unlink()
+        raise RuntimeError("no run of ricochet-kernel was killed while it had slices")
+
+    def kernel(self):
+        """What becomes of a run that goes on from the slices."""
+        for old in self.out.glob("moving-*.kernel.h5"):
+            old.unlink()
+        shutil.copytree(self.slices, self.out / self.slices.name)
+        status, lines = program("kernel", self.scene, self.out)
+        if status:
+            return "refused" if (status, len(lines)) == (2, 1) else "otherwise"
+        (kernel,) = self.out.glob("moving-*.kernel.h5")
+        return "whole" if same_numbers(kernel, self.whole) else "other"
+
+
+def files_and_readers(folder):
+    """For each kind of file: a file, its share of the flips, and its reader."""
+    rods, table = folder / "rods", folder / "table"
+    shutil.copytree(SOURCE / "meshes/two-rods", rods)
+    scene, out = rods / "two-rods.toml", rods / "out"
+    for one in ("kernel", "contact"):
+        assert program(one, scene, out)[0] == 0
+    kernel, result = sorted(out.glob("*.kernel.h5"))[0], next(out.glob("*.result.h5"))
+    yield "kernel", kernel, 0.3, lambda: by_contact(scene, out)
+    assert not isinstance(by_contact(scene, out), str)
+    names = names_of(result)
+    yield "result", result, 0.3, lambda: by_package(result, names)
+    shutil.copytree(SOURCE / "meshes/two-rods-analytic", table)
+    subprocess.run([sys.executable, table / "table.py"], check=True, capture_output=True)
+    sampled = table / "out"
+    yield "table", sampled / "rods.table.h5", 0.3, lambda: by_contact(
+        table / "two-rods-analytic.toml", sampled
+    )
+    run = Killed(folder / "killed")
+    yield "plan", run.slices / "plan.h5", 0.02, run.kernel
+    yield "slice", next(run.slices.glob("slice-*.h5")), 0.08, run.kernel
+
+
 def add_arguments(parser: argparse.ArgumentParser):
     parser.add_argument(
-        "--count", type=int, default=1000, help="flips, half of them in kernels (default: 1000)"
+        "--count", type=int, default=1000, help="flips, three tenths in each kind of file (default: 1000)"
+    )
+    parser.add_argument(
+        "--only", help="kind of file, which gets all flips: kernel, result, table, plan or slice"
     )
     parser.add_argument("--seed", default="1", help="seed (default: 1)")
 
 
 def run(options):
+    found = {}
     with tempfile.TemporaryDirectory(prefix="ricochet-flips-") as name:
-        folder = pathlib.Path(name)
-        shutil.copytree(SOURCE / "meshes/two-rods", folder, dirs_exist_ok=True)
-        for one in ("kernel", "contact"):
-            assert program(one, folder)[0] == 0
-        (kernel, *_), (result,) = (
-            sorted((folder / "out").glob(f"*.{kind}.h5")) for kind in ("kernel", "result")
-        )
-
-        def by_contact():
-            result.unlink(missing_ok=True)
-            status, lines = program("contact", folder)
-            if status == 0:
-                return result.read_bytes()
-            return "refused" if (status, len(lines)) == (2, 1) and not result.exists() else "otherwise"
-
-        names = names_of(result)
-
-        def by_package():
-            try:
-                return values_of(result, *names)
-            except errors.InputError as refusal:
-                return "refused" if "\n" not in str(refusal) else "otherwise"
-            except Exception as other:  # the finding
-                print(f"{type(other).__name__}: {other}")
-                return "otherwise"
-
-        found = {
-            "kernel": answers(kernel, options.count // 2, options.seed, by_contact),
-            "result": answers(result, options.count - options.count // 2, options.seed, by_package),
-        }
-    for kind, of_kind in found.items():
-        print(f"{kind}: " + ", ".join(f"{n} {answer}" for answer, n in sorted(of_kind.items())))
+        for kind, path, share, read in files_and_readers(pathlib.Path(name)):
+            if options.only in (None, kind):
+                count = options.count if options.only else round(share * options.count)
+                found[kind] = of_kind = answers(path, count, options.seed, read)
+                print(f"{kind}: " + ", ".join(f"{n} {answer}" for answer, n in sorted(of_kind.items())))
     return int(any(of_kind["silent"] or of_kind["otherwise"] for of_kind in found.values()))
