@@ -188,12 +188,13 @@ double frequency_factor(const Similarity& factors) {
 Kernel rescaled(Kernel kernel, const Similarity& factors, const Damping& damping) {
   const Growth by = growth(factors);
   auto& [body, hash, scene, mesh_sha256, created_by, dofs, elements, order, mass, centre, inertia, supported,
-         parts, held_on_lines, outline, modes, surface, loads, applied, motions, receivers, gauges, view] =
-      kernel;
+         parts, held_on_lines, outline, piece_box, piece_elements, modes, surface, loads, applied, motions,
+         receivers, gauges, view] = kernel;
   mass *= by.mass;
   multiply(centre, by.length);
   multiply(inertia, by.mass * by.length * by.length);
   multiply(outline, by.length);
+  multiply(piece_box, by.length);
   rescale(modes, frequency_factor(factors), damping);
   rescale(surface, by);
   rescale(loads, by);

@@ -75,6 +75,9 @@ void list_root(auto& file, auto& kernel) {
   file.optional_attribute("/", "held_on_lines", kernel.held_on_lines);
   const std::size_t outline = file.rows("/body/outline", kernel.outline, 3);
   file.optional_dataset("/body/outline", kernel.outline, {outline, 3}, "m");
+  const std::size_t pieces = file.rows("/body/piece_elements", kernel.piece_elements, 1);
+  file.optional_dataset("/body/piece_elements", kernel.piece_elements, {pieces}, "1");
+  file.optional_dataset("/body/piece_box", kernel.piece_box, {pieces, 2, 3}, "m");
 }
 
 void list_modes(auto& file, auto& modes) {

@@ -123,6 +123,17 @@ void validate_body(const Kernel& kernel, const Validator& check) {
   if (kernel.parts < 0) check.fail("attribute \"parts\"", "is negative.");
   if (kernel.held_on_lines < 0 || kernel.held_on_lines > 7)
     check.fail("attribute \"held_on_lines\"", "must be from 0 to 7.");
+  if (std::ranges::any_of(kernel.piece_elements, [](std::int64_t n) { return n < 1; }))
+    check.fail_dataset("/body/piece_elements", "contains a piece without elements.");
+  const std::vector<double>& box = kernel.piece_box;
+  if (box.size() != 6 * kernel.piece_elements.size())
+    check.fail_dataset("/body/piece_box", base::format("has {} values, not 6 for each of {} pieces.",
+                                                       box.size(), kernel.piece_elements.size()));
+  for (std::size_t i = 0; i < box.size(); ++i)
+    if (i % 6 < 3 && box[i] > box[i + 3])
+      check.fail_dataset(
+          "/body/piece_box",
+          base::format("has a lowest coordinate of {} above the highest, {}.", box[i], box[i + 3]));
 }
 
 void validate_modes(const Modes& modes, const Validator& check) {

@@ -2,6 +2,7 @@
 #include "contact/motion/floating_body.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "base/format.hpp"
 #include "contact/motion/turning.hpp"
@@ -26,6 +27,15 @@ void check(const Model& model, const Bodies::Block& block) {
                      "moves bodies that "
                      "are free or held in all ways. Add supports, leave them out, or set \"linear\".",
                      block.name, rigid));
+  if (const std::size_t pieces = block.kernel->piece_elements.size(); pieces > 1)
+    throw InputError(
+        base::format("bodies.{}: it consists of {} {}, which have {} rigid modes, but motion.rotation = "
+                     "\"finite\" moves a body as a whole. Join them at common faces, make each a body of its "
+                     "own, or set \"linear\".",
+                     block.name, pieces,
+                     std::cmp_equal(block.kernel->parts, pieces) ? "parts that are not joined"
+                                                                 : "pieces that are not joined at faces",
+                     rigid));
   if (rigid != block.frame_modes())
     throw InputError(
         base::format("bodies.{}: its kernel has {} rigid modes, but motion.rotation = \"finite\" needs the "

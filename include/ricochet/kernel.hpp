@@ -248,6 +248,10 @@ struct Kernel {
   std::int64_t held_on_lines = 0;   ///< bit c: supports hold component c on lines or points only
   /// (H,3) nodes that lie farthest out in several hundred directions [m]; empty if not known
   std::vector<double> outline;
+  /// Elements that share faces are a piece. Only if pieces of a body can move against each other without
+  /// strain: lowest and highest coordinates of each (P,2,3) [m], and its number of elements (P).
+  std::vector<double> piece_box{};
+  std::vector<std::int64_t> piece_elements{};
 
   Modes modes;
   Surface surface;

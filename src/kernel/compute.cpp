@@ -8,6 +8,7 @@
 #include "base/memory.hpp"
 #include "kernels/algebra.hpp"
 #include "kernels/band.hpp"
+#include "src/elasticity/rigid.hpp"
 #include "src/kernel/discretise.hpp"
 #include "src/kernel/imported_modes.hpp"
 #include "src/mesh/extent.hpp"
@@ -155,6 +156,11 @@ kernels::Kernel compute(scene::KernelRequest& request, const std::filesystem::pa
   kernel.outline = mesh::outline_of(mesh);
   kernel.held_on_lines = mesh::held_on_lines(mesh);
   if (mesh.total_elements > 0) kernel.parts = mesh.parts;
+  if (mesh.parts > 1 || elasticity::mechanisms(mesh) > 0)
+    for (const mesh::Piece& piece : mesh.pieces) {
+      kernel.piece_elements.push_back(piece.elements);
+      kernel.piece_box.insert(kernel.piece_box.end(), piece.box.begin(), piece.box.end());
+    }
   const bool fitted = request.modes.basis == scene::Basis::contact;
   kernel.modes.basis = fitted ? "contact" : "modes";
   kernel.modes.angular_frequency = modes.angular_frequency;

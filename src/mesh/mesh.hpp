@@ -5,8 +5,10 @@
 #include <mpi.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "src/mesh/reference.hpp"
@@ -67,6 +69,13 @@ struct GlobalMesh {
   std::vector<std::string> warnings{};  ///< of the reader, for the user
 };
 
+/// Elements of one connected part that hang together through faces. Pieces of a part share nodes at edges or
+/// points, about which they may turn.
+struct Piece {
+  std::int64_t part = 0, elements = 0;
+  std::array<double, 6> box{};  ///< lowest, then highest coordinates of its nodes [m]
+};
+
 /// One rank's part of a mesh. Each rank holds every element that touches a node it owns, so that assembly
 /// needs no communication. An element is `own` on exactly one rank, where integrals over the body count it.
 struct Mesh {
@@ -81,7 +90,15 @@ struct Mesh {
   std::vector<std::int64_t> fixed;      ///< (n_local) as in GlobalMesh
   std::vector<std::int64_t> part;       ///< (n_local) index of the connected part
   std::int64_t parts = 1;               ///< number of connected parts, which share no node
-  std::vector<Block> blocks;            ///< node indices are local
+  /// The same on every rank; ordered by part, then by the lowest tags of their elements. Empty if the parts
+  /// are one or unknown, and each of them is one piece.
+  std::vector<Piece> pieces;
+  /// (n_local) piece of each node that this rank owns, the first if it has several; empty if each part is
+  /// one.
+  std::vector<std::int64_t> piece;
+  /// The other pieces of nodes that this rank owns: local node number, piece.
+  std::vector<std::pair<std::size_t, std::int64_t>> joint;
+  std::vector<Block> blocks;                   ///< node indices are local
   std::vector<std::vector<std::int64_t>> own;  ///< per block and element: 1 if the element is own
   FacetMesh contact, loaded;                   ///< global node numbers, the same on every rank
   FacetMesh visualisation;                     ///< global node numbers, on rank 0 only

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "src/mesh/connected.hpp"
+#include "src/mesh/pieces.hpp"
 #include "src/mesh/send.hpp"
 
 namespace ricochet::mesh {
@@ -171,6 +172,7 @@ Mesh distribute(GlobalMesh&& global, MPI_Comm comm) {
   mesh.loaded = std::move(global.loaded);
   broadcast(mesh.loaded, comm);
   mesh.visualisation = std::move(global.visualisation);
+  find_pieces(mesh);
   return mesh;
 }
 

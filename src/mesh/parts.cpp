@@ -9,6 +9,7 @@
 #include "src/mesh/connected.hpp"
 #include "src/mesh/directory.hpp"
 #include "src/mesh/partition.hpp"
+#include "src/mesh/pieces.hpp"
 #include "src/mesh/send.hpp"
 #include "src/mesh/share.hpp"
 
@@ -211,6 +212,7 @@ Mesh read_parts(const scene::Body& body, MPI_Comm team, const parallel::Progress
   send(same_types(team, share.blocks), Numbers(elements, parallel::rank_of(team)), share.position, nodes,
        mesh);
   collect_surfaces(team, body, share, nodes, mesh);
+  find_pieces(mesh);
   return mesh;
 }
 

@@ -59,6 +59,8 @@ class Searcher {
         progress_(progress),
         request_(request),
         rigid_(operators.below_zero),
+        // No search ends among the modes at zero.
+        count_(std::max(request.count.value_or(0), rigid_)),
         factor_(factor),
         checkpoint_(checkpoint),
         expected_(request.expected ? request.expected : operators.expected_count()) {}
@@ -66,7 +68,7 @@ class Searcher {
   /// Finds the end of the search. Collective.
   Probe find_end() {
     request_.up_to ? probe_up_to(std::pow(static_cast<RadPerSecond>(*request_.up_to).value, 2))
-                   : probe_for(*request_.count);
+                   : probe_for(count_);
     return end_;
   }
 
@@ -104,10 +106,10 @@ class Searcher {
   CountModel model() const { return CountModel(rigid_, probes_, expected_); }
 
   /// The number of elastic modes requested; known once the end has been counted, or by request.
-  std::int64_t modes() const { return (request_.count ? *request_.count : end_.below) - rigid_; }
+  std::int64_t modes() const { return (request_.count ? count_ : end_.below) - rigid_; }
 
   /// A few more eigenvalues than requested, so that a plan is unlikely to end too early.
-  double sought() const { return 1.04 * static_cast<double>(*request_.count) + 8; }
+  double sought() const { return 1.04 * static_cast<double>(count_) + 8; }
 
   /// Chooses the solver and its tasks.
   std::vector<Task> choose_tasks() {
@@ -133,7 +135,7 @@ class Searcher {
     std::vector<Task> tasks;
     std::vector<double> factored;
     for (int round = 0; round < 8; ++round) {
-      end_ = {model().lambda_at(sought()), *request_.count};
+      end_ = {model().lambda_at(sought()), count_};
       tasks = in_order(plan_shifts(model(), end_.sigma, request_.modes_per_shift, teams_.count()), teams);
       const std::size_t first = std::min(teams, tasks.size());
       // A shift may be as far from the middle of its interval as this share of its half-width. That costs
@@ -189,7 +191,7 @@ class Searcher {
       const Stitched stitched = stitch(rigid_, found_.slices, end_);
       if (!stitched.missing.empty()) return;
       const std::vector<double> lambda = lambda_of(found_.slices, stitched.share);
-      if (const auto cut = cut_of(teams_, factor_, lambda, *request_.count - rigid_, rigid_)) {
+      if (const auto cut = cut_of(teams_, factor_, lambda, count_ - rigid_, rigid_)) {
         end_ = cut->at;
         return;
       }
@@ -203,7 +205,7 @@ class Searcher {
           1.5 * (to - end_.sigma) / std::max(4.0, model().count_at(to) - model().count_at(end_.sigma));
       work({{(end_.sigma + to) / 2, {end_.sigma - overlap, to}}});
     }
-    throw SolverError(fmt::format("modes: no frequency with {} modes below it is found", *request_.count));
+    throw SolverError(fmt::format("modes: no frequency with {} modes below it is found", count_));
   }
 
   /// Takes over the stored slices and returns the remaining tasks.
@@ -372,6 +374,8 @@ class Searcher {
   const Progress progress_;
   const Request& request_;
   std::int64_t rigid_;
+  std::int64_t
+      count_;  ///< number of modes requested, at least those at zero; unless all up to a frequency are
   LanczosOptions options_;
   bool dense_ = false;  ///< whether slices are computed by the dense solver
   Factorisation& factor_;

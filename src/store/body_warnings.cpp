@@ -67,6 +67,46 @@ void add_locking(const scene::Body& body, const kernels::Kernel& kernel, std::ve
           body.name, material.poisson, locking_poisson));
 }
 
+/// The number of elements and the place of each piece, or of the first of many; empty if not known.
+std::string pieces_of(const kernels::Kernel& kernel) {
+  constexpr std::size_t most = 4;
+  const std::size_t pieces = kernel.piece_elements.size(), named = pieces > most + 1 ? most : pieces;
+  std::vector<std::string> out;
+  for (std::size_t p = 0; p < named; ++p) {
+    const double* box = &kernel.piece_box[6 * p];
+    out.push_back(fmt::format("{} element{} in x {:.4g} to {:.4g}, y {:.4g} to {:.4g}, z {:.4g} to {:.4g} m",
+                              kernel.piece_elements[p], kernel.piece_elements[p] == 1 ? "" : "s", box[0],
+                              box[3], box[1], box[4], box[2], box[5]));
+  }
+  if (named < pieces) out.push_back(fmt::format("{} more", pieces - named));
+  return out.empty() ? "" : fmt::format(" ({})", fmt::join(out, "; "));
+}
+
+/// Parts that move through each other, or that hinge on each other.
+void add_loose(const scene::Body& body, const kernels::Kernel& kernel, std::vector<std::string>& out) {
+  // A connected body has six rigid modes, a rod one. Kernels of other programs do not state their parts.
+  const auto rigid = std::ranges::count(kernel.modes.angular_frequency, 0.0);
+  const int most = kernel.surface.corners() == 1 ? 1 : 6;
+  const std::string modes = fmt::format("{} rigid mode{}", rigid, rigid == 1 ? "" : "s");
+  const auto pieces = std::ssize(kernel.piece_elements);
+  if (kernel.parts == 1 && pieces > 1)
+    out.push_back(
+        fmt::format("{} consists of {} pieces that are joined at edges or points only, with {} in "
+                    "all: they turn about these joints without resistance, and move through each other{}. "
+                    "Join them at faces, or leave all but one out",
+                    body.name, pieces, modes, pieces_of(kernel)));
+  else if (kernel.parts > 1 || rigid > most)
+    out.push_back(fmt::format(
+        "{} consists of {} that are not joined{}, with {} in all: they move through each "
+        "other{}. "
+        "Give them common nodes (gmsh: Coherence, BooleanFragments)",
+        body.name, kernel.parts > 1 ? fmt::format("{} parts", kernel.parts) : "parts",
+        pieces > kernel.parts
+            ? fmt::format(", of {} pieces of which some are joined at edges or points only", pieces)
+            : "",
+        modes, pieces_of(kernel)));
+}
+
 }  // namespace
 
 Vector3 size_of(const kernels::Kernel& kernel) {
@@ -106,15 +146,7 @@ std::string figures_of(const scene::Body& body, const kernels::Kernel& kernel) {
 std::vector<std::string> warnings_of(const scene::Body& body, const kernels::Kernel& kernel) {
   std::vector<std::string> out;
   add_implausible(body, kernel, out);
-  // A connected body has six rigid modes, a rod one. Kernels of other programs do not state their parts.
-  const auto rigid = std::ranges::count(kernel.modes.angular_frequency, 0.0);
-  const int most = kernel.surface.corners() == 1 ? 1 : 6;
-  if (kernel.parts > 1 || rigid > most)
-    out.push_back(
-        fmt::format("{} consists of {} that are not joined, with {} rigid modes in all: they move through "
-                    "each other. Give "
-                    "them common nodes (gmsh: Coherence, BooleanFragments)",
-                    body.name, kernel.parts > 1 ? fmt::format("{} parts", kernel.parts) : "parts", rigid));
+  add_loose(body, kernel, out);
   if (kernel.held_on_lines != 0) {
     std::string components;
     for (int c = 0; c < 3; ++c)

@@ -185,8 +185,8 @@ namespace {
 void move_rigid_traces(const std::vector<double>& arm, kernels::Kernel& kernel) {
   const std::size_t n = kernel.modes.size(), c = static_cast<std::size_t>(kernel.surface.components);
   const Eigen::Matrix3d inertia = Eigen::Map<const Eigen::Matrix3d>(kernel.inertia.data());
-  // Parts of a body that are not joined turn separately, and rods do not turn.
-  if (kernel.parts > 1 || !(inertia.determinant() > 0)) return;
+  // Parts and pieces of a body turn separately, and rods do not turn.
+  if (kernel.parts > 1 || !kernel.piece_elements.empty() || !(inertia.determinant() > 0)) return;
   const auto three = [&](const std::vector<double>& rows, std::size_t mode) {
     return Eigen::Vector3d(rows[mode], rows[n + mode], rows[2 * n + mode]);
   };

@@ -391,5 +391,18 @@ TEST(Floating, tumbling_keeps_the_balances) {
   EXPECT_LT(deepest, 5e-3);
 }
 
+TEST(Floating, refuses_a_body_whose_pieces_move_by_themselves) {
+  Cloud cloud({0.1, 0.07, 0.04}, 1000, 1e-8, 3);
+  cloud.kernel.piece_elements = {5, 7};
+  const auto start = [&] { make_stepper(over_floor(cloud, {}), stepping(1e5)); };
+  const auto complaint = [&] { return ricochet::test::complaint_of(start); };
+  EXPECT_THAT(complaint(),
+              testing::HasSubstr("2 pieces that are not joined at faces, which have 6 rigid modes"));
+  cloud.kernel.parts = 2;
+  EXPECT_THAT(complaint(), testing::HasSubstr("2 parts that are not joined, which have 6 rigid modes"));
+  cloud.kernel.piece_elements.clear();
+  EXPECT_NO_THROW(start());
+}
+
 }  // namespace
 }  // namespace ricochet::contact::test

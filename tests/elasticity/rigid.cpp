@@ -4,8 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <utility>
+#include <vector>
 
+#include "tests/cubes.hpp"
 #include "tests/meshes.hpp"
 #include "tests/modes/dense.hpp"
 
@@ -127,6 +131,63 @@ TEST(RigidModes, of_two_bodies_in_one_mesh_are_those_of_each) {
   });
   EXPECT_EQ(parallel::largest(both.mesh.comm, first), 0);
   EXPECT_EQ(parallel::largest(both.mesh.comm, second), 0);
+}
+
+/// The number of rigid modes, of which the stiffness must not resist any, and that of mechanisms.
+std::pair<Index, std::int64_t> counts(const Supported& cubes) {
+  const MatrixXd force = test::product(cubes.body.stiffness, cubes.modes);
+  double largest = force.size() > 0 ? force.cwiseAbs().maxCoeff() : 0;
+  // Entries of K and of the modes are of order one, and each row has some hundred.
+  EXPECT_LT(parallel::largest(cubes.mesh.comm, largest), 1e-12);
+  return {cubes.modes.cols(), elasticity::mechanisms(cubes.mesh)};
+}
+
+Supported free_cubes(const std::vector<std::array<int, 3>>& lowest) {
+  return Supported(test::cubes_geo(lowest, 2), [](const Vector3d&) { return 0; });
+}
+
+using Counts = std::pair<Index, std::int64_t>;
+
+TEST(RigidModes, of_cubes_that_share_an_edge_are_seven_and_a_vertex_nine) {
+  EXPECT_EQ(counts(free_cubes({{0, 0, 0}, {1, 1, 0}})), Counts(7, 1));
+  EXPECT_EQ(counts(free_cubes({{0, 0, 0}, {1, 1, 1}})), Counts(9, 3));
+  EXPECT_EQ(counts(free_cubes({{0, 0, 0}, {1, 0, 0}})), Counts(6, 0));
+}
+
+TEST(RigidModes, of_chains_and_loops_of_cubes_are_those_that_joints_leave) {
+  EXPECT_EQ(counts(free_cubes({{0, 0, 0}, {1, 1, 0}, {2, 2, 1}, {6, 0, 0}})), Counts(6 + 1 + 3 + 6, 4));
+  // Three edges along three axes, one for each pair: the cubes hold each other.
+  EXPECT_EQ(counts(free_cubes({{0, 0, 0}, {1, 1, 0}, {1, 0, 1}})), Counts(6, 0));
+}
+
+// A cube of density 2 hangs by an edge along z at x = y = 1 on one that is fixed: J = m (1 + 1)/3.
+TEST(RigidModes, of_a_cube_that_hinges_on_a_fixed_one_are_its_rotation_about_the_shared_edge) {
+  const Supported cubes(test::cubes_geo({{0, 0, 0}, {1, 1, 0}}, 2),
+                        [](const Vector3d& x) { return x[0] < 1e-9 ? 7 : 0; });
+  ASSERT_EQ(counts(cubes), Counts(1, 1));
+  const double size = 1 / std::sqrt(2 * 2.0 / 3);
+  // The angular momentum about the origin has the sign of that about the hinge.
+  const double sign = cubes.sign(0, 5);
+  const Vector3d hinge(1, 1, 0);
+  EXPECT_LT(cubes.deviation(0,
+                            [&](const Vector3d& x) -> Vector3d {
+                              if (x[0] < 1 + 1e-9 && x[1] < 1 + 1e-9) return Vector3d::Zero();
+                              return sign * size * Vector3d::UnitZ().cross(x - hinge);
+                            }),
+            1e-10);
+}
+
+TEST(RigidModes, begin_with_those_of_the_whole_although_it_hinges) {
+  const Supported cubes = free_cubes({{0, 0, 0}, {1, 1, 0}});
+  for (Index k = 0; k < 3; ++k) {
+    const double speed = cubes.sign(k, static_cast<int>(k)) / std::sqrt(4.0);  // the mass
+    EXPECT_LT(cubes.deviation(k, [&](const Vector3d&) -> Vector3d { return speed * Vector3d::Unit(k); }),
+              1e-10);
+  }
+  // The pieces swing against each other, so that the whole neither moves nor turns.
+  MatrixXd momentum = cubes.body.rigid_load.transpose() * cubes.modes.col(6);
+  parallel::sum(cubes.mesh.comm, momentum);
+  EXPECT_LT(momentum.cwiseAbs().maxCoeff(), 1e-12);
 }
 
 }  // namespace rigid_test

@@ -240,6 +240,7 @@ TEST_F(Damage, a_value_that_is_not_a_number_is_refused_wherever_it_stands) {
   for (const std::string name : {"/body/centre",
                                  "/body/inertia",
                                  "/body/outline",
+                                 "/body/piece_box",
                                  "/modes/angular_frequency",
                                  "/modes/decay_rate",
                                  "/modes/residual",

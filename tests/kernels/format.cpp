@@ -44,6 +44,8 @@ void expect_same(const Kernel& a, const Kernel& b) {
   EXPECT_EQ(a.parts, b.parts);
   EXPECT_EQ(a.held_on_lines, b.held_on_lines);
   EXPECT_TRUE(same_bits(a.outline, b.outline));
+  EXPECT_TRUE(same_bits(a.piece_box, b.piece_box));
+  EXPECT_EQ(a.piece_elements, b.piece_elements);
   EXPECT_EQ(a.modes.basis, b.modes.basis);
   EXPECT_TRUE(same_bits(a.modes.angular_frequency, b.modes.angular_frequency));
   EXPECT_TRUE(same_bits(a.modes.decay_rate, b.modes.decay_rate));
@@ -225,7 +227,7 @@ TEST(KernelFile, every_dataset_of_numbers_has_a_unit_and_no_object_a_time) {
   // The datasets of docs/formats/kernel.md without names: 31, plus 4 for each load,
   // 3 for a motion, 6 for each receiver, 1 for each gauge with 5 for its stress and 5 for its strain, and 5
   // for the stress of the visualisation surface.
-  EXPECT_EQ(seen, 31 + 2 * 4 + 3 + 2 * 6 + (1 + 5) + (1 + 5 + 5) + 5);
+  EXPECT_EQ(seen, 33 + 2 * 4 + 3 + 2 * 6 + (1 + 5) + (1 + 5 + 5) + 5);
 }
 
 TEST(KernelFile, another_program_finds_the_shape_as_points_by_components_by_modes) {

@@ -55,6 +55,8 @@ inline Kernel sample_kernel(int components, std::size_t n = 5, std::size_t m = 4
   kernel.parts = 2;
   kernel.held_on_lines = 5;
   fill(kernel.outline, 3 * 4);
+  kernel.piece_box = {-1, -2, -3, 0, 0, 1.0 / 3, 0.5, 0, 0, 2, 3, 4};
+  kernel.piece_elements = {320, 1};
 
   Modes& modes = kernel.modes;
   for (std::size_t i = 0; i < n; ++i) {

@@ -4,11 +4,14 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <utility>
 
 #include "src/reduction/residual.hpp"
+#include "tests/cubes.hpp"
 #include "tests/meshes.hpp"
 #include "tests/modes/dense.hpp"
 
@@ -157,6 +160,34 @@ TEST(SeveralParts, have_the_rigid_modes_and_the_eigenvalues_of_each) {
         modes::compute_modes(*teams, made.mesh, made.body, *made.factor, {.count = 40});
     const int rigid = supported ? 6 : 12;
     for (int k = 0; k < 40; ++k)
+      if (k < rigid)
+        EXPECT_EQ(set.angular_frequency[k], 0) << k;
+      else
+        EXPECT_NEAR(set.angular_frequency[k], std::sqrt(exact[k]), 1e-9 * std::sqrt(exact[k])) << k;
+  }
+}
+
+TEST(SeveralParts, have_all_rigid_modes_if_fewer_are_wanted) {
+  const mesh::GmshSession gmsh;
+  const Made made = make(test::cubes_geo({{0, 0, 0}, {3, 0, 0}}, 1), 2);
+  for (const modes::Solver solver : {modes::Solver::slicing, modes::Solver::dense})
+    for (const std::int64_t count : {1, 2, 11, 12})
+      EXPECT_EQ(modes::compute_modes(test::one_team(), made.mesh, made.body, *made.factor,
+                                     {.count = count, .solver = solver})
+                    .angular_frequency,
+                std::vector<double>(12, 0))
+          << count;
+}
+
+TEST(Hinge, has_rigid_modes_of_its_pieces_and_the_eigenvalues_of_both) {
+  const mesh::GmshSession gmsh;
+  for (const auto& [second, rigid] : {std::pair{std::array{1, 1, 0}, 7}, std::pair{std::array{1, 1, 1}, 9}}) {
+    const Made made = make(test::cubes_geo({{0, 0, 0}, second}, 1), 2, {}, test::own_teams());
+    const Eigen::VectorXd exact = test::dense_eigenvalues(made.mesh, made.body);
+    const modes::ModeSet set =
+        modes::compute_modes(test::own_teams(), made.mesh, made.body, *made.factor, {.count = 24});
+    ASSERT_GE(set.angular_frequency.size(), 24U);
+    for (int k = 0; k < 24; ++k)
       if (k < rigid)
         EXPECT_EQ(set.angular_frequency[k], 0) << k;
       else

@@ -8,6 +8,7 @@
 namespace body_warnings_test {
 
 using namespace ricochet;
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -114,6 +115,29 @@ TEST(Warnings, name_parts_that_are_not_joined) {
   bracket.kernel.parts = 2;  // fixed by supports
   bracket.kernel.modes.angular_frequency.assign(6, 1);
   EXPECT_THAT(bracket.warnings(), ElementsAre(HasSubstr("2 parts that are not joined, with 0 rigid modes")));
+}
+
+TEST(Warnings, name_pieces_that_hinge_on_each_other_and_where_they_are) {
+  Bracket bracket;
+  bracket.kernel.modes.angular_frequency.assign(7, 0);
+  bracket.kernel.piece_elements = {320, 1};
+  bracket.kernel.piece_box = {0, 0, 0, 0.03, 0.02, 0.04, 0.03, 0, -0.01, 0.06, 0.02, 0};
+  const std::string places =
+      "(320 elements in x 0 to 0.03, y 0 to 0.02, z 0 to 0.04 m; 1 element in x 0.03 to "
+      "0.06, y 0 to 0.02, z -0.01 to 0 m)";
+  EXPECT_THAT(bracket.warnings(),
+              ElementsAre(AllOf(HasSubstr("bracket consists of 2 pieces that are joined at "
+                                          "edges or points only, with 7 rigid modes"),
+                                HasSubstr(places))));
+  bracket.kernel.modes.angular_frequency.assign(1, 0);  // one of them fixed by a support
+  EXPECT_THAT(bracket.warnings(), ElementsAre(HasSubstr("with 1 rigid mode in all")));
+  bracket.kernel.parts = 2;
+  EXPECT_THAT(bracket.warnings(),
+              ElementsAre(AllOf(HasSubstr("2 parts that are not joined, with 1 rigid"), HasSubstr(places))));
+  bracket.kernel.piece_elements.assign(7, 2);
+  bracket.kernel.piece_box.assign(42, 0);
+  EXPECT_THAT(bracket.warnings(), ElementsAre(AllOf(HasSubstr("2 parts that are not joined, of 7 pieces"),
+                                                    HasSubstr("m; 3 more)"))));
 }
 
 TEST(Warnings, name_supports_on_lines_and_points) {
