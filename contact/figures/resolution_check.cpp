@@ -26,6 +26,8 @@ constexpr double share_of_overshoot = 0.05, longest_window = 1e6;
 // Three candidates across the zone of contact: a quarter of a zone, cut by two planes of symmetry, then
 // contains four, and a zone along a line three.
 constexpr int fewest_on_surface = 4, fewest_on_line = 3;
+// Patches of coarse meshes show a curvature within a factor of two.
+constexpr double more_curved = 2;
 // A pulse of duration T excites modes up to about 1/T. Modes above the band respond quasi-statically.
 constexpr double least_periods = 1;
 constexpr double share_of_impulse = 0.1;  // episodes with less than this share do not decide
@@ -35,7 +37,10 @@ constexpr double faster = 1.05;
 }  // namespace
 
 ResolutionCheck::ResolutionCheck(const Model& model)
-    : model_(model), rigid_(model), most_active_(model.pairs.size(), 0) {}
+    : model_(model),
+      rigid_(model),
+      most_active_(model.pairs.size(), 0),
+      strongest_(model.pairs.size(), {0, -1}) {}
 
 void ResolutionCheck::observe(const Stepper& stepper, const Vector& before) {
   if (step_ == 0) {
@@ -56,8 +61,10 @@ void ResolutionCheck::observe(const Stepper& stepper, const Vector& before) {
   for (std::size_t p = 0; p < model_.pairs.size(); ++p) {
     const Model::PairBlock& pair = model_.pairs[p];
     int active = 0;
-    for (int i = pair.first_point; i < pair.first_point + pair.points; ++i)
+    for (int i = pair.first_point; i < pair.first_point + pair.points; ++i) {
       if (force(i) > 0) active += pair.is_summit(i) ? fewest_on_surface : 1;  // a summit follows Hertz's law
+      if (force(i) > strongest_[p].first) strongest_[p] = {force(i), i};
+    }
     most_active_[p] = std::max(most_active_[p], active);
   }
   if (touched) return;
@@ -141,6 +148,36 @@ std::string ResolutionCheck::overshoot(const ImpactFigures& figures) const {
   return "";
 }
 
+/// A multiple of the curvature of a body where its candidates are nearest to a point of the world [1/m]: the
+/// bulge of a patch grows with its area. 0 on flat and hollow surfaces.
+static double curvature(const Bodies::Block& body, const Vector3d& point) {
+  const kernels::Surface& surface = body.kernel->surface;
+  if (surface.bulge.empty()) return 0;
+  const std::vector<double>& place = surface.places();
+  const Vector3d own = body.rotation.transpose() * (point - body.translation);
+  std::size_t nearest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < surface.bulge.size(); ++i) {
+    const double distance = (Eigen::Map<const Vector3d>(&place[3 * i]) - own).norm();
+    if (distance < least) {
+      least = distance;
+      nearest = i;
+    }
+  }
+  return std::max(surface.bulge[nearest] / surface.area[nearest], 0.0);
+}
+
+/// The candidates are those of the first body, which should be the more curved one: projected on a flat
+/// surface, they follow the zone of contact.
+std::string ResolutionCheck::better_order(const Model::PairBlock& pair, int point) const {
+  if (pair.b < 0 || point < 0 || model_.turns) return "";
+  const Bodies::Block &a = model_.bodies[pair.a], &b = model_.bodies[pair.b];
+  if (!(curvature(b, model_.point_b.row(point).transpose()) >
+        more_curved * curvature(a, model_.point_a.row(point).transpose())))
+    return "";
+  return fmt::format(". {} is more curved there: name it before {} in between", b.name, a.name);
+}
+
 std::string ResolutionCheck::few_candidates() const {
   for (std::size_t p = 0; p < model_.pairs.size(); ++p) {
     const Model::PairBlock& pair = model_.pairs[p];
@@ -155,8 +192,8 @@ std::string ResolutionCheck::few_candidates() const {
         "at most {} of {} candidates of {} touch at the same time (below {}): the zone of contact is smaller "
         "than their distance, so peak force and duration depend on it. Refine the mesh where bodies touch, "
         "or "
-        "lower contact.spacing",
-        active, pair.points, model_.bodies[pair.a].name, fewest);
+        "lower contact.spacing{}",
+        active, pair.points, model_.bodies[pair.a].name, fewest, better_order(pair, strongest_[p].second));
   }
   return "";
 }

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "contact/figures/impact_figures.hpp"
@@ -32,6 +33,7 @@ class ResolutionCheck {
   std::string front(const ImpactFigures& figures) const;
   std::string overshoot(const ImpactFigures& figures) const;
   std::string few_candidates() const;
+  std::string better_order(const Model::PairBlock& pair, int point) const;
   std::string low_band(const ImpactFigures& figures) const;
   std::string faster_approach() const;
 
@@ -42,6 +44,8 @@ class ResolutionCheck {
   PeakRise peak_;
   std::optional<PeakMean> mean_;  ///< over the shortest time that the run resolves; set by the first step
   std::vector<int> most_active_;  ///< by pair
+  /// By pair: the largest force of a point so far [N], and this point.
+  std::vector<std::pair<double, int>> strongest_;
   bool touching_ = false;
   int episodes_ = 0, fastest_episode_ = 0;
   double first_approach_ = 0, fastest_approach_ = 0;  ///< rigid approach when an episode began [m/s]

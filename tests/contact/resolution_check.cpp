@@ -159,6 +159,32 @@ TEST(Warnings, name_a_zone_of_contact_with_few_candidates) {
   EXPECT_THAT(fall(8, 3, 0.01), IsEmpty());
 }
 
+/// The first of eight candidates of a plate falls on another plate, and both bulge there.
+std::vector<std::string> plates_meet(double bulge_of_upper, double bulge_of_lower) {
+  Kernel upper = *plate({.modes = 1, .points = 8}), lower = *plate({.modes = 1, .points = 8});
+  for (int i = 1; i < 8; ++i) upper.surface.node[3 * i + 2] = 0.1;
+  upper.surface.bulge.assign(8, 0);
+  lower.surface.bulge.assign(8, 0);
+  upper.surface.bulge[0] = bulge_of_upper;
+  lower.surface.bulge[0] = bulge_of_lower;
+  const Matrix3d over = Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  const Model model = build_model({{"upper", &upper, Matrix3d::Identity(), {0, 0, 0.001}, {0, 0, -1}},
+                                   {"lower", &lower, over, Vector3d::Zero(), Vector3d::Zero()}},
+                                  {}, {{"upper", "lower", Vector3d(0, 0, -1), {}, {}}}, Vector3d::Zero());
+  return warnings_of(model, 0.01, 1e-6);
+}
+
+TEST(Warnings, name_the_more_curved_body_as_the_first_one_where_candidates_are_few) {
+  const std::string advice = "lower is more curved there: name it before upper in between";
+  EXPECT_THAT(plates_meet(1e-6, 2.1e-6),
+              ElementsAre(AllOf(HasSubstr("1 of 8 candidates of upper touch"), HasSubstr(advice))));
+  EXPECT_THAT(plates_meet(0, 1e-9), ElementsAre(HasSubstr(advice)));
+  for (const auto& [of_upper, of_lower] : {std::pair{1e-6, 1.9e-6}, {2e-6, 1e-6}, {0.0, 0.0}, {0.0, -1e-6}})
+    EXPECT_THAT(plates_meet(of_upper, of_lower),
+                ElementsAre(AllOf(HasSubstr("1 of 8 candidates of upper touch"),
+                                  testing::Not(HasSubstr("more curved")))));
+}
+
 TEST(Warnings, name_a_band_that_ends_below_the_contact) {
   Kernel kernel = *plate({.modes = 1, .points = 3});
   const auto warnings = [&](double upto_hz) {
