@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/simd/dense.hpp"
 
-#include "contact/simd/processor.hpp"
+#include "base/processor.hpp"
 
 namespace ricochet::contact::simd {
 
@@ -12,8 +12,8 @@ extern const Dense dense_avx2, dense_avx512;
 
 const Dense& dense() noexcept {
 #ifdef RICOCHET_SIMD_X86
-  if (supports_avx512()) return dense_avx512;
-  if (supports_avx2()) return dense_avx2;
+  if (base::supports_avx512()) return dense_avx512;
+  if (base::supports_avx2()) return dense_avx2;
 #endif
   return dense_baseline;
 }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "base/processor.hpp"
+
 namespace ricochet::modes {
 
 namespace {
@@ -102,16 +104,23 @@ template <int Bytes, int N>
 #ifdef __x86_64__
 // The number of columns or rows at a time is such that their sums fill at most three quarters of the
 // registers.
-#define RICOCHET_TALL(name, function, bytes, count, level)                                       \
-  __attribute__((target("arch=" level ",prefer-vector-width=512"))) void name(                   \
-      Index rows, Index columns, const double* q, Index stride, const double* in, double* out) { \
-    function<bytes, count>(rows, columns, q, stride, in, out);                                   \
+// Compilers split the widest vectors in two unless they are told not to.
+#ifdef __clang__
+#define RICOCHET_WIDE(level) __attribute__((target("arch=" level), min_vector_width(512)))
+#else
+#define RICOCHET_WIDE(level) __attribute__((target("arch=" level ",prefer-vector-width=512")))
+#endif
+#define RICOCHET_TALL(name, function, bytes, count, level)                                             \
+  RICOCHET_WIDE(level)                                                                                 \
+  void name(Index rows, Index columns, const double* q, Index stride, const double* in, double* out) { \
+    function<bytes, count>(rows, columns, q, stride, in, out);                                         \
   }
 RICOCHET_TALL(inner_512, inner_of_chunk, 64, 12, "x86-64-v4")
 RICOCHET_TALL(subtract_512, subtract_in_chunk, 64, 8, "x86-64-v4")
 RICOCHET_TALL(inner_256, inner_of_chunk, 32, 6, "x86-64-v3")
 RICOCHET_TALL(subtract_256, subtract_in_chunk, 32, 6, "x86-64-v3")
 #undef RICOCHET_TALL
+#undef RICOCHET_WIDE
 #endif
 
 /// Calls visit(first column, columns) for groups of columns that are treated at once.
@@ -131,9 +140,8 @@ std::span<const TallLoops> tall_loops() {
 #ifdef __x86_64__
   static constexpr TallLoops all[] = {
       {}, {numbers<32>, inner_256, subtract_256}, {numbers<64>, inner_512, subtract_512}};
-  __builtin_cpu_init();
   const std::span<const TallLoops> loops(all);
-  return loops.first(__builtin_cpu_supports("x86-64-v4") ? 3 : __builtin_cpu_supports("x86-64-v3") ? 2 : 1);
+  return loops.first(base::supports_avx512() ? 3 : base::supports_avx2() ? 2 : 1);
 #else
   static constexpr TallLoops all[] = {{}};
   return all;

@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "base/processor.hpp"
+
 extern "C" {
 char* openblas_get_corename();
 void openblas_set_num_threads(int threads);
@@ -24,12 +26,9 @@ bool uses(Names... names) {
 
 /// Routines for more of the processor's instructions than those in use; null: there are none.
 const char* better_routines() {
-  const bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-                      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"),
-             avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
   const bool wide = uses("SkylakeX", "Cooperlake", "SapphireRapids");
-  if (avx512 && !wide) return "SkylakeX";
-  if (avx2 && !wide && !uses("Haswell", "Zen")) return "Haswell";
+  if (base::supports_avx512() && !wide) return "SkylakeX";
+  if (base::supports_avx2() && !wide && !uses("Haswell", "Zen")) return "Haswell";
   return nullptr;
 }
 
