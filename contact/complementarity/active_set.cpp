@@ -73,10 +73,9 @@ void ActiveSet::leave(int position) noexcept {
   std::copy(at(position + 1, position), at(last + 1, position), row_.data() + position);
   for (int c = position; c < last; ++c) {
     const double* const old = at(c + 1, c + 1);
-    double* const fresh = at(c, c);
-    double* const l = row_.data() + c;
+    double* const __restrict fresh = at(c, c);
+    double* const __restrict l = row_.data() + c;
     const double norm = std::hypot(old[0], l[0]), cosine = old[0] / norm, sine = l[0] / norm;
-#pragma GCC ivdep
     for (int i = 0; i < last - c; ++i) {
       const double a = old[i], b = l[i];
       fresh[i] = cosine * a + sine * b;

@@ -91,12 +91,11 @@ void FrictionSystem::renew_factor() noexcept {
       continue;
     }
     const double x = touch.direction.x(), y = touch.direction.y(), mu = touch.coefficient;
-#pragma GCC ivdep
-    for (int i = 0; i < rows_; ++i) column_[i] = first[i] - mu * (x * second[i] + y * third[i]);
-    set_column(column_.data());
-#pragma GCC ivdep
-    for (int i = 0; i < rows_; ++i) column_[i] = x * third[i] - y * second[i];
-    set_column(column_.data());
+    double* const __restrict column = column_.data();
+    for (int i = 0; i < rows_; ++i) column[i] = first[i] - mu * (x * second[i] + y * third[i]);
+    set_column(column);
+    for (int i = 0; i < rows_; ++i) column[i] = x * third[i] - y * second[i];
+    set_column(column);
     held_[k].turning = turning(touch);
     J(c - 1, c - 1) += held_[k].turning;
   }

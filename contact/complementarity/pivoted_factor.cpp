@@ -41,10 +41,9 @@ void PivotedFactor::factor_one_by_one(int first, int last) noexcept {
     const double inverse = 1 / column[c];
     for (int i = c + 1; i < n; ++i) column[i] *= inverse;
     for (int k = c + 1; k < last; ++k) {
-      double* const other = matrix_.column(k);
+      double* const __restrict other = matrix_.column(k);
       const double factor = other[c];
       if (factor == 0) continue;
-#pragma GCC ivdep
       for (int i = c + 1; i < n; ++i) other[i] -= factor * column[i];
     }
   }

@@ -135,7 +135,7 @@ StepStatus FloatingStepper::step() noexcept {
   Slip* const slip = contact_.slip.any() ? &contact_.slip : nullptr;
   if (steps_ >= search_at_) search();
   if (!any_moves()) return rest();
-  keep();
+  keep_start();
   const auto undo = [&](StepStatus status) {
     restore();
     contact_.mean.restore(points_.rows(), end_before_, pairs_before_);
@@ -182,7 +182,7 @@ void FloatingStepper::drift(Coriolis::Half half, Vector& q, Vector& v) noexcept 
 }
 
 /// Keeps what drifts change.
-void FloatingStepper::keep() noexcept {
+void FloatingStepper::keep_start() noexcept {
   kept_ = bodies_;
   if (!mixes_) return;
   kept_q_ = state_.q;
@@ -498,7 +498,7 @@ int FloatingStepper::cross() noexcept {
     }
   }
   set_flight(steps);
-  keep();
+  keep_start();
   points_.watch_none();
   search_at_ = steps_;  // also if the flight fails
   for (std::size_t k = 0; k < bodies_.size(); ++k) {

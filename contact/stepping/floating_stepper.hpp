@@ -81,7 +81,7 @@ class FloatingStepper final : public Stepper {
   void place(double time) noexcept;
   void drive() noexcept;
   void drift(Coriolis::Half half, Vector& q, Vector& v) noexcept;
-  void keep() noexcept;
+  void keep_start() noexcept;
   void restore() noexcept;
   int steps_to_cross() const noexcept;
   int cross() noexcept;

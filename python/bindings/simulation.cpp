@@ -24,7 +24,7 @@ namespace py = pybind11;
 
 namespace {
 
-using Kernel = std::shared_ptr<kernels::Kernel>;
+using KernelPointer = std::shared_ptr<kernels::Kernel>;
 using Rows = py::array_t<double, py::array::c_style>;
 
 /// Number of steps between two checks for signals.
@@ -41,10 +41,10 @@ void check_steppable(const scene::Scene& scene) {
   if (scene.contact.scheme == Scheme::at_rest) refuse("contact.scheme", "bodies at rest");
 }
 
-Scene scene_of(const scene::Scene& scene, const std::vector<Kernel>& kernels,
+Scene scene_of(const scene::Scene& scene, const std::vector<KernelPointer>& kernels,
                const std::vector<Pickup>& pickups) {
   store::KernelPointers pointers;
-  for (const Kernel& kernel : kernels) pointers.push_back(kernel.get());
+  for (const KernelPointer& kernel : kernels) pointers.push_back(kernel.get());
   Scene out = store::library_scene(scene, pointers);
   for (std::size_t k = 0; k < kernels.size(); ++k) out.bodies[k].kernel = kernels[k];
   store::read_histories(scene, out);
@@ -99,7 +99,7 @@ class Turns {
 
 class Stepper {
  public:
-  Stepper(scene::Scene scene, const std::vector<Kernel>& kernels, const std::vector<Pickup>& pickups)
+  Stepper(scene::Scene scene, const std::vector<KernelPointer>& kernels, const std::vector<Pickup>& pickups)
       : scene_((check_steppable(scene), std::move(scene))),
         simulation_(
             store::in_file(scene_.file, [&] { return Simulation(scene_of(scene_, kernels, pickups)); })) {}
@@ -168,7 +168,7 @@ class Stepper {
   }
 
   /// @param friction  null, or its three numbers
-  void add(const std::string& name, const Kernel& kernel, const Vector3& position,
+  void add(const std::string& name, const KernelPointer& kernel, const Vector3& position,
            const std::array<double, 4>& attitude, const Vector3& velocity, const Vector3& spin,
            const std::optional<std::array<double, 3>>& friction) {
     std::optional<Friction> rubs;
@@ -299,7 +299,7 @@ py::array_t<double> array(const contact::Vector& values) {
 }
 
 /// The constant system of a scene that Simulation steps (contact/model/model.hpp), by the names of its parts.
-py::dict contact_system(const scene::Scene& scene, const std::vector<Kernel>& kernels,
+py::dict contact_system(const scene::Scene& scene, const std::vector<KernelPointer>& kernels,
                         const std::vector<Pickup>& pickups) {
   check_steppable(scene);
   const Scene asked = scene_of(scene, kernels, pickups);
@@ -342,7 +342,7 @@ void bind_simulation(py::module_& module) {
       }));
   module.def("contact_system", &contact_system);
   py::class_<Stepper> stepper(module, "Simulation");
-  stepper.def(py::init<scene::Scene, const std::vector<Kernel>&, const std::vector<Pickup>&>())
+  stepper.def(py::init<scene::Scene, const std::vector<KernelPointer>&, const std::vector<Pickup>&>())
       .def("step", &Stepper::step)
       .def("step_block", &Stepper::step_block)
       .def("save",
