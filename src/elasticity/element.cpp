@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace ricochet::elasticity {
 
@@ -106,6 +107,51 @@ void ElementPoints::gradients(const Functions& functions, ElementMatrix& out) co
     else
       for (Eigen::Index a = 0; a < n; ++a)
         out.block<3, 1>(3 * a, column) = inverse_[q] * local.row(a).transpose();
+  }
+}
+
+const Eigen::Matrix3d* ElementPoints::constant_inverse() const {
+  if (mesh_.dim == 1) return nullptr;
+  const Eigen::Matrix3d& first = inverse_.front();
+  const double most = 1e-10 * first.cwiseAbs().maxCoeff();
+  for (const Eigen::Matrix3d& inverse : inverse_)
+    if (!((inverse - first).cwiseAbs().maxCoeff() <= most)) return nullptr;
+  return &first;
+}
+
+GradientProducts::GradientProducts(const ElementPoints& points, Functions v, Functions u)
+    : v_(std::move(v)), u_(std::move(u)), reference_(ElementMatrix::Zero(9, v_.size() * u_.size())) {
+  const Eigen::Index n = v_.size(), m = u_.size();
+  for (std::size_t q = 0; q < points.weight().size(); ++q) {
+    const double *of_v = &v_.gradient[q * static_cast<std::size_t>(3 * n)],
+                 *of_u = &u_.gradient[q * static_cast<std::size_t>(3 * m)];
+    for (Eigen::Index a = 0; a < n; ++a)
+      for (Eigen::Index b = 0; b < m; ++b)
+        for (Eigen::Index k = 0; k < 9; ++k)
+          reference_(k, a * m + b) += points.weight()[q] * of_v[3 * a + k / 3] * of_u[3 * b + k % 3];
+  }
+}
+
+void GradientProducts::compute(const ElementPoints& points, ElementMatrix& out) {
+  const Eigen::Matrix3d* const inverse = points.constant_inverse();
+  if (inverse == nullptr) {
+    points.gradients(v_, of_v_);
+    points.gradients(u_, of_u_);
+    of_v_ *= points.measure().asDiagonal();
+    out.noalias() = of_v_ * of_u_.transpose();
+    return;
+  }
+  Eigen::Matrix<double, 9, 9> combination;  // ∂_i ∂_j of ∂_d ∂_e
+  for (int k = 0; k < 9; ++k)
+    for (int l = 0; l < 9; ++l) combination(k, l) = (*inverse)(k / 3, l / 3) * (*inverse)(k % 3, l % 3);
+  combination *= points.measure()[0] / points.weight()[0];
+  straight_.noalias() = combination * reference_;
+  const Eigen::Index n = v_.size(), m = u_.size();
+  out.resize(3 * n, 3 * m);
+  for (Eigen::Index k = 0; k < 9; ++k) {
+    const double* from = &straight_(k, 0);
+    for (Eigen::Index a = 0; a < n; ++a)
+      for (Eigen::Index b = 0; b < m; ++b) out(3 * a + k / 3, 3 * b + k % 3) = *from++;
   }
 }
 

@@ -52,6 +52,11 @@ class ElementPoints {
   /// Gradients of functions in space: (c n, q); along the axis of rods, c = 1.
   void gradients(const Functions& functions, ElementMatrix& out) const;
 
+  const std::vector<double>& weight() const { return rule_.weight; }  ///< (q)
+  /// The inverse of the Jacobian of a solid if it is the same at all points, as in a straight simplex;
+  /// otherwise null.
+  const Eigen::Matrix3d* constant_inverse() const;
+
  private:
   const mesh::Mesh& mesh_;
   int n_;
@@ -61,6 +66,23 @@ class ElementPoints {
   Eigen::VectorXd measure_;
   std::vector<Eigen::Matrix3d> inverse_;  ///< (q) of the Jacobian; rods: 1/slope in the first entry
   Eigen::Matrix<double, Eigen::Dynamic, 3> position_;
+};
+
+/// Integrals of products of the gradients of functions v and u over one element after another. Where the
+/// Jacobian is constant, they are combinations of those over the reference element, which takes a small part
+/// of the time of a sum over the points.
+class GradientProducts {
+ public:
+  /// @param v, u  at these points
+  GradientProducts(const ElementPoints& points, Functions v, Functions u);
+
+  /// ∫ ∂_i v_a ∂_j u_b at (ca + i, cb + j), of the element to which the points have moved.
+  void compute(const ElementPoints& points, ElementMatrix& out);
+
+ private:
+  Functions v_, u_;
+  ElementMatrix reference_;  ///< (9, v·u) ∫ ∂_d v_a ∂_e u_b at (3d + e, a·u + b)
+  ElementMatrix straight_, of_v_, of_u_;
 };
 
 /// The block K_aa of functions v_a with these gradients. Rods use its first entry alone, and have 1 on the

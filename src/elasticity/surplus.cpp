@@ -48,14 +48,15 @@ struct EnrichedBlock {
   ElementPoints points;
   Enriched next;
   std::vector<Index> node{};  ///< (elements, m) as in FinerNodes
-  ElementMatrix low{}, surplus{}, high{}, scaled{}, K{};
-  MatrixXd M{};
+  GradientProducts products;  ///< of the surplus and the functions of the mesh
+  ElementMatrix high{}, K{};
 
   EnrichedBlock(const Mesh& mesh, const Block& elements)
       : block(&elements),
         // ∫ w N ρ dV of straight elements has degree 2p + 1.
         points(mesh, elements, 2 * mesh::reference_element(elements.gmsh_type).order + 1),
-        next(points, 1) {}
+        next(points, 1),
+        products(points, next.surplus(), points.shapes()) {}
 
   const std::int64_t* nodes(std::size_t e) const {
     return &block->node[e * static_cast<std::size_t>(block->nodes_per_element)];
@@ -125,23 +126,21 @@ Eigen::VectorXd eigenvalue_errors(const Mesh& mesh, const std::vector<scene::Mat
     const MatrixXd local = halo(shape.middleCols(from, n));
     MatrixXd residual = MatrixXd::Zero(c * nodes.size(), n);
     for_each_element([&](EnrichedBlock& of, std::size_t e, const Material& material) {
-      of.points.gradients(of.points.shapes(), of.low);
-      of.points.gradients(of.next.surplus(), of.surplus);
-      of.scaled.noalias() = of.surplus * of.points.measure().asDiagonal();
-      of.K.noalias() = of.scaled * of.low.transpose();
+      of.products.compute(of.points, of.K);
       to_stiffness(material, static_cast<int>(c), of.K);
       const Index low = of.points.shapes().size();
       const MatrixXd M = material.density * (of.next.surplus().value.transpose() *
                                              of.points.measure().asDiagonal() * of.points.shapes().value);
-      of.M.setZero(c * of.next.nodes(), c * low);
-      for (Index b = 0; b < low; ++b)
-        for (Index a = 0; a < of.next.nodes(); ++a)
-          of.M.block(c * a, c * b, c, c).diagonal().setConstant(M(a, b));
-      MatrixXd u(c * low, n);
+      MatrixXd u(c * low, n), accelerated(low, c * n);  // λ φ, whose components are columns of their own
       for (Index b = 0; b < low; ++b) u.middleRows(c * b, c) = local.middleRows(c * of.nodes(e)[b], c);
-      MatrixXd r(c * of.next.nodes(), n);
+      for (Index m = 0; m < n; ++m)
+        for (Index k = 0; k < c; ++k)
+          accelerated.col(c * m + k) = lambda[from + m] * u.col(m)(Eigen::seqN(k, low, c));
+      MatrixXd r(c * of.next.nodes(), n), inertia(of.next.nodes(), c * n);
       r.noalias() = of.K * u;
-      r.noalias() -= of.M * (u * lambda.segment(from, n).asDiagonal());  // of all components, as one product
+      inertia.noalias() = M * accelerated;
+      for (Index m = 0; m < n; ++m)
+        for (Index k = 0; k < c; ++k) r.col(m)(Eigen::seqN(k, inertia.rows(), c)) -= inertia.col(c * m + k);
       for (Index a = 0; a < of.next.nodes(); ++a) {
         const Index node =
             of.node[e * static_cast<std::size_t>(of.next.nodes()) + static_cast<std::size_t>(a)];

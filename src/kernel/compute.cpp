@@ -176,6 +176,7 @@ kernels::Kernel compute(scene::KernelRequest& request, const std::filesystem::pa
                                                                   : surface::Correction::all;
   surface::trace(teams, mesh, matrices, *made.factor, modes, patches, made.loads, form, request.view, kernel,
                  made.sources, [&](std::int64_t done, std::int64_t total) { console.advance(done, total); });
+  if (fitted && corrected) move_above_band(*request.modes.up_to, kernel);
   if (request.mesh_error) {
     console.begin(body.name + ": error by the mesh");
     surface::estimate_mesh_error(
@@ -184,7 +185,6 @@ kernels::Kernel compute(scene::KernelRequest& request, const std::filesystem::pa
   }
   if (request.modes.basis == scene::Basis::modes && request.modes.flexibility_error)
     leave_to_flexibility(request, kernel);
-  if (fitted && corrected) move_above_band(*request.modes.up_to, kernel);
   if (request.turns) kernel = kernels::compacted(std::move(kernel));
   console.end(fmt::format("{} {} kept", kernel.modes.size(), fitted ? "vectors" : "modes"));
   return kernel;

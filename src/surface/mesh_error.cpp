@@ -21,14 +21,17 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Relative errors of ω². A share of 1 means that nothing is known of the mode but its order of magnitude.
+/// Relative errors of ω² of the lowest `count` modes. A share of 1 means that nothing is known of the mode
+/// but its order of magnitude.
 std::vector<double> errors_of_modes(const parallel::Teams& teams, const mesh::Mesh& mesh,
                                     const std::vector<scene::Material>& materials,
-                                    const modes::ModeSet& modes, const parallel::Progress& progress) {
+                                    const modes::ModeSet& modes, std::size_t count,
+                                    const parallel::Progress& progress) {
   std::vector<Index> elastic;  // of this team
   std::vector<double> lambda;
   for (std::size_t j = 0; j < modes.index.size(); ++j)
-    if (const double omega = modes.angular_frequency[static_cast<std::size_t>(modes.index[j])]; omega > 0) {
+    if (const double omega = modes.angular_frequency[static_cast<std::size_t>(modes.index[j])];
+        omega > 0 && std::cmp_less(modes.index[j], count)) {
       elastic.push_back(static_cast<Index>(j));
       lambda.push_back(omega * omega);
     }
@@ -39,7 +42,7 @@ std::vector<double> errors_of_modes(const parallel::Teams& teams, const mesh::Me
   for (std::size_t k = 0; k < elastic.size(); ++k)
     mine(0, elastic[k]) = std::min(found[static_cast<Index>(k)] / lambda[k], 1.0);
   const MatrixXd all = modes.gather(teams, mine);
-  return {all.data(), all.data() + all.size()};
+  return {all.data(), all.data() + count};
 }
 
 /// Number of different normals around a candidate, at most 3: on a face, on a crease, at a corner.
@@ -181,7 +184,7 @@ void estimate_mesh_error(const parallel::Teams& teams, const mesh::Mesh& mesh,
                          const reduction::Loads& loads, kernels::Kernel& kernel,
                          const parallel::Progress& progress) {
   kernels::Surface& surface = kernel.surface;
-  kernel.modes.mesh_error = errors_of_modes(teams, mesh, materials, modes, progress);
+  kernel.modes.mesh_error = errors_of_modes(teams, mesh, materials, modes, kernel.modes.size(), progress);
   surface.mesh_error.assign(surface.size(), 0.0);
   if (mesh.dim == 1 || surface.size() == 0) return;  // nodes of rods have their exact static displacements
   const Presses presses(teams, mesh, materials, body, factor, patches, loads);

@@ -8,8 +8,9 @@
 
 namespace ricochet::surface {
 
-/// Fills the estimates `mesh_error` of modes and surface. The kernel must have its modes and its residual
-/// flexibility, if it will have one. `loads` are those of the patches. Frees the factors.
+/// Fills the estimates `mesh_error` of modes and surface. The kernel must have its modes, which are all of
+/// `modes` or the lowest of them, and its residual flexibility, if it will have one. `loads` are those of the
+/// patches. Frees the factors.
 ///
 /// Frequencies: the hierarchical surplus of each mode or Ritz vector (elasticity/surplus.hpp). Flexibility:
 /// problems around a few candidates (elasticity/local_problem.hpp), of a face, a crease and a corner, in the
