@@ -10,6 +10,7 @@
 
 #include "contact/stepping/stepper.hpp"
 #include "tests/contact/bodies.hpp"
+#include "tests/drawn.hpp"
 #include "tests/orthonormal.hpp"
 
 namespace ricochet::contact::test {
@@ -97,7 +98,7 @@ struct Cloud {
       for (int n = 0; n < 81; ++n) {
         const double root = std::sqrt(weight[static_cast<std::size_t>(k)]);
         const Vector3d arm = place[static_cast<std::size_t>(k)] - centre;
-        Vector3d field(normal(random), normal(random), normal(random));
+        Vector3d field = ricochet::test::drawn(normal, random);
         if (n < 3) field = Vector3d::Unit(n);
         if (n >= 3 && n < 6) field = Vector3d::Unit(n - 3).cross(arm);
         if (swirl && n == 7) field = steady_axis().cross(Vector3d(fields.block<3, 1>(3 * k, 6))) / root;

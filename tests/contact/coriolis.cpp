@@ -7,6 +7,7 @@
 #include <random>
 
 #include "tests/contact/cloud.hpp"
+#include "tests/drawn.hpp"
 
 namespace ricochet::contact::test {
 namespace {
@@ -63,7 +64,7 @@ TEST(Coriolis, turns_without_energy) {
   const auto strain = [&](const VectorXd& x) { return model->omega.cwiseProduct(x).squaredNorm(); };
   std::vector<Vector3d> angles(1000);
   for (Vector3d& angle : angles) {
-    angle = 0.3 * Vector3d(normal(random), normal(random), normal(random));
+    angle = 0.3 * ricochet::test::drawn(normal, random);
     coriolis.turn(angle, 1e-3, Coriolis::Half::before, q, v);
   }
   // 15 pairs · 1000 turns, each with some roundings

@@ -10,6 +10,7 @@
 #include "tests/contact/cloud.hpp"
 #include "tests/contact/heap_counter.hpp"
 #include "tests/contact/rigid_body.hpp"
+#include "tests/drawn.hpp"
 #include "tests/support.hpp"
 
 namespace ricochet::contact::test {
@@ -340,7 +341,7 @@ TEST(Floating, tumbling_keeps_the_balances) {
     Drop drop;
     drop.rotation = turn(3 * spread(random), {spread(random), spread(random), spread(random)});
     drop.velocity = {spread(random), spread(random), -1 - unit(random)};
-    drop.spin = (scene % 3 == 2 ? 100 : 2) / size * Vector3d(spread(random), spread(random), spread(random));
+    drop.spin = (scene % 3 == 2 ? 100 : 2) / size * ricochet::test::drawn(spread, random);
     drop.height = 0.2 * size;
     if (scene % 2 == 0) drop.friction = Friction{2 * unit(random), 0, 0};
     if (drop.friction) drop.friction->dynamic_coefficient = drop.friction->static_coefficient;

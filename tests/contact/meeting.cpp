@@ -10,6 +10,7 @@
 #include "tests/contact/cloud.hpp"
 #include "tests/contact/heap_counter.hpp"
 #include "tests/contact/meeting.hpp"
+#include "tests/drawn.hpp"
 #include "tests/support.hpp"
 
 namespace ricochet::contact::test {
@@ -19,7 +20,7 @@ namespace {
 TEST(Meeting, keeps_the_balances) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> between(-1, 1);
-  const auto any = [&] { return Vector3d(between(random), between(random), between(random)); };
+  const auto any = [&] { return ricochet::test::drawn(between, random); };
   for (int round = 0; round < 12; ++round) {
     const double rate = 1e4 * std::pow(10.0, round % 3);
     std::vector<std::unique_ptr<Cloud>> clouds;

@@ -10,6 +10,7 @@
 #include "contact/motion/body_surface.hpp"
 #include "kernels/compression.hpp"
 #include "tests/contact/rigid_body.hpp"
+#include "tests/drawn.hpp"
 
 namespace ricochet::contact::test {
 namespace rolling_test {
@@ -219,7 +220,7 @@ TEST(BodySurface, of_a_ball_is_as_high_in_every_direction) {
   std::vector<Foot> found;
   found.reserve(4);
   for (int k = 0; k < 1000; ++k) {
-    const Vector3d n = Vector3d(normal(random), normal(random), normal(random)).normalized();
+    const Vector3d n = ricochet::test::drawn(normal, random).normalized();
     surface.summits(n, 0.5, found);
     ASSERT_GE(found.size(), 1U);
     EXPECT_NEAR(n.dot(found[0].point), 1, 6e-5);

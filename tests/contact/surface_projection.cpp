@@ -8,6 +8,7 @@
 #include <random>
 
 #include "tests/contact/plate.hpp"
+#include "tests/drawn.hpp"
 
 namespace surface_projection_test {
 
@@ -18,7 +19,7 @@ using namespace ricochet::contact::test;
 WorldSurface soup(int count, const Vector3d& origin) {
   std::mt19937 random(7);
   std::normal_distribution<double> normal;
-  const auto vector = [&] { return Vector3d(normal(random), normal(random), normal(random)); };
+  const auto vector = [&] { return ricochet::test::drawn(normal, random); };
   WorldSurface out;
   for (int t = 0; t < count; ++t) {
     const Vector3d middle = origin + 3 * vector();

@@ -9,6 +9,7 @@
 #include "contact/stepping/stepper.hpp"
 #include "tests/contact/cloud.hpp"
 #include "tests/contact/heap_counter.hpp"
+#include "tests/drawn.hpp"
 
 namespace ricochet::contact::test {
 namespace {
@@ -386,7 +387,7 @@ TEST(TurningLoads, wake_a_body_that_rests) {
 TEST(TurningLoads, on_a_body_that_tumbles_close_the_ledger) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> spread(-1, 1);
-  const auto any = [&] { return Vector3d(spread(random), spread(random), spread(random)); };
+  const auto any = [&] { return ricochet::test::drawn(spread, random); };
   int touches = 0;
   for (int scene = 0; scene < 8; ++scene) {
     Cloud cloud({0.1, 0.07, 0.04}, 1000, scene % 4 == 3 ? 0 : 1e-8, static_cast<unsigned>(100 + scene));

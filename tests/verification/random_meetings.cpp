@@ -18,6 +18,7 @@
 
 #include "contact/stepping/floating_stepper.hpp"
 #include "tests/contact/meeting.hpp"
+#include "tests/drawn.hpp"
 
 namespace {
 
@@ -34,7 +35,7 @@ struct Drawn {
 Drawn draw(unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> between(-1, 1);
-  const auto any = [&] { return Vector3d(between(random), between(random), between(random)); };
+  const auto any = [&] { return ricochet::test::drawn(between, random); };
   const auto decades = [&](double from, double to) {
     return std::pow(10.0, from + (to - from) * (between(random) + 1) / 2);
   };
