@@ -15,16 +15,6 @@ namespace {
 
 double norm(const Vector3& v) { return std::hypot(v[0], v[1], v[2]); }
 
-/// Number of candidates of a model within a distance of the closest one of their pair.
-Eigen::Index candidates_within(const contact::Model& model, double zone) {
-  Eigen::Index count = 0;
-  for (const contact::Model::PairBlock& pair : model.pairs) {
-    const auto gap = model.gap.segment(pair.first_point, pair.points).array();
-    count += (gap < gap.minCoeff() + zone).count();
-  }
-  return count;
-}
-
 /// Whether most of the surfaces that may touch lies within a distance of the closest pair. Areas are
 /// compared, as coarser patches have fewer points.
 bool covers_most(const contact::Model& model, double zone) {
@@ -139,6 +129,24 @@ std::optional<double> zone_of(const contact::Model& model, const contact::Quanti
   zone *= 1 + 1e-6;  // so that round-off drops none of them
   if (!(zone > 0) || covers_most(model, zone)) return std::nullopt;
   return zone;
+}
+
+Eigen::Index candidates_within(const contact::Model& model, double distance) {
+  Eigen::Index count = 0;
+  for (const contact::Model::PairBlock& pair : model.pairs) {
+    const auto gap = model.gap.segment(pair.first_point, pair.points).array();
+    count += (gap < gap.minCoeff() + distance).count();
+  }
+  return count;
+}
+
+std::size_t largest_surface(const contact::Model& model) {
+  std::size_t most = 0;
+  for (const contact::Bodies::Block& body : model.bodies) {
+    const kernels::Surface& surface = body.kernel->surface;
+    most = std::max(most, (surface.whole ? surface.whole->area : surface.area).size());
+  }
+  return most;
 }
 
 double expected_candidates(const contact::Model& model, const KernelSettings& settings, double distance) {

@@ -38,6 +38,12 @@ std::optional<int> few_pressed(const contact::Model& model, const contact::Quant
 /// than were pressed. No value if it would contain more than half of the surface that may touch.
 std::optional<double> zone_of(const contact::Model& model, const contact::Quantities& run);
 
+/// Number of candidates within a distance [m] of the closest one of their pair.
+Eigen::Index candidates_within(const contact::Model& model, double distance);
+
+/// Number of candidates of the body with the most of them, within reach or not.
+std::size_t largest_surface(const contact::Model& model);
+
 /// Expected number of candidates within a distance [m] of the closest pair, on meshes with the elements of
 /// these settings. Where the model has few points there, their area follows from those farther apart.
 double expected_candidates(const contact::Model& model, const KernelSettings& settings, double distance);

@@ -87,8 +87,13 @@ struct Growth {
   double factor = 1, near_contact = 0;
 };
 
+/// How much closer the nodes of a body are along each axis, apart from those near contact.
+double finer_everywhere(const MeshSettings& was, const MeshSettings& is) {
+  return is.order * was.size_factor / (was.order * is.size_factor);
+}
+
 Growth growth_of(const MeshSettings& was, const MeshSettings& is, const BodySize& size) {
-  const double finer = is.order * was.size_factor / (was.order * is.size_factor);  // along each axis
+  const double finer = finer_everywhere(was, is);
   const auto near_contact = [&](const auto& balls) { return unknowns_in(balls, is.order, size.width); };
   return {std::pow(finer, size.dimension), std::max(0.0, near_contact(is.refine) - near_contact(was.refine))};
 }
@@ -122,16 +127,36 @@ bool is_resolved(const std::vector<BodySize>& sizes) {
   return std::ranges::all_of(sizes, [](const BodySize& size) { return 2 * size.modes <= size.unknowns; });
 }
 
-/// Number of candidates that the kernels of a round with these settings hold.
-double candidates_of(const contact::Model& model, const KernelSettings& settings) {
-  return expected_candidates(model, settings,
-                             settings.zone.value_or(std::numeric_limits<double>::infinity()));
+/// Numbers of candidates that the kernels of a round hold.
+struct Candidates {
+  double count = 0;
+  double refined = 0;  ///< with elements that are finer everywhere, if they become finer there; otherwise 0
+};
+
+/// Without a zone, kernels hold all candidates of their surfaces.
+/// @param was  the settings of the model, @param is  those of the round
+Candidates candidates_of(const contact::Model& model, const KernelSettings& was, const KernelSettings& is) {
+  const double zone = is.zone.value_or(std::numeric_limits<double>::infinity());
+  double finer = 1;
+  for (const auto& [body, mesh] : is.mesh)
+    if (const auto before = was.mesh.find(body); before != was.mesh.end())
+      finer = std::max(finer, finer_everywhere(before->second, mesh));
+  Candidates out{.count = expected_candidates(model, is, zone)};
+  if (finer > 1) {
+    const auto within = static_cast<double>(candidates_within(model, zone)),
+               all = is.zone ? 0 : static_cast<double>(largest_surface(model));
+    out.refined = finer * finer * std::max(within, all);
+    out.count = std::max(out.count, out.refined);
+  }
+  return out;
 }
 
 /// What a round with these settings would compute that is more than accuracy chooses; empty if it is
 /// affordable.
-std::string excess(const std::vector<BodySize>& sizes, double candidates) {
-  const auto candidates_of_body = [&](const BodySize& size) { return std::max(candidates, size.candidates); };
+std::string excess(const std::vector<BodySize>& sizes, const Candidates& candidates) {
+  const auto candidates_of_body = [&](const BodySize& size) {
+    return std::max(candidates.count, size.candidates);
+  };
   const auto work_of = [&](const BodySize& size) {
     return (size.vectors + candidates_of_body(size)) * size.unknowns;
   };
@@ -141,13 +166,14 @@ std::string excess(const std::vector<BodySize>& sizes, double candidates) {
     turning += size.candidates;
   }
   const BodySize& largest = *std::ranges::max_element(sizes, {}, work_of);
-  if (work <= most_work && largest.unknowns <= most_unknowns && turning <= most_candidates) return "";
-  candidates = candidates_of_body(largest);
+  if (work <= most_work && largest.unknowns <= most_unknowns &&
+      std::max(turning, candidates.refined) <= most_candidates)
+    return "";
+  const double responses = candidates_of_body(largest);
   return fmt::format(
       "the next round would compute about {:.1g} modes{} of {:.1g} unknowns of \"{}\", which is more than "
       "accuracy chooses: give modes.up_to_hz and bodies.*.order to go on",
-      largest.vectors,
-      candidates > 0 ? fmt::format(" and the response to {:.1g} candidates", candidates) : "",
+      largest.vectors, responses > 0 ? fmt::format(" and the response to {:.1g} candidates", responses) : "",
       largest.unknowns, largest.body);
 }
 
@@ -195,8 +221,8 @@ std::optional<FinerNearContact> finer_near_contact(const scene::Scene& scene, co
       expected_candidates(round.model, finer, zone_near_contact(*round.quantities)) > most_candidates)
     return std::nullopt;
   const std::vector<BodySize> then = predicted(sizes, settings.found, finer);
-  if (!excess(then, expected_candidates(round.model, finer,
-                                        zone_with_finer_elements(round.model, *round.quantities)))
+  if (!excess(then, {.count = expected_candidates(round.model, finer,
+                                                  zone_with_finer_elements(round.model, *round.quantities))})
            .empty())
     return std::nullopt;
   return FinerNearContact{std::move(balls),
@@ -277,9 +303,9 @@ class Table {
     settings = with_finer_mesh(std::move(settings));
     if (share <= *scene_.accuracy / round_.estimate->scatter() / 2 * expected_of_level) return settings;
     Settings finest = with_finer_mesh(settings);
-    const bool affordable =
-        excess(predicted(sizes_, settings_.found, finest.found), candidates_of(round_.model, finest.found))
-            .empty();
+    const bool affordable = excess(predicted(sizes_, settings_.found, finest.found),
+                                   candidates_of(round_.model, settings_.found, finest.found))
+                                .empty();
     return affordable ? finest : settings;
   }
 
@@ -529,8 +555,8 @@ Decision decide(const scene::Scene& scene, const Settings& settings, const conta
       return false;
     }
     if (wider) refined = table.with_finer_mesh(std::move(refined));
-    row.obstacle =
-        excess(predicted(sizes, settings.found, refined.found), candidates_of(round.model, refined.found));
+    row.obstacle = excess(predicted(sizes, settings.found, refined.found),
+                          candidates_of(round.model, settings.found, refined.found));
     if (!row.obstacle.empty()) return false;
     if (differs_elsewhere(next.found, refined.found)) chosen.insert(Cause::mesh);
     next = std::move(refined);

@@ -47,7 +47,7 @@ inline constexpr double most_work = 1.2e8;
 /// take about 3 GB.
 inline constexpr double most_unknowns = 1.5e5;
 
-/// Largest expected number of candidates in the zone, or on all bodies that turn, to which smaller elements
+/// Largest expected number of candidates in the zone, or on all bodies that turn, to which finer elements
 /// may lead. The static correction of as many candidates takes seconds, and so do the steps of the impact.
 /// With three components, that of one body takes 290 MB.
 inline constexpr double most_candidates = 2000;

@@ -310,6 +310,40 @@ TEST(Decision, starts_no_round_with_too_many_candidates_of_a_body_that_turns) {
   EXPECT_THAT(found(1200).reason, HasSubstr("the response to 2e+03 candidates"));
 }
 
+// The same for candidates that face an obstacle. A wider band adds none, so that many may stay.
+TEST(Decision, starts_no_round_with_too_many_candidates_that_a_higher_order_makes) {
+  const scene::Scene scene = open_scene();
+  const auto found = [&](int candidates, Cause cause) {
+    contact::Dialled round = round_with({{cause, 0.1}});
+    round.model.gap = contact::Vector::LinSpaced(candidates, 0, 1);
+    round.model.pairs.push_back({.first_point = 0, .points = candidates, .a = 0, .b = -1, .reach = {}});
+    return decide(scene, second_round(scene), round, small);
+  };
+  EXPECT_TRUE(found(1100, Cause::mesh).next);
+  EXPECT_FALSE(found(1200, Cause::mesh).next);
+  EXPECT_THAT(found(1200, Cause::mesh).reason, HasSubstr("the response to 2e+03 candidates"));
+  EXPECT_TRUE(found(2500, Cause::modes).next);
+}
+
+// Without a zone, the next kernels hold the candidates that are out of reach, too.
+TEST(Decision, counts_the_candidates_of_the_whole_surface_without_a_zone) {
+  const scene::Scene scene = open_scene();
+  contact::Dialled round = round_with({{Cause::mesh, 0.1}});
+  round.model.gap = contact::Vector::LinSpaced(40, 0, 1);
+  round.model.pairs.push_back({.first_point = 0, .points = 40, .a = 0, .b = -1, .reach = {}});
+  kernels::Kernel kernel;
+  round.model.bodies.emplace_back().kernel = &kernel;
+  accuracy::Settings settings = second_round(scene);
+  const auto found = [&](std::size_t all) {
+    kernel.surface.area.assign(all, 1.0);
+    return decide(scene, settings, round, small).next.has_value();
+  };
+  EXPECT_TRUE(found(1100));
+  EXPECT_FALSE(found(1200));
+  settings.found.zone = 2;
+  EXPECT_TRUE(found(1200));
+}
+
 // Finer elements reduce the distance of coarse patches from points that move. Without any, the share stays.
 TEST(Decision, reduces_the_share_of_rotation_with_the_elements) {
   scene::Scene scene = open_scene();
