@@ -98,6 +98,7 @@ void PivotedFactor::factor() noexcept {
   sign_ = 1;
   least_pivot_ = std::numeric_limits<double>::infinity();
   factor_columns(0, size_);
+  if (!(least_pivot_ > 0)) return;  // solve refuses
   for (int c = 0; c < size_; ++c) reciprocal_[static_cast<std::size_t>(c)] = 1 / matrix_.column(c)[c];
 }
 
