@@ -32,4 +32,26 @@ std::vector<std::int64_t> first_connected(std::size_t nodes, const std::vector<B
   return first;
 }
 
+std::vector<std::int64_t> lowest_connected(MPI_Comm comm, const Directory& directory,
+                                           const std::vector<std::int64_t>& tags,
+                                           const std::vector<std::int64_t>& first) {
+  std::vector<std::int64_t> lowest = tags;
+  for (std::int64_t changed = 1; changed != 0;) {
+    std::vector<std::int64_t> of_group =
+        directory.combined(lowest, [](auto a, auto b) { return std::min(a, b); });
+    for (std::size_t n = 0; n < first.size(); ++n) {
+      std::int64_t& group = of_group[static_cast<std::size_t>(first[n])];
+      group = std::min(group, of_group[n]);
+    }
+    std::int64_t lower = 0;
+    for (std::size_t n = 0; n < first.size(); ++n) {
+      const std::int64_t tag = of_group[static_cast<std::size_t>(first[n])];
+      lower += tag < lowest[n] ? 1 : 0;
+      lowest[n] = tag;
+    }
+    changed = parallel::sum(comm, lower);
+  }
+  return lowest;
+}
+
 }  // namespace ricochet::mesh

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "src/mesh/directory.hpp"
 #include "src/mesh/mesh.hpp"
 
 namespace ricochet::mesh {
@@ -23,5 +24,13 @@ class Connections {
 
 /// Returns, for each node, the lowest node to which elements connect it.
 std::vector<std::int64_t> first_connected(std::size_t nodes, const std::vector<Block>& blocks);
+
+/// Returns, for each entity of this rank, the lowest tag of those to which connections on any rank lead. This
+/// is repeated until no rank receives a lower tag from another one. Collective.
+/// @param tags, directory  of the entities, @param first  the entity of this rank to which connections on
+/// this rank lead, the same for all that are connected there
+std::vector<std::int64_t> lowest_connected(MPI_Comm comm, const Directory& directory,
+                                           const std::vector<std::int64_t>& tags,
+                                           const std::vector<std::int64_t>& first);
 
 }  // namespace ricochet::mesh

@@ -43,25 +43,10 @@ std::vector<Block> same_types(MPI_Comm comm, const std::vector<Block>& blocks) {
   return all;
 }
 
-/// Finds the connected parts of the body. Each node takes the lowest tag to which elements connect it. This
-/// is repeated until no rank receives a lower tag from another rank.
+/// Finds the connected parts of the body.
 void find_connected_parts(MPI_Comm comm, const Part& share, const Directory& directory, Nodes& nodes) {
-  const Numbers first = first_connected(share.tag.size(), share.blocks);
-  Numbers& lowest = nodes.part = share.tag;
-  for (std::int64_t changed = 1; changed != 0;) {
-    Numbers of_piece = directory.combined(lowest, [](auto a, auto b) { return std::min(a, b); });
-    for (std::size_t n = 0; n < first.size(); ++n) {
-      std::int64_t& piece = of_piece[static_cast<std::size_t>(first[n])];
-      piece = std::min(piece, of_piece[n]);
-    }
-    std::int64_t lower = 0;
-    for (std::size_t n = 0; n < first.size(); ++n) {
-      const std::int64_t tag = of_piece[static_cast<std::size_t>(first[n])];
-      lower += tag < lowest[n] ? 1 : 0;
-      lowest[n] = tag;
-    }
-    changed = parallel::sum(comm, lower);
-  }
+  Numbers& lowest = nodes.part =
+      lowest_connected(comm, directory, share.tag, first_connected(share.tag.size(), share.blocks));
   Numbers firsts;
   for (std::size_t n = 0; n < lowest.size(); ++n)
     if (lowest[n] == share.tag[n]) firsts.push_back(lowest[n]);

@@ -71,28 +71,12 @@ bool has_joint(const Mesh& mesh, const Numbers& groups) {
   return found;
 }
 
-/// Returns the lowest tag of an element to which faces connect each element of this rank, on any rank. This
-/// is repeated until no rank receives a lower tag from another one. Collective.
+/// Returns the lowest tag of an element to which faces connect each element of this rank, on any rank.
+/// Collective.
 Numbers lowest_tags(const Mesh& mesh, const Numbers& first) {
   Numbers tags;
   for (const Block& block : mesh.blocks) tags.insert(tags.end(), block.tag.begin(), block.tag.end());
-  const Directory directory(mesh.comm, tags);
-  Numbers lowest = tags;
-  for (std::int64_t changed = 1; changed != 0;) {
-    Numbers of_group = directory.combined(lowest, [](auto a, auto b) { return std::min(a, b); });
-    for (std::size_t e = 0; e < first.size(); ++e) {
-      std::int64_t& group = of_group[static_cast<std::size_t>(first[e])];
-      group = std::min(group, of_group[e]);
-    }
-    std::int64_t lower = 0;
-    for (std::size_t e = 0; e < first.size(); ++e) {
-      const std::int64_t tag = of_group[static_cast<std::size_t>(first[e])];
-      lower += tag < lowest[e] ? 1 : 0;
-      lowest[e] = tag;
-    }
-    changed = parallel::sum(mesh.comm, lower);
-  }
-  return lowest;
+  return lowest_connected(mesh.comm, Directory(mesh.comm, tags), tags, first);
 }
 
 /// Replaces the tags by which elements are known by the numbers of their pieces, and sets the part of each
