@@ -158,7 +158,7 @@ double unit_force(const Load& load, const Growth& by) { return load.unit == "Pa"
 
 void rescale(Load& load, const Growth& by) {
   const double force = unit_force(load, by);
-  auto& [name, unit, participation, total, moment, residual] = load;
+  auto& [name, unit, participation, total, moment, residual, inward] = load;
   multiply(participation, force / std::sqrt(by.mass));
   multiply(total, force);
   multiply(moment, force * by.length);

@@ -26,6 +26,8 @@ inline constexpr const char* kForceUnit = "kg^-1/2";
 /// Attribute of the residual flexibility that is stored along the normals, and its value.
 inline constexpr const char* kComponents = "components";
 inline constexpr const char* kNormal = "normal";
+inline constexpr const char* kActs = "acts";  // of a load that is a pressure
+inline constexpr const char* kInward = "inward";
 
 using Shape = std::vector<std::size_t>;
 
@@ -202,6 +204,7 @@ void list_sources(auto& file, auto& kernel) {
     file.dataset(data + "/total", load.total, {3, 3}, traction ? "m^2" : "1");
     file.dataset(data + "/moment", load.moment, {3, 3}, traction ? "m^3" : "m");
     file.optional_dataset(data + "/residual", load.residual, static_part, "m/" + load.unit);
+    if (load.inward) file.constant("/loads/" + load.name, kActs, kInward);
   }
   for (auto& motion : kernel.motions) {
     const std::string data = "/motions/" + motion.name;

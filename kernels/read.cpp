@@ -105,14 +105,18 @@ class KernelReader {
   const hdf5::Reader& file_;
 };
 
+/// Whether a dataset has an attribute, whose only value is `expected`.
+bool has_constant(const hdf5::Reader& file, const std::string& name, const char* attribute,
+                  const char* expected) {
+  if (!file.exists(name) || !file.has_attribute(name, attribute)) return false;
+  if (file.string_attribute(name, attribute) != expected)
+    file.fail(fmt::format("attribute \"{}\" of \"{}\" is not \"{}\".", attribute, name, expected));
+  return true;
+}
+
 /// Whether the static correction is stored along the normals alone.
 bool has_normal_residual(const hdf5::Reader& file) {
-  const std::string name = "/surface/residual_flexibility";
-  if (!file.exists(name) || !file.has_attribute(name, kComponents)) return false;
-  const std::string value = file.string_attribute(name, kComponents);
-  if (value != kNormal)
-    file.fail(fmt::format("attribute \"{}\" of \"{}\" is not \"{}\".", kComponents, name, kNormal));
-  return true;
+  return has_constant(file, "/surface/residual_flexibility", kComponents, kNormal);
 }
 
 void check_certificate(const hdf5::Reader& file, const Modes& modes) {
@@ -160,6 +164,7 @@ Kernel read(const std::filesystem::path& path, bool view) {
   for (Load& load : kernel.applied) {
     const std::string unit = file.string_attribute("/loads/" + load.name, "unit");
     load.unit = unit == kTractionUnit ? "Pa" : unit == kForceUnit ? "N" : "";
+    load.inward = has_constant(file, "/loads/" + load.name, kActs, kInward);
   }
   check_certificate(file, kernel.modes);
   validate(kernel, path.string());

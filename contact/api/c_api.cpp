@@ -211,6 +211,15 @@ int ricochet_scene_load(ricochet_scene* scene, const char* body, const char* loa
   return checked([&] { add_forcing(scene, body, load, false, along, time, factor, count); });
 }
 
+int ricochet_scene_pressure(ricochet_scene* scene, const char* body, const char* load, double pressure,
+                            const double* time, const double* factor, size_t count) {
+  return checked([&] {
+    const Vector3 none{};
+    add_forcing(scene, body, load, false, none.data(), time, factor, count);
+    scene->scene.forcing.back().pressure = pressure;
+  });
+}
+
 int ricochet_scene_load_axes(ricochet_scene* scene, int axes) {
   return checked([&] {
     auto& forcing = given(scene, "scene").scene.forcing;

@@ -98,8 +98,9 @@ std::vector<contact::ForcingRequest> forcing_of(const Scene& scene) {
     const Forcing& one = scene.forcing[k];
     const std::string where = fmt::format("forcing[{}]", k);
     const bool dead = !one.support && one.time.empty() && one.factor.empty();
+    finite({one.pressure.value_or(0), 0, 0}, where + ".pressure");
     out.push_back({one.body, one.name, one.support, finite(one.vector, where + ".vector"),
-                   dead ? contact::dead_load : history_of(one, where), one.axes});
+                   dead ? contact::dead_load : history_of(one, where), one.axes, one.pressure});
   }
   return out;
 }

@@ -30,6 +30,15 @@ std::size_t place_of(const std::vector<Entry>& entries, const ForcingRequest& re
       request.body, request.name, names.empty() ? "none" : names));
 }
 
+/// Throws InputError if a vector is given for a pressure, or a pressure for another load.
+void refuse_other_kind(const kernels::Load& load, const ForcingRequest& request) {
+  if (load.inward == request.pressure.has_value()) return;
+  throw InputError(base::format("loads: \"{}\" of body \"{}\" is {}", request.name, request.body,
+                                load.inward
+                                    ? "a pressure in its kernel: give pressure in place of vector."
+                                    : "no pressure in its kernel: give vector in place of pressure."));
+}
+
 /// Throws InputError if a support jumps after t = 0, because that would be a shock of infinite energy. A
 /// support that is displaced at t = 0 counts as having had this displacement always.
 void refuse_jump(const ForcingRequest& request) {
@@ -62,13 +71,15 @@ void add_forcing(Model& model, int k, const std::vector<ForcingRequest>& forcing
     if (request.body != block.name) continue;
     const std::size_t entry = request.support ? place_of(kernel.motions, request, "loads.motion")
                                               : place_of(kernel.applied, request, "loads");
-    const Vector3d along = block.rotation.transpose() * request.vector;
+    if (!request.support) refuse_other_kind(kernel.applied[entry], request);
+    const Vector3d along = request.pressure ? Vector3d::Constant(*request.pressure)
+                                            : Vector3d(block.rotation.transpose() * request.vector);
     Model::Forcing out{.name = request.name,
                        .body = k,
                        .first_mode = block.first_mode,
                        .support = request.support,
                        .entry = static_cast<int>(entry),
-                       .vector = request.vector,
+                       .vector = block.rotation * along,
                        .own = along,
                        .history = request.history,
                        .force = Vector::Zero(block.modes),

@@ -37,6 +37,7 @@ struct ForcingRequest {
   History history{};
   /// Of a load on a body that turns. No value: those of the body for a traction, of the world for a force.
   std::optional<Axes> axes{};
+  std::optional<double> pressure{};  ///< of a load, in place of `vector` [Pa]
 };
 
 struct Model : Bodies, Rows {

@@ -160,6 +160,9 @@ struct Load {
   std::vector<double> total;          ///< (3,3) resultant force [N per unit], row: its component
   std::vector<double> moment;         ///< (3,3) resultant moment about the frame's origin [N m per unit]
   std::vector<double> residual;       ///< (rM,3) static correction [m per unit]; empty without R
+  /// A pressure: component k of the vector acts with the share −n_k of the outward normal, and (p, p, p) is
+  /// the pressure p.
+  bool inward = false;
   bool operator==(const Load&) const = default;
 };
 

@@ -91,6 +91,9 @@ int ricochet_scene_gravity(ricochet_scene* scene, const double* gravity);
  * times [s]. Without times, a load has always acted. */
 int ricochet_scene_load(ricochet_scene* scene, const char* body, const char* load, const double* vector,
                         const double* time, const double* factor, size_t count);
+/* The same for a load of the kernel that presses against the outward normal [Pa]. */
+int ricochet_scene_pressure(ricochet_scene* scene, const char* body, const char* load, double pressure,
+                            const double* time, const double* factor, size_t count);
 /* The axes in which the vector of the load that was added last is constant while its body turns, with
  * RICOCHET_FINITE. Default: of the body for [Pa], of the world for [N]. */
 int ricochet_scene_load_axes(ricochet_scene* scene, int axes);

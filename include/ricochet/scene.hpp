@@ -44,6 +44,9 @@ struct Forcing {
   /// In which the vector of a load is constant while its body turns, with finite rotations. No value: of the
   /// body for a traction [Pa], as pressure acts, and of the world for a force [N].
   std::optional<Axes> axes{};
+  /// Of a load that presses against the outward normal at each point of its surface, in place of `vector`
+  /// [Pa].
+  std::optional<double> pressure{};
   bool operator==(const Forcing&) const = default;
 };
 

@@ -40,7 +40,7 @@ bool is_rod(const kernels::Kernel& kernel, const Body& body) {
 bool same_sources(const KernelRequest& a, const KernelRequest& b) {
   const auto same = [](const auto& x, const auto& y) {
     if constexpr (requires { x.group; })
-      if (x.group != y.group) return false;
+      if (x.group != y.group || x.pressure.has_value() != y.pressure.has_value()) return false;
     for (std::size_t k = 0; k < 3; ++k)
       if (std::abs(x.at[k] - y.at[k]) > 2e-12) return false;  // two roundings
     return x.name == y.name;

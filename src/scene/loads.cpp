@@ -27,6 +27,15 @@ Declared<Forcing> vector_of_source(const std::string& unit, const char* meaning)
           any(),    meaning};
 }
 
+/// A traction has either a vector or a pressure.
+Declared<Forcing> vector_of_traction() {
+  Access<Forcing> vector(&Forcing::vector);
+  vector.is_written = [](const void* traction) {
+    return !static_cast<const Forcing*>(traction)->pressure.has_value();
+  };
+  return {"vector", vector, "Pa", "– without `pressure`", any(), "traction, in world axes at t = 0"};
+}
+
 Declared<Forcing> axes_of_source(const char* fallback) {
   return {"axes",
           choice<Forcing>(&Forcing::axes, {"world", "body"}),
@@ -44,8 +53,8 @@ Declared<Forcing> history_of_source() {
       "",
       none,
       any(),
-      "CSV file of times [s] and factors that multiply `vector`. Without a file, the factor is always 1: a "
-      "dead load, under which bodies start at rest"};
+      "CSV file of times [s] and factors that multiply `vector` or `pressure`. Without a file, the factor is "
+      "always 1: a dead load, under which bodies start at rest"};
 }
 
 }  // namespace
@@ -66,8 +75,11 @@ const SectionOf<Forcing> traction_keys{
      body_key<Forcing>(),
      {"group", Access(&Forcing::group).if_changed(), "", required("name a physical surface"), any(),
       "physical surface on the outside of the body (for a rod: an end). It may also be a contact surface"},
-     vector_of_source("Pa", "traction, in world axes at t = 0"),
-     axes_of_source("`\"body\"`, as pressure acts"),
+     vector_of_traction(),
+     {"pressure", &Forcing::pressure, "Pa", "– without `vector`", any(),
+      "pressure: it acts against the outward normal at each point, also while the body turns. A negative one "
+      "pulls"},
+     axes_of_source("`\"body\"`"),
      history_of_source()}};
 
 const SectionOf<Forcing> point_keys{
@@ -111,6 +123,16 @@ void check_place(const Table& table, const std::string& what) {
 }
 
 namespace {
+
+/// Checks that a traction has a vector or a pressure.
+void check_traction(const Table& table) {
+  const bool pressed = table.has("pressure");
+  if (!pressed && !table.has("vector"))
+    table.complain("vector", "is missing: give [x, y, z] in Pa, world axes, or a pressure in Pa");
+  for (const char* key : {"vector", "axes"})
+    if (pressed && table.has(key))
+      table.complain(key, "has no effect on a pressure, which acts along the normal: leave one of them out");
+}
 
 /// Checks that the motion of a support acts only along components that the support holds.
 void check_motion(const Table& table, const Body& body, const Forcing& motion) {
@@ -160,6 +182,7 @@ Forcing read_driven(const Table& table, const LoadKind& kind, std::size_t number
   const bool is_motion = &kind.keys == &motion_keys, is_slide = table.has("obstacle"),
              is_point = &kind.keys == &point_keys;
   if (is_point) check_place(table, "the point where the force acts");
+  if (&kind.keys == &traction_keys) check_traction(table);
   if (is_slide) {
     check_slide(table, scene, driven);
   } else {

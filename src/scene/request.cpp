@@ -113,6 +113,7 @@ void take_sources(const Scene& all, const Body& placed, KernelRequest& request) 
     for (Forcing driven : all.loads.*kind.list) {
       if (driven.body != placed.name) continue;
       driven.vector = {};
+      if (driven.pressure) driven.pressure = 0;  // only whether the load is one
       driven.history.clear();
       driven.axes.reset();
       if (&kind.keys == &point_keys) driven.at = own_place(placed, driven);

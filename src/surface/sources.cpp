@@ -24,22 +24,33 @@ std::vector<double> rows_of(const Matrix3d& matrix) {
   return {columns.data(), columns.data() + columns.size()};
 }
 
-/// Returns a load with its resultants. `total` is the sum of its weights, and `first` is the sum of weights
-/// times positions. A rod moves only along its axis.
-kernels::Load load_of(const mesh::Mesh& mesh, const std::string& name, const char* unit, double total,
-                      const Vector3d& first) {
+/// Returns a load with its resultants. `total` is the sum of its weights by component, and column k of
+/// `first` is the sum of those of component k times positions. A rod moves only along its axis.
+kernels::Load load_of(const mesh::Mesh& mesh, const std::string& name, const char* unit,
+                      const Vector3d& total, const Matrix3d& first) {
   const Vector3d axis(mesh.axis.data());
   const Matrix3d moved = mesh.dim == 3 ? Matrix3d(Matrix3d::Identity()) : Matrix3d(axis * axis.transpose());
   Matrix3d moment;
-  for (int k = 0; k < 3; ++k) moment.col(k) = first.cross(moved.col(k));
-  return {name, unit, {}, rows_of(total * moved), rows_of(moment), {}};
+  for (int k = 0; k < 3; ++k) moment.col(k) = Vector3d(first.col(k)).cross(Vector3d(moved.col(k)));
+  return {name, unit, {}, rows_of(moved * total.asDiagonal()), rows_of(moment), {}};
 }
+
+/// ∫ w ds and ∫ w x_k ds over a surface, for the weights w of a traction (1) or of a pressure (−n_k).
+struct Integral {
+  Vector3d total = Vector3d::Zero();
+  Matrix3d first = Matrix3d::Zero();          ///< column k: of w_k x
+  std::map<std::int64_t, Vector3d> weight{};  ///< by global node: ∫ N w ds
+
+  void add(std::int64_t node, const Vector3d& position, const Vector3d& weights) {
+    total += weights;
+    first += position * weights.transpose();
+    weight.try_emplace(node, Vector3d::Zero()).first->second += weights;
+  }
+};
 
 /// Integrals over one surface.
 struct Surface {
-  std::map<std::int64_t, double> weight;  ///< by global node: ∫ N ds
-  double area = 0;
-  Vector3d first = Vector3d::Zero();  ///< ∫ x ds
+  Integral traction, pressure;
 };
 
 /// Integrates over the surfaces of RequestedGroups::loaded, by label.
@@ -48,18 +59,19 @@ std::vector<Surface> integrate(const mesh::FacetMesh& facets, std::size_t surfac
   const auto position = [&](std::int64_t node) {
     return Vector3d(&facets.position[3 * static_cast<std::size_t>(node)]);
   };
-  const auto add = [&](std::int64_t label, std::int64_t node, double weight) {
+  const auto add = [&](std::int64_t label, std::int64_t node, double weight, const Vector3d& normal) {
     Surface& sum = sums[static_cast<std::size_t>(label)];
-    sum.weight[facets.node[static_cast<std::size_t>(node)]] += weight;
-    sum.area += weight;
-    sum.first += weight * position(node);
+    const std::int64_t global = facets.node[static_cast<std::size_t>(node)];
+    sum.traction.add(global, position(node), Vector3d::Constant(weight));
+    sum.pressure.add(global, position(node), -weight * normal);
   };
   for (const mesh::Block& block : facets.blocks) {
     const auto n = static_cast<std::size_t>(block.nodes_per_element);
     if (n == 1) {  // the end of a rod
       for (std::size_t e = 0; e < block.size(); ++e) {
         const auto i = static_cast<std::size_t>(block.node[e]);
-        add(block.label[e], block.node[e], Vector3d(&facets.end_normal[3 * i]).norm());
+        const Vector3d end(&facets.end_normal[3 * i]);
+        add(block.label[e], block.node[e], end.norm(), end.normalized());
       }
       continue;
     }
@@ -76,8 +88,10 @@ std::vector<Surface> integrate(const mesh::FacetMesh& facets, std::size_t surfac
           along_u += basis.gradient[3 * (q * n + a)] * position(nodes[a]);
           along_v += basis.gradient[3 * (q * n + a) + 1] * position(nodes[a]);
         }
-        const double measure = along_u.cross(along_v).norm() * rule.weight[q];
-        for (std::size_t a = 0; a < n; ++a) add(block.label[e], nodes[a], measure * basis.value[q * n + a]);
+        const Vector3d normal = along_u.cross(along_v);
+        const double measure = normal.norm() * rule.weight[q];
+        for (std::size_t a = 0; a < n; ++a)
+          add(block.label[e], nodes[a], measure * basis.value[q * n + a], normal.normalized());
       }
     }
   }
@@ -141,9 +155,12 @@ Sources make_sources(const mesh::Mesh& mesh, const scene::KernelRequest& request
   const std::vector<Surface> surfaces = integrate(mesh.loaded, asked.loaded.size());
   for (const scene::Forcing& traction : request.loads.tractions) {
     const Surface& surface = surfaces[place_of(asked.loaded, traction.group)];
-    for (const auto& [node, weight] : surface.weight)
-      at_loads.push_back({node, static_cast<int>(sources.loads.size()), weight});
-    sources.loads.push_back(load_of(mesh, traction.name, "Pa", surface.area, surface.first));
+    const Integral& sum = traction.pressure ? surface.pressure : surface.traction;
+    for (const auto& [node, weight] : sum.weight)
+      at_loads.push_back(
+          {node, static_cast<int>(sources.loads.size()), 1, {weight[0], weight[1], weight[2]}});
+    sources.loads.push_back(load_of(mesh, traction.name, "Pa", sum.total, sum.first));
+    sources.loads.back().inward = traction.pressure.has_value();
   }
   const double tolerance = request.loads.points.empty() && request.receivers.empty() && request.gauges.empty()
                                ? 0
@@ -155,7 +172,9 @@ Sources make_sources(const mesh::Mesh& mesh, const scene::KernelRequest& request
   for (const scene::Forcing& point : request.loads.points) {
     const Located place = on_body(mesh, request.body, "loads.point", point, tolerance);
     put(place, sources.loads.size(), at_loads);
-    sources.loads.push_back(load_of(mesh, point.name, "N", 1, Vector3d(place.place.data())));
+    const Vector3d ones = Vector3d::Ones();
+    sources.loads.push_back(
+        load_of(mesh, point.name, "N", ones, Vector3d(place.place.data()) * ones.transpose()));
   }
   std::vector<Weight> at_receivers;
   for (const scene::Receiver& receiver : request.receivers) {

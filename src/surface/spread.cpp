@@ -32,7 +32,7 @@ Eigen::SparseMatrix<double> spread(const mesh::Mesh& mesh, const std::vector<Wei
       for (int k = 0; k < out; ++k)
         if (const double share = component(mesh, direction, d, k); share != 0)
           entries.emplace_back(static_cast<int>(row) * c + d, weight.candidate * out + k,
-                               weight.value * share);
+                               weight.value * weight.by_component[static_cast<std::size_t>(k)] * share);
     }
   }
   Eigen::SparseMatrix<double> loads(mesh.owned_nodes * c, static_cast<Eigen::Index>(places) * out);

@@ -16,6 +16,7 @@ struct Weight {
   std::int64_t node;  ///< global
   int candidate;
   double value;
+  Vector3 by_component{1, 1, 1};  ///< factors of the components at the place
 };
 
 enum class FixedRows { zero, filled };

@@ -215,6 +215,25 @@ TEST(TurningLoads, of_the_body_turn_with_it) {
   }
 }
 
+/// The components of a pressure are those of the body, however it is placed.
+TEST(TurningLoads, of_a_pressure_do_not_depend_on_the_placement) {
+  Cloud cloud({0.1, 0.1, 0.1}, 500, 0, 3, false, 0);
+  add_sources(cloud, 4);
+  kernels::Load& load = cloud.kernel.applied[0];
+  load.unit = "Pa";
+  load.inward = true;
+  load.total = {3, 0, 0, 0, 4, 0, 0, 0, 5};
+  const Matrix3d placed = turn(0.7, {0, 0, 1});
+  ForcingRequest request = push({1, 0, 0}, {});
+  EXPECT_THROW(over_floor(cloud, {.rotation = placed, .height = 5}, {request}), InputError);
+  request.pressure = 2;
+  const auto model = over_floor(cloud, {.rotation = placed, .height = 5}, {request});
+  EXPECT_LT((model->forcing[0].total - placed * Vector3d(6, 8, 10)).norm(), 1e-14);
+  EXPECT_TRUE(model->forcing[0].follows);
+  load.inward = false;
+  EXPECT_THROW(over_floor(cloud, {.rotation = placed, .height = 5}, {request}), InputError);
+}
+
 TEST(Receivers, of_a_rigid_body_that_spins_move_on_a_circle) {
   Cloud cloud({0.1, 0.08, 0.06}, 500, 0, 3, false, 0);
   add_sources(cloud, 0);

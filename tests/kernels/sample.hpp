@@ -131,6 +131,7 @@ inline Kernel sample_kernel(int components, std::size_t n = 5, std::size_t m = 4
     Load& load = kernel.applied.emplace_back();
     load.name = name;
     load.unit = unit;
+    load.inward = load.unit == "Pa";
     fill(load.participation, 3 * n);
     fill(load.total, 9);
     fill(load.moment, 9);

@@ -147,6 +147,25 @@ TEST(KernelHash, depends_on_positions_of_sources_but_not_on_their_values) {
     EXPECT_EQ(driven_request({set}).hash, hash) << set;
 }
 
+TEST(Pressure, takes_the_place_of_the_vector_and_is_preserved) {
+  const auto pressed = [](const std::string& line) {
+    return changed(supported + sources, "vector = [0, 0, -2e3]", line);
+  };
+  const Scene scene = driven_scene({}, pressed("pressure = 2000"));
+  EXPECT_EQ(scene.loads.tractions[0].pressure, 2000);
+  const std::string text = to_toml(scene);
+  EXPECT_THAT(text, HasSubstr("pressure = 2000"));
+  EXPECT_EQ(driven_scene({}, text).loads.tractions[0].pressure, 2000);
+  const std::string hash = driven_request({}, pressed("pressure = 2000")).hash;
+  EXPECT_NE(hash, driven_request().hash);
+  EXPECT_EQ(hash, driven_request({}, pressed("pressure = -1")).hash);
+  EXPECT_THAT(complaint_of([&] { driven_scene({}, pressed("")); }),
+              HasSubstr("vector: is missing: give [x, y, z] in Pa, world axes, or a pressure in Pa"));
+  for (const char* key : {"vector = [0, 0, 1]", "axes = \"body\""})
+    EXPECT_THAT(complaint_of([&] { driven_scene({}, pressed(std::string("pressure = 1\n") + key)); }),
+                HasSubstr(": has no effect on a pressure"));
+}
+
 TEST(KernelRequests, hold_a_support_once_for_any_number_of_histories) {
   const std::string again =
       "[[loads.motion]]\nbody = \"ball\"\ngroup = \"foot\"\nname = \"again\"\nvector = [0, 0, 1]\n";

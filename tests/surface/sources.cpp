@@ -213,6 +213,31 @@ TEST(Traction, of_a_curved_surface_has_its_area_and_no_moment_about_its_centre) 
               1e-3 * area);
 }
 
+// Pressure has no resultant on a closed surface. By the divergence theorem, its virial Σ f·x is −3pV: that of
+// the faceted volume, which differs from the ball by less than the area does.
+TEST(Pressure, on_a_ball_has_no_resultant_and_the_virial_of_its_volume) {
+  scene::KernelRequest request = request_of({"skin"}, {});
+  request.loads.tractions = {load("push", "skin")};
+  request.loads.tractions[0].pressure = 0;
+  const Made made(
+      "SetFactory(\"OpenCASCADE\");\nSphere(1) = {0.3, -0.2, 0.5, 1};\nMeshSize{:} = 0.6;\n"
+      "Physical Volume(\"body\") = {1};\nPhysical Surface(\"skin\") = {1};\n",
+      3, request);
+  const double volume = 4.0 / 3 * std::numbers::pi;
+  const kernels::Load& push = made.sources.loads[0];
+  EXPECT_TRUE(push.inward);
+  const Point together = Point::Ones();  // the pressure 1
+  EXPECT_LT((rows(push.total, 3) * together).norm(), 1e-12);
+  EXPECT_LT((rows(push.moment, 3) * together).norm(), 1e-12);
+  Eigen::VectorXd virial = Eigen::VectorXd::Zero(1);
+  const Eigen::VectorXd force = made.sources.load * together;
+  for (std::size_t node = 0; node < made.mesh.node.size(); ++node)
+    if (const std::int64_t row = made.mesh.owned(made.mesh.node[node]); row >= 0)
+      virial[0] += force.segment<3>(3 * row).dot(Point(&made.mesh.position[3 * node]));
+  parallel::sum(made.mesh.comm, virial);
+  EXPECT_NEAR(virial[0], -3 * volume, 1e-3 * 3 * volume);
+}
+
 // A rod moves only along its axis, (1, 2, 2)/3, and so acts a load.
 TEST(Loads, of_an_inclined_rod_act_along_its_axis) {
   scene::KernelRequest request = request_of({"right"}, {});

@@ -101,6 +101,10 @@ static void turn(const ricochet_kernel* kernel) {
   expect(ricochet_scene_load_axes(scene, 7) == RICOCHET_REFUSED, "unknown axes are refused");
   expect(ricochet_scene_load_axes(scene, RICOCHET_BODY) == RICOCHET_OK, "axes");
   simulation = ricochet_simulation_new(scene);
+  ricochet_scene_pressure(scene, "ball", "push", 1, NULL, NULL, 0);
+  expect(ricochet_simulation_new(scene) == NULL, "a pressure is not taken for a force");
+  expect(strstr(ricochet_error(), "give vector in place of pressure") != NULL,
+         "the refusal names the remedy");
   ricochet_scene_free(scene);
   if (simulation == NULL) {
     expect(0, "a ball that turns is stepped");
