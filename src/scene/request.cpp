@@ -28,6 +28,8 @@ namespace {
 constexpr int kernel_generation = 7;
 /// The same for kernels with a visualisation surface.
 constexpr const char* view_generation = " view 2";
+/// The same for kernels with stress, at gauges or on the surface.
+constexpr const char* stress_generation = " stress 2";
 
 /// What to do about a file that is missing: the similar one in its folder, or the meshes there.
 std::string advice_on(const std::filesystem::path& missing) {
@@ -293,7 +295,8 @@ void seal(KernelRequest& request) {
     request.toml += "[[output.receiver]]\n" + request_receiver_keys().write(receiver);
   for (const Gauge& gauge : request.gauges)
     request.toml += "[[output.gauge]]\n" + request_gauge_keys().write(gauge);
-  request.hash = sha256(fmt::format("{}{}\n{}\n{}", kernel_generation, request.view ? view_generation : "",
+  request.hash = sha256(fmt::format("{}{}{}\n{}\n{}", kernel_generation, request.view ? view_generation : "",
+                                    request.stress || !request.gauges.empty() ? stress_generation : "",
                                     request.mesh_sha256, request.toml));
 }
 

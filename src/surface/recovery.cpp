@@ -23,25 +23,37 @@ using Eigen::VectorXd;
 constexpr double nodes_per_coefficient = 1.25;
 /// How often a patch takes the next elements.
 constexpr int most_enlargements = 3;
-/// Smallest share of a monomial, squared and summed over the nodes, that lower ones do not represent. Healthy
-/// patches have above 1e-3 in the coordinates below, and nodes in two planes leave round-off.
-constexpr double determined = 1e-6;
+/// Smallest share of a monomial, squared and summed over the nodes, that lower ones do not represent. Of
+/// degree p + 1, nodes in too few planes leave round-off. Of degree p + 2, a small share would make the
+/// errors of the nodes grow.
+constexpr double least_share = 1e-4, least_share_of_highest = 1e-2;
+/// Smallest variance of the nodes along an axis, relative to the largest one; nodes in a plane leave
+/// round-off.
+constexpr double least_variance = 1e-12;
 
 /// The nodes around a corner and the polynomial through their displacements.
 struct Patch {
-  std::int64_t corner, label;
+  std::int64_t corner = -1, label = -1;
   std::vector<std::int64_t> seeds{};  ///< global corners; elements with one of them belong to the patch
   std::vector<std::int64_t> nodes{};  ///< global, of these elements, ascending
+  Vector3d place = Vector3d::Zero();  ///< of the corner
   Vector3d centre = Vector3d::Zero();
   Matrix3d scale = Matrix3d::Zero();  ///< to coordinates in which the nodes have unit variance
-  MatrixXd inverse{};                 ///< of Σ m mᵀ over the nodes, for the monomials m; 0 if left out
+  MatrixXd inverse{};             ///< of Σ w m mᵀ over the nodes, for the first monomials m; 0 if left out
+  std::ptrdiff_t determined = 0;  ///< of the monomials of degree p + 1 at most
+  bool enough = false;            ///< nodes for all monomials that are determined
   bool sufficient = false;
+
+  Vector3d local(const Vector3d& x) const { return scale * (x - centre); }
+  /// Of a node in the sum of squares. Unequal weights matter where the field varies much over the patch, and
+  /// at the border, where all nodes lie on one side.
+  double weight(const Vector3d& x) const { return std::pow((scale * (x - place)).squaredNorm() + 0.5, -2); }
 };
 
-/// Exponents of all monomials up to degree p + 1, by degree; those of rods in the first coordinate alone.
+/// Exponents of all monomials up to degree p + 2, by degree; those of rods in the first coordinate alone.
 std::vector<std::array<int, 3>> exponents_of(const mesh::Mesh& mesh) {
   std::vector<std::array<int, 3>> out;
-  for (int degree = 0; degree <= mesh.order + 1; ++degree)
+  for (int degree = 0; degree <= mesh.order + 2; ++degree)
     for (int i = degree; i >= 0; --i)
       for (int j = degree - i; j >= 0; --j)
         if (mesh.dim == 3 || i == degree) out.push_back({i, j, degree - i - j});
@@ -142,8 +154,9 @@ void for_each_own(const mesh::Mesh& mesh, const Patch& patch, Visit&& visit) {
 }
 
 /// The inverse of a Gram matrix of monomials without those that earlier ones determine, whose rows are 0.
-/// @return whether none was left out
-bool invert(const MatrixXd& gram, MatrixXd& inverse) {
+/// @param lower  number of monomials of degree p + 1 at most, which come first
+/// @return indices of those that are not left out
+std::vector<Index> invert(const MatrixXd& gram, Index lower, MatrixXd& inverse) {
   std::vector<Index> kept;
   MatrixXd factor = MatrixXd::Zero(gram.rows(), gram.rows());  // rows of a Cholesky factor
   for (Index k = 0; k < gram.rows(); ++k) {
@@ -153,7 +166,7 @@ bool invert(const MatrixXd& gram, MatrixXd& inverse) {
       row[j] = (gram(k, j) - row.dot(factor.row(j).transpose())) / factor(j, j);
       rest -= row[j] * row[j];
     }
-    if (!(rest > determined * gram(k, k))) continue;
+    if (!(rest > (k < lower ? least_share : least_share_of_highest) * gram(k, k))) continue;
     row[k] = std::sqrt(rest);
     factor.row(k) = row.transpose();
     kept.push_back(k);
@@ -162,22 +175,26 @@ bool invert(const MatrixXd& gram, MatrixXd& inverse) {
   const MatrixXd known = gram(kept, kept);
   const MatrixXd solved = known.llt().solve(MatrixXd::Identity(known.rows(), known.cols()));
   inverse(kept, kept) = solved;
-  return std::ssize(kept) == gram.rows();
+  return kept;
 }
 
 /// Fits the polynomials of insufficient patches to their nodes. Collective.
 void fit(const mesh::Mesh& mesh, const Exponents& exponents, std::vector<Patch>& patches) {
   const Index n = std::ssize(exponents);
-  MatrixXd moment = MatrixXd::Zero(12, std::ssize(patches)),  // Σ x and Σ x xᵀ about the first centre
+  const auto lower =
+      std::ranges::count_if(exponents, [&](const auto& e) { return e[0] + e[1] + e[2] <= mesh.order + 1; });
+  MatrixXd moment =
+               MatrixXd::Zero(15, std::ssize(patches)),  // Σ x, Σ x xᵀ and the corner, from the first centre
       gram = MatrixXd::Zero(n * n, std::ssize(patches));
   const auto each = [&](auto&& act) {
     for (std::size_t k = 0; k < patches.size(); ++k)
       if (!patches[k].sufficient) act(patches[k], static_cast<Index>(k));
   };
   each([&](Patch& patch, Index k) {
-    for_each_own(mesh, patch, [&](std::int64_t, const Vector3d& x) {
+    for_each_own(mesh, patch, [&](std::int64_t node, const Vector3d& x) {
       const Vector3d from = x - patch.centre;
       moment.col(k).head<3>() += from;
+      if (node == patch.corner) moment.col(k).tail<3>() = from;
       Eigen::Map<Matrix3d>(&moment(3, k)) += from * from.transpose();
     });
   });
@@ -190,20 +207,28 @@ void fit(const mesh::Mesh& mesh, const Exponents& exponents, std::vector<Patch>&
     for (Index c = 0; c < 3; ++c) {
       const double size = axes.eigenvalues()[2 - c];
       patch.scale.row(c).setZero();
-      if (size > determined * determined * axes.eigenvalues()[2])
+      if (size > least_variance * axes.eigenvalues()[2])
         patch.scale.row(c) = axes.eigenvectors().col(2 - c).transpose() / std::sqrt(size);
     }
+    patch.place = patch.centre + moment.col(k).tail<3>();
     patch.centre += mean;
     for_each_own(mesh, patch, [&](std::int64_t, const Vector3d& x) {
-      const VectorXd m = monomials(exponents, patch.scale * (x - patch.centre));
-      Eigen::Map<MatrixXd>(&gram(0, k), n, n) += m * m.transpose();
+      const VectorXd m = monomials(exponents, patch.local(x));
+      Eigen::Map<MatrixXd>(&gram(0, k), n, n) += patch.weight(x) * m * m.transpose();
     });
   });
   parallel::sum(mesh.comm, gram);
   each([&](Patch& patch, Index k) {
-    const bool whole = invert(Eigen::Map<const MatrixXd>(&gram(0, k), n, n), patch.inverse);
-    patch.sufficient =
-        whole && static_cast<double>(patch.nodes.size()) >= nodes_per_coefficient * static_cast<double>(n);
+    const Eigen::Map<const MatrixXd> all(&gram(0, k), n, n);
+    const auto enough = [&](Index coefficients) {
+      return static_cast<double>(patch.nodes.size()) >=
+             nodes_per_coefficient * static_cast<double>(coefficients);
+    };
+    const std::vector<Index> kept = invert(all, lower, patch.inverse);
+    patch.determined = std::ranges::count_if(kept, [&](Index m) { return m < lower; });
+    patch.enough = enough(std::ssize(kept));
+    if (!patch.enough) invert(all.topLeftCorner(lower, lower), lower, patch.inverse);
+    patch.sufficient = patch.enough && patch.determined == lower;
   });
 }
 
@@ -218,9 +243,19 @@ std::vector<Patch> patches_of(const mesh::Mesh& mesh, const Exponents& exponents
   for (const auto& [key, place] : corners)
     patches.push_back({.corner = key.first, .label = key.second, .seeds = {key.first}, .centre = place});
   for (int times = 0; times <= most_enlargements; ++times) {
+    std::vector<Patch> before(patches.size());
+    for (std::size_t k = 0; k < patches.size(); ++k)
+      if (!patches[k].sufficient) before[k] = patches[k];
     std::vector<std::vector<std::int64_t>> next = find_nodes(mesh, patches);
     fit(mesh, exponents, patches);
-    for (std::size_t k = 0; k < patches.size(); ++k) patches[k].seeds = std::move(next[k]);
+    for (std::size_t k = 0; k < patches.size(); ++k) {
+      patches[k].seeds = std::move(next[k]);
+      // More elements that determine no more, as in a plate of one element across, are only farther away.
+      if (before[k].enough && patches[k].determined == before[k].determined) {
+        patches[k] = before[k];
+        patches[k].sufficient = true;
+      }
+    }
   }
   return patches;
 }
@@ -239,11 +274,11 @@ std::vector<GradientShare> recover_gradients(const mesh::Mesh& mesh, const std::
     std::map<std::int64_t, Vector3d> sums;
     for (std::size_t v = 0; v < points[i].corner_weight.size(); ++v) {
       const Patch& patch = patch_of(points[i].node[v], points[i].label);
-      const Vector3d at = patch.scale * (Vector3d(points[i].place.data()) - patch.centre);
-      const MatrixXd by_monomial =
-          points[i].corner_weight[v] * patch.inverse * slopes(exponents, at) * patch.scale;
+      const Exponents used(exponents.begin(), exponents.begin() + patch.inverse.rows());
+      const MatrixXd by_monomial = points[i].corner_weight[v] * patch.inverse *
+                                   slopes(used, patch.local(Vector3d(points[i].place.data()))) * patch.scale;
       for_each_own(mesh, patch, [&](std::int64_t node, const Vector3d& x) {
-        const VectorXd m = monomials(exponents, patch.scale * (x - patch.centre));
+        const VectorXd m = patch.weight(x) * monomials(used, patch.local(x));
         sums.try_emplace(node, Vector3d::Zero()).first->second += by_monomial.transpose() * m;
       });
     }

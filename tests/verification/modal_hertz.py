@@ -4,8 +4,8 @@ of rods with rounded ends."""
 import numpy as np
 
 
-def impact(omega, shape, rate, stiffness, step, duration):
-    """Times [s], force [N], and the final rates of the modes.
+def impact(omega, shape, rate, stiffness, step, duration, seen=None):
+    """Times [s], force [N], the final rates of the modes, and what a gauge sees: its values `seen` (n) of the modes times their coordinates.
 
     The modes of both bodies are stacked: `omega` (n) [rad/s], 0 for a rigid mode, `shape` (n) [kg^-1/2], their displacement at the
     contact, positive towards the other body, and `rate` (n) [kg^1/2 m/s] at the start, when the bodies touch. With the approach
@@ -20,7 +20,7 @@ def impact(omega, shape, rate, stiffness, step, duration):
     )
     ramp_rate = constant / step
     q, rate, force = np.zeros_like(omega), rate.copy(), 0.0
-    history = [force]
+    history, seen = [(force, 0.0)], np.zeros_like(omega) if seen is None else seen
     for _ in range(round(duration / step)):
         free = q * cosine + rate * sine - shape * force * (constant - ramp)
         after = force
@@ -31,8 +31,9 @@ def impact(omega, shape, rate, stiffness, step, duration):
         )
         q = free - shape * ramp * after
         force = after
-        history.append(force)
-    return step * np.arange(len(history)), np.array(history), rate
+        history.append((force, seen @ q))
+    force, sight = np.array(history).T
+    return step * np.arange(len(history)), force, rate, sight
 
 
 def episodes(time, force):

@@ -184,7 +184,7 @@ class ModalHertzTest(unittest.TestCase):
 
     def test_a_rigid_mass_follows_the_closed_form_of_hertz(self):
         start = self.SPEED * np.sqrt(self.MASS)
-        time, force, rate = self.impact([0.0], [1 / np.sqrt(self.MASS)], [start])
+        time, force, rate, _ = self.impact([0.0], [1 / np.sqrt(self.MASS)], [start])
         duration, peak = hertz.impact(self.MASS, self.SPEED, self.MODULUS, self.CURVATURE)
         ((begin, end, highest),) = modal_hertz.episodes(time, force)
         self.assertEqual(begin, 0)

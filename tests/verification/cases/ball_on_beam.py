@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 import modal_hertz
-from case import BLUE
+from case import BLUE, rms
 from cases.plate import GEO
 from ricochet.programs import ROOT
 
@@ -73,6 +73,11 @@ contact = "cap"
 support = {{ "x plane" = "x", "y plane" = "y", end = "z" }}
 [modes]
 up_to_hz = 100e3
+[[output.gauge]]
+name = "foil"
+body = "beam"
+at_body = [{example.length / 4}, 0, {-SIDE}]
+direction = [1, 0, 0]
 [contact]
 between = ["ball", "beam"]
 direction = [0, 0, -1]
@@ -83,11 +88,11 @@ duration = {example.duration}
 
 
 def beam_modes(length, half_waves):
-    """Angular frequencies [rad/s] and mass-normalised deflections [kg^-1/2] at mid-span of a simply supported beam: two modes, of bending
-    and of shear, for each odd number of half waves."""
+    """Angular frequencies [rad/s] and mass-normalised deflections [kg^-1/2] at mid-span of a simply supported beam, and its strains on the lower face at a quarter of the
+    span [kg^-1/2 m^-1]: two modes, of bending and of shear, for each odd number of half waves."""
     area, inertia = SIDE**2, SIDE**4 / 12
     shear = 10 * (1 + POISSON) / (12 + 11 * POISSON) * YOUNG / (2 * (1 + POISSON)) * area
-    omega, shape = [], []
+    omega, shape, strain = [], [], []
     for k in np.pi / length * np.arange(1, half_waves + 1, 2):
         stiffness = (
             length
@@ -98,30 +103,38 @@ def beam_modes(length, half_waves):
         squared, vectors = np.linalg.eigh(stiffness / np.outer(root, root))
         omega += list(np.sqrt(squared))
         shape += list(vectors[0] / root[0])
-    return np.array(omega), np.array(shape)
+        # The fibre at half the height has the strain h/2 k ψ sin kx of the rotation ψ cos kx; sin(kl/2) is the sign at mid-span.
+        strain += list(SIDE / 2 * k * vectors[1] / root[1] * np.sin(k * length / 4) * np.sin(k * length / 2))
+    return np.array(omega), np.array(shape), np.array(strain)
 
 
 def theory(example, half_waves=61):
-    """Times [s], force [N] and the final velocity of the ball [m/s]."""
-    omega, shape = beam_modes(example.length, half_waves)
+    """Times [s], force [N], the final velocity of the ball [m/s], and the strain on the lower face at a quarter of the span."""
+    omega, shape, strain = beam_modes(example.length, half_waves)
     mass = DENSITY * 4 / 3 * np.pi * example.radius**3
     stiffness = 2 / 3 * YOUNG / (1 - POISSON**2) * np.sqrt(example.radius)
     rate = np.zeros(1 + len(omega))
     rate[0] = SPEED * np.sqrt(mass)
-    time, force, rate = modal_hertz.impact(
-        np.append(0, omega), np.append(1 / np.sqrt(mass), -shape), rate, stiffness, 1e-7, example.duration
+    time, force, rate, strain = modal_hertz.impact(
+        np.append(0, omega),
+        np.append(1 / np.sqrt(mass), -shape),
+        rate,
+        stiffness,
+        1e-7,
+        example.duration,
+        np.append(0, strain),
     )
-    return time, force, rate[0] / np.sqrt(mass)
+    return time, force, rate[0] / np.sqrt(mass), strain
 
 
 def run(bench):
     bench.write("plate.geo", GEO)
     scene_file = bench.folder / "beam.toml"
-    figure, axes = bench.figure(2)
-    for (name, example), ax in zip(EXAMPLES.items(), axes):
+    figure, axes = bench.figure(2, 2)
+    for (name, example), ax, strain_ax in zip(EXAMPLES.items(), *axes):
         scene_file.write_text(scene(example))
         result = bench.impact(scene_file)
-        ideal_time, ideal_force, ideal_speed = theory(example)
+        ideal_time, ideal_force, ideal_speed, ideal_strain = theory(example)
         expected = modal_hertz.episodes(ideal_time, ideal_force)
         found = result.summary["episodes"]
         bench.compare(f"{name}: times of contact", len(found), len(expected), 0, "a count")
@@ -149,6 +162,14 @@ def run(bench):
             0.005,
             "depends on the beam much more than on the contact",
         )
+        strain = result.gauges["foil"].strain
+        difference = strain - np.interp(result.gauge_time, ideal_time, ideal_strain)
+        bench.below(
+            f"{name}: strain at a quarter of the span, root mean square of the difference over the largest",
+            rms(difference) / np.abs(ideal_strain).max(),
+            0.03,
+            LOCAL,
+        )
         time, force = result.time, result.total_force
         ax.plot(1e6 * time, QUARTERS * force, color=BLUE, linewidth=2, label="ours")
         ax.plot(1e6 * ideal_time, ideal_force, color="black", linewidth=0.9, linestyle="--", label="theory")
@@ -160,4 +181,10 @@ def run(bench):
             title=f"Ball of {1e3 * example.radius:g} mm, beam of {1e3 * example.length:g} mm",
         )
         ax.legend()
-    bench.save(figure, "Force between a ball and a beam, and the integral equation")
+        strain_ax.plot(1e6 * result.gauge_time, 1e6 * strain, color=BLUE, linewidth=2)
+        strain_ax.plot(1e6 * ideal_time, 1e6 * ideal_strain, color="black", linewidth=0.9, linestyle="--")
+        strain_ax.set(xlabel="time (µs)", ylabel="strain at a quarter of the span (µm/m)")
+    bench.save(
+        figure,
+        "Force between a ball and a beam, strain on the lower face of the beam, and the integral equation",
+    )

@@ -137,7 +137,7 @@ def theory(long):
         masses.append(mass)
     stiffness = 2 / 3 * YOUNG / (1 - POISSON**2) * np.sqrt(CURVATURE / 2)
     omega = np.array(omega)
-    time, force, rate = modal_hertz.impact(omega, np.array(shape), np.array(rate), stiffness, 2e-8, 3e-4)
+    time, force, rate, _ = modal_hertz.impact(omega, np.array(shape), np.array(rate), stiffness, 2e-8, 3e-4)
     return time, force, rate[omega == 0] / np.sqrt(masses) / SPEED
 
 
