@@ -15,7 +15,7 @@ import numpy as np
 from programs import contact
 from sweep import KEEP, SweepTest, force_of
 
-from ricochet.studies import history_chart
+from ricochet.studies import chart, history_chart
 
 
 class Histories(SweepTest):
@@ -78,6 +78,26 @@ class Histories(SweepTest):
         self.assertEqual(warned[2].splitlines(), summary["warnings"])
         self.assertIn("nothing touched", warned[2])
         self.assertEqual(self.rows()[2]["warning_texts"], " | ".join(summary["warnings"]))
+
+    def test_records_and_columns_with_one_first_word_are_both_drawn(self):
+        """acceleration.end.peak is a column, and acceleration.end.x a record."""
+        study = self.study(
+            'keep = ["acceleration"]\n[set]\n"modes.count" = 20\n"time.rate_hz" = 20.0\n"time.duration" = 2.5\n'
+            '"output.receiver" = [{ name = "end", body = "resting", at = [10, 0, 0] }]\n'
+            '[grid]\n"contact.gap" = [0.0, 0.5]'
+        )
+        self.succeed(self.sweep(study))
+        drawn = {
+            "acceleration.end.peak": "largest acceleration of end (m/s²)",
+            "acceleration.end.x": "acceleration of end, x (m/s²)",
+        }
+        for name, label in drawn.items():
+            with self.subTest(name), mock.patch.object(
+                history_chart, "save_picture"
+            ) as record, mock.patch.object(chart, "save_picture") as column:
+                self.succeed(self.sweep(study, "--collect", "--plot", name))
+                (saved,) = [*record.call_args_list, *column.call_args_list]
+                self.assertEqual(saved.args[0].axes[0].get_ylabel(), label)
 
     def test_only_impacts_without_histories_are_run_for_them(self):
         text = '[set]\n"modes.count" = 5\n"time.rate_hz" = 20.0\n[grid]\n"contact.gap" = [0.0, 0.5]'

@@ -34,10 +34,11 @@ from ricochet import programs, scene_keys
 from ricochet.cli.options import add_study, count, say, writing
 from ricochet.errors import InputError, RicochetError, SolverError
 from ricochet.studies import stage_log
+from ricochet.studies.figures import is_record
 from ricochet.studies.histories import not_kept
 from ricochet.studies.journal import outputs
 from ricochet.studies.records import Row
-from ricochet.studies.study import WORDS, Study, meant
+from ricochet.studies.study import Study, meant
 from ricochet.studies.sweep import Sweep
 from ricochet.studies.table import Table, of_magnitude
 
@@ -106,7 +107,7 @@ class Drawn:
         self.inputs = study.keys
         self.names = [options.plot, *(options.against or study.keys[:1])] if options.plot else []
         word = str(options.plot).partition(".")[0]
-        self.record = word in WORDS and options.plot not in study.keys
+        self.record = is_record(str(options.plot)) and options.plot not in study.keys
         if self.record:
             self._check_record(study, word)
         self.unknown = set(map(of_magnitude, self.names[self.record :])) - set(self.inputs)

@@ -66,6 +66,11 @@ def prefixed(largest: float, unit: str) -> tuple[float, str]:
     return (1, unit) if largest == 0 else (1e9, "n" + unit)
 
 
+def with_unit(text: str, unit: str) -> str:
+    """The label of an axis. `unit` as in files: m/s^2 is set as m/s², and 1 is none."""
+    return text if unit == "1" else f"{text} ({unit.replace('^2', '²')})"
+
+
 def largest_of(*arrays: Array) -> float:
     return max((float(np.nanmax(np.abs(a))) for a in arrays if np.size(a)), default=0.0)
 

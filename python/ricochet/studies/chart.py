@@ -19,6 +19,7 @@ from ricochet.errors import InputError
 from ricochet.scene_keys import unit, words
 from ricochet.files import save_picture
 from ricochet.pictures.style import DPI, WIDTH, in_style
+from ricochet.studies import figures
 from ricochet.studies.table import Table, is_number, of_magnitude
 
 FEW = 12  # maximum number of ticks on an axis
@@ -77,12 +78,8 @@ def label(name: str, units: dict[str, str]) -> str:
         return f"estimated error{of}, " + (
             "relative" if path[-1] == "total" else f"{path[-1]} alone, relative"
         )
-    if path[0] == "acceleration":
-        what, of = path[-1], ".".join(path[1:-1])
-        if what == "time_s":
-            return f"time of the largest acceleration of {of} (s)"
-        behind = "" if what == "peak" else f" behind {what.replace('_', ' ').upper()}"
-        return f"largest acceleration of {of}{behind} (m/s²)"
+    if (of_part := figures.label(name)) is not None:
+        return of_part
     found = unit(name, units)
     return f"{words(name)} ({found})" if found else words(name)
 

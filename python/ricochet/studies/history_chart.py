@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from ricochet.arrays import Array
 from ricochet.errors import InputError
 from ricochet.files import save_picture
-from ricochet.pictures.style import DPI, WIDTH, in_style, prefixed
+from ricochet.pictures.style import DPI, WIDTH, in_style, prefixed, with_unit
 from ricochet.studies import histories
 from ricochet.studies.chart import LINES, axis, label, looks_logarithmic, text
 from ricochet.studies.histories import Record
@@ -48,7 +48,7 @@ def draw(table: Table, results: Path, name: str, against: str, path: Path, units
     ax = fig.subplots()
     colour_lines(ax, lines, values, names, label(against, units))
     some = f" ({len(rows)} of {len(kept)} impacts)" if len(rows) < len(kept) else ""
-    ax.set(ylabel=f"{words(name)} ({lines[0].unit})", title=table.title + some)
+    ax.set(ylabel=with_unit(words(name), lines[0].unit), title=table.title + some)
     save_picture(fig, path, dpi=DPI)
 
 
