@@ -50,6 +50,7 @@ EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium,
     StressPeaks stress(model, {.scheme = Scheme::at_rest}, limits);
     stress.observe(equilibrium.time, equilibrium.q, equilibrium.force);
     out.stress = stress.peaks();
+    out.gauges = stress.gauge_peaks();
     out.stress_envelope = stress.envelopes();
     for (std::string& warning : stress.warnings()) out.warnings.push_back(std::move(warning));
   }

@@ -29,6 +29,7 @@ struct EquilibriumSummary {
   };
   std::vector<Pair> pairs;
   std::map<std::string, StressPeak> stress;               ///< as of Summary
+  std::map<std::string, GaugePeaks> gauges;               ///< likewise
   std::map<std::string, StressEnvelope> stress_envelope;  ///< likewise; of this equilibrium
   double imbalance = 0;
   double max_penetration_m = 0;  ///< largest u − g

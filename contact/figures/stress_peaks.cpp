@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "contact/figures/stress_measures.hpp"
@@ -24,11 +25,9 @@ StressPeaks::StressPeaks(const Model& model, const StepOptions& options, std::ve
     : model_(model),
       limits_(std::move(limits)),
       gauges_(model, options),
-      largest_(model.bodies.size()),
+      at_gauge_(gauges_.gauges().size()),
       surface_(model.bodies.size()) {
   limits_.resize(model.bodies.size());
-  for (const Gauges::Gauge& gauge : gauges_.gauges())
-    if (largest_[gauge.body].gauge == nullptr) largest_[gauge.body].gauge = gauge.kernel;
   for (std::size_t k = 0; k < model.bodies.size(); ++k)
     if (has_surface_stress(*model.bodies[k].kernel)) surface_[k].emplace(*model.bodies[k].kernel);
   if (options.scheme != Scheme::at_rest) note(0);
@@ -47,34 +46,54 @@ void StressPeaks::observe(double time, const Vector& q, const Vector& p) noexcep
 void StressPeaks::note(double time) noexcept {
   for (std::size_t k = 0; k < surface_.size(); ++k)
     if (surface_[k]) surface_[k]->observe(time, gauges_.coordinates()[k]);
-  for (const Gauges::Gauge& gauge : gauges_.gauges()) {
-    const double stress = von_mises(&gauges_.values()[gauge.first]);
-    if (stress > largest_[gauge.body].stress)
-      largest_[gauge.body] = {.stress = stress, .time = time, .gauge = gauge.kernel};
+  for (std::size_t g = 0; g < at_gauge_.size(); ++g) {
+    const Gauges::Gauge& gauge = gauges_.gauges()[g];
+    const double* const values = &gauges_.values()[gauge.first];
+    at_gauge_[g].von_mises.take(von_mises(values), time);
+    if (gauge.kernel->strain) at_gauge_[g].strain.take(std::abs(values[stress_rows]), time);
   }
 }
 
 std::map<std::string, StressPeak> StressPeaks::peaks() const {
   std::map<std::string, StressPeak> out;
-  for (std::size_t k = 0; k < largest_.size(); ++k) {
-    const Largest& largest = largest_[k];
-    if (largest.gauge == nullptr && !surface_[k]) continue;
-    StressPeak& peak = out[model_.bodies[k].name];
-    if (largest.gauge != nullptr)
-      peak = {.gauge = largest.gauge->name,
-              .at = Eigen::Vector3d(largest.gauge->point.data()),
-              .von_mises_pa = largest.stress,
-              .time_s = largest.time};
+  for (std::size_t g = 0; g < at_gauge_.size(); ++g) {
+    const Gauges::Gauge& gauge = gauges_.gauges()[g];
+    const auto [peak, is_first] = out.try_emplace(model_.bodies[gauge.body].name);
+    if (is_first || at_gauge_[g].von_mises.value > peak->second.von_mises_pa)
+      peak->second = {.gauge = gauge.kernel->name,
+                      .at = Eigen::Vector3d(gauge.kernel->point.data()),
+                      .von_mises_pa = at_gauge_[g].von_mises.value,
+                      .time_s = at_gauge_[g].von_mises.time};
+  }
+  for (std::size_t k = 0; k < surface_.size(); ++k) {
+    const std::string& body = model_.bodies[k].name;
     if (surface_[k]) {
+      const auto [found, is_first] = out.try_emplace(body);
       const StressEnvelope::Largest& of = surface_[k]->envelope().von_mises;
       const auto node = static_cast<std::size_t>(std::ranges::max_element(of.value) - of.value.begin());
-      if (node < of.value.size() && (largest.gauge == nullptr || of.value[node] > peak.von_mises_pa))
-        peak = {.gauge = "",
-                .at = Eigen::Vector3d(&model_.bodies[k].kernel->view->node[3 * node]),
-                .von_mises_pa = of.value[node],
-                .time_s = of.time[node]};
+      if (node < of.value.size() && (is_first || of.value[node] > found->second.von_mises_pa))
+        found->second = {.gauge = "",
+                         .at = Eigen::Vector3d(&model_.bodies[k].kernel->view->node[3 * node]),
+                         .von_mises_pa = of.value[node],
+                         .time_s = of.time[node]};
     }
-    if (limits_[k].yield > 0) peak.ratio_to_yield = peak.von_mises_pa / limits_[k].yield;
+    if (const auto peak = out.find(body); peak != out.end() && limits_[k].yield > 0)
+      peak->second.ratio_to_yield = peak->second.von_mises_pa / limits_[k].yield;
+  }
+  return out;
+}
+
+std::map<std::string, GaugePeaks> StressPeaks::gauge_peaks() const {
+  std::map<std::string, GaugePeaks> out;
+  for (std::size_t g = 0; g < at_gauge_.size(); ++g) {
+    const kernels::Gauge& gauge = *gauges_.gauges()[g].kernel;
+    const auto& [von_mises, strain] = at_gauge_[g];
+    GaugePeaks& peaks = out[gauge.name];
+    peaks.von_mises_pa = von_mises.value;
+    peaks.von_mises_time_s = von_mises.time;
+    if (!gauge.strain) continue;
+    peaks.strain_peak = strain.value;
+    peaks.strain_time_s = strain.time;
   }
   return out;
 }

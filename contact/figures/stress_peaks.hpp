@@ -34,6 +34,8 @@ class StressPeaks {
 
   /// By body with gauges or stress of its surface.
   std::map<std::string, StressPeak> peaks() const;
+  /// By gauge.
+  std::map<std::string, GaugePeaks> gauge_peaks() const;
   /// By body with stress of its surface.
   std::map<std::string, StressEnvelope> envelopes() const;
   /// A line for each body whose stress exceeds its yield.
@@ -41,15 +43,20 @@ class StressPeaks {
 
  private:
   struct Largest {
-    double stress = 0, time = 0;  ///< [Pa], [s]
-    const kernels::Gauge* gauge = nullptr;
+    double value = 0, time = 0;  ///< [Pa] or [1], [s]
+    void take(double other, double at) noexcept {
+      if (other > value) *this = {other, at};
+    }
+  };
+  struct AtGauge {
+    Largest von_mises, strain;
   };
   void note(double time) noexcept;
 
   const Model& model_;
   std::vector<MaterialLimits> limits_;
   Gauges gauges_;
-  std::vector<Largest> largest_;                          ///< by body; no gauge: it has none
+  std::vector<AtGauge> at_gauge_;                         ///< by gauge
   std::vector<std::optional<EnvelopeObserver>> surface_;  ///< by body
 };
 

@@ -39,6 +39,14 @@ struct StressPeak {
   std::optional<double> ratio_to_yield{};  ///< no value if the yield of the body is not known
 };
 
+/// The largest stress and strain at a gauge.
+struct GaugePeaks {
+  double von_mises_pa = 0;              ///< of all steps
+  double von_mises_time_s = 0;          ///< when
+  std::optional<double> strain_peak;    ///< magnitude, of all steps; no value if the gauge has no direction
+  std::optional<double> strain_time_s;  ///< when; likewise
+};
+
 /// Sizes of what finite rotations neglect for a body, the largest of the run.
 struct Neglected {
   std::optional<double> centrifugal_strain;  ///< (Ωr/c)², about; no value if the wave speed is not known
@@ -85,6 +93,7 @@ struct Summary : ImpactFigures {
   std::optional<ErrorEstimate> error_estimate;            ///< set by the caller; no value if not estimated
   std::map<std::string, AccelerationPeaks> acceleration;  ///< by receiver; empty with sampled responses
   std::map<std::string, StressPeak> stress;               ///< by body with gauges or stress of its surface
+  std::map<std::string, GaugePeaks> gauges;               ///< by gauge
   std::map<std::string, StressEnvelope> stress_envelope;  ///< by body with stress of its surface
   std::map<std::string, Sound> sounds;                    ///< by receiver; set by the caller
   std::optional<Sound> sound;                             ///< for players; set by the caller

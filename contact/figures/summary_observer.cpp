@@ -99,6 +99,7 @@ Summary SummaryObserver::summary() const {
     out.warnings = warnings(out);
     if (stress_) {
       out.stress = stress_->peaks();
+      out.gauges = stress_->gauge_peaks();
       out.stress_envelope = stress_->envelopes();
     }
     if (out.contact_end_s) add_band(out);

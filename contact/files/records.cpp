@@ -21,6 +21,8 @@ Records::Records(const MotionSource& source, const StepOptions& step, const Reco
     for (const MotionSource::Body& body : source_.bodies())
       velocity_.push_back(&file_.rows("/bodies/" + body.name + "/velocity", {3}, "m/s"));
   if (keeps_energy) energy_.emplace(file_);
+  if (options.gauges && model && has_gauges(*model))
+    gauge_rows_.emplace(file_, *model, step, options.receivers_every);
   if (step.scheme == Scheme::at_rest) return;
   if (time_) time_->append(0);
   bodies_row(source_.initial_state(), 0);
@@ -34,7 +36,8 @@ Records::Records(const MotionSource& source, const StepOptions& step, const Reco
 }
 
 Records::Records(const Model& model, const RecordOptions& options)
-    : Records(model, {.scheme = Scheme::at_rest}, {.force = options.force, .energy = options.energy}) {}
+    : Records(model, {.scheme = Scheme::at_rest},
+              {.force = options.force, .gauges = options.gauges, .energy = options.energy}) {}
 
 void Records::record(const Stepper& stepper) {
   if (force_) force_row(stepper);
@@ -45,6 +48,7 @@ void Records::record(const Stepper& stepper) {
     bodies_row(source_.state(stepper), t);
     if (energy_) energy_->append(stepper.modal()->energy());
   }
+  if (gauge_rows_) gauge_rows_->record(stepper);
   if (!receivers_) return;
   receivers_->observe(stepper);
   receiver_rows_->record(*receivers_);
@@ -77,6 +81,7 @@ void Records::record(const Equilibrium& equilibrium) {
   if (force_) add_force(equilibrium.time, equilibrium.force.head(source_.gap().size()).sum());
   if (time_) time_->append(equilibrium.time);
   if (energy_) energy_->append(equilibrium.energy);
+  if (gauge_rows_) gauge_rows_->record(equilibrium.time, equilibrium.q, equilibrium.force);
 }
 
 void Records::bodies_row(const Vector& state, double time) {
@@ -86,6 +91,7 @@ void Records::bodies_row(const Vector& state, double time) {
 
 std::string Records::file() {
   if (receiver_rows_) receiver_rows_->finish();
+  if (gauge_rows_) gauge_rows_->finish();
   return file_.content();
 }
 

@@ -12,6 +12,7 @@
 #include "contact/figures/motion_source.hpp"
 #include "contact/figures/receivers.hpp"
 #include "contact/files/energy_rows.hpp"
+#include "contact/files/gauge_rows.hpp"
 #include "contact/files/receiver_rows.hpp"
 #include "contact/static/equilibrium.hpp"
 #include "contact/stepping/stepper.hpp"
@@ -22,6 +23,7 @@ struct RecordOptions {
   bool force = false;         ///< /contact/time, total_force
   bool receivers = false;     ///< /receivers/time, NAME/velocity
   bool acceleration = false;  ///< /receivers/time, NAME/acceleration
+  bool gauges = false;        ///< /gauges/time, NAME/stress, strain
   bool bodies = false;        ///< /time, /bodies/NAME/velocity
   bool energy = false;        ///< /time, /energy; absent with sampled responses
   std::int64_t every = 1;     ///< as in RecorderOptions
@@ -30,8 +32,8 @@ struct RecordOptions {
 
 class Records {
  public:
-  /// Writes the rows of t = 0. Energies and receivers are absent with sampled responses. Throws InputError,
-  /// like all members, if the folder of temporary files cannot be written.
+  /// Writes the rows of t = 0. Energies, receivers and gauges are absent with sampled responses. Throws
+  /// InputError, like all members, if the folder of temporary files cannot be written.
   Records(const MotionSource& source, const StepOptions& step, const RecordOptions& options);
   /// Records of bodies at rest, without rows and velocities.
   Records(const Model& model, const RecordOptions& options);
@@ -61,6 +63,7 @@ class Records {
   std::optional<EnergyRows> energy_;
   std::optional<Receivers> receivers_;
   std::optional<ReceiverRows> receiver_rows_;
+  std::optional<GaugeRows> gauge_rows_;
 };
 
 }  // namespace ricochet::contact

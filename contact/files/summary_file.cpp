@@ -71,6 +71,16 @@ Json json_of(const std::map<std::string, StressPeak>& stress) {
   return out;
 }
 
+Json json_of(const std::map<std::string, GaugePeaks>& gauges) {
+  Json out = Json::object();
+  for (const auto& [name, peaks] : gauges)
+    out[name] = {{"von_mises_pa", peaks.von_mises_pa},
+                 {"von_mises_time_s", peaks.von_mises_time_s},
+                 {"strain_peak", number(peaks.strain_peak)},
+                 {"strain_time_s", number(peaks.strain_time_s)}};
+  return out;
+}
+
 Json json_of(const Summary& summary) {
   Json episodes = Json::array(), touches = Json::array(), exit_velocity = Json::object(),
        neglected = Json::object(), acceleration = Json::object(), sounds = Json::object();
@@ -131,6 +141,7 @@ Json json_of(const Summary& summary) {
            {"error_estimate", shares(summary.error_estimate)},
            {"acceleration", acceleration},
            {"stress", json_of(summary.stress)},
+           {"gauges", json_of(summary.gauges)},
            {"sounds", sounds},
            {"warnings", summary.warnings},
            {"real_time_factor", summary.real_time_factor},
@@ -154,6 +165,7 @@ Json json_of(const EquilibriumSummary& summary) {
       {"run", text(summary.run)},
       {"pairs", pairs},
       {"stress", json_of(summary.stress)},
+      {"gauges", json_of(summary.gauges)},
       {"quantities", json_of(summary.quantities())},
       {"imbalance", summary.imbalance},
       {"max_penetration_m", summary.max_penetration_m},

@@ -89,8 +89,8 @@ def sweep(
 
     study: a study file (docs/studies.md), or a Scene whose keys `grid` varies.
     grid: lists of values by key; every combination is run.
-    keep: records to keep of each impact, for `SweepResult.history`: "force", "receivers", "bodies",
-        "energy". A study file has a `keep` of its own.
+    keep: records to keep of each impact, for `SweepResult.history`: "force", "receivers",
+        "acceleration", "gauges", "bodies", "energy". A study file has a `keep` of its own.
     out: folder of kernels and results; default: `out` beside the study, or `scene.out`.
     jobs: number of impacts that run at the same time; default: one for each processor.
     ranks: MPI ranks of ricochet-kernel.

@@ -63,12 +63,13 @@ class SweepResult:
 
     def history(self, row: int, name: str) -> Record:
         """A quantity of an impact over time, if the study keeps it: `time` (k) [s], `values` (k) or (k,3) in
-        world axes, and `unit`.
+        world axes, stress (k,6) in the axes of its body, and `unit`.
 
         row: number of the impact, from 0; negative numbers count from the end.
         name: `force`, the total contact force; `receivers.NAME` and `bodies.NAME`, velocities, of which
-            `receivers.NAME.x` is a component; `acceleration.NAME`, that of a receiver; `energy.TERM`, a term of
-            the ledger.
+            `receivers.NAME.x` is a component; `acceleration.NAME`, that of a receiver; `gauges.NAME.stress`, of which
+            `gauges.NAME.stress.xx` is a component, `gauges.NAME.von_mises` and `gauges.NAME.strain`, those of a gauge;
+            `energy.TERM`, a term of the ledger.
 
         Raises InputError, one line, for a name that does not exist and for an impact without records, and
         IndexError for a row that does not exist.

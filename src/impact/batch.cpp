@@ -39,15 +39,23 @@ namespace {
 /// Greatest allowed nesting of lists and objects in a request.
 constexpr int most_nested = 16;
 
-constexpr std::array<std::pair<const char*, bool contact::RecordOptions::*>, 5> record_words{
+constexpr std::array<std::pair<const char*, bool contact::RecordOptions::*>, 6> record_words{
     {{"force", &contact::RecordOptions::force},
      {"receivers", &contact::RecordOptions::receivers},
      {"acceleration", &contact::RecordOptions::acceleration},
+     {"gauges", &contact::RecordOptions::gauges},
      {"bodies", &contact::RecordOptions::bodies},
      {"energy", &contact::RecordOptions::energy}}};
 
+/// Throws InputError for a word of "keep" that needs a table of the scene.
+void refuse_without(const std::string& key, const std::string& word, const scene::Scene& scene) {
+  throw InputError(fmt::format(
+      "{0}: output.{1}: is missing: keep = [\"{2}\"] needs a [[output.{1}]]; add one, or keep other records",
+      scene.file.filename().string(), key, word));
+}
+
 /// The records that a request keeps; no value: none. Throws InputError for an unknown word, and for
-/// receivers of a scene without any.
+/// receivers and gauges of a scene without any.
 std::optional<contact::RecordOptions> kept(const Json& request, const scene::Scene& scene) {
   if (!request.contains("keep")) return std::nullopt;
   contact::RecordOptions out;
@@ -62,10 +70,8 @@ std::optional<contact::RecordOptions> kept(const Json& request, const scene::Sce
     out.*found->second = true;
   }
   if ((out.receivers || out.acceleration) && scene.output.receivers.empty())
-    throw InputError(
-        fmt::format("{}: output.receiver: is missing: keep = [\"{}\"] needs a [[output.receiver]]; "
-                    "add one, or keep other records",
-                    scene.file.filename().string(), out.receivers ? "receivers" : "acceleration"));
+    refuse_without("receiver", out.receivers ? "receivers" : "acceleration", scene);
+  if (out.gauges && scene.output.gauges.empty()) refuse_without("gauge", "gauges", scene);
   return out;
 }
 

@@ -13,7 +13,7 @@ namespace ricochet::impact {
 ///
 ///     {"set": ["bodies.upper.velocity=[0,-6,0]"]}   run the impact, with these overrides after those of the
 ///                                   options
-///     {"set": […], "keep": ["force", "receivers", "acceleration", "bodies", "energy"]}
+///     {"set": […], "keep": ["force", "receivers", "acceleration", "gauges", "bodies", "energy"]}
 ///                                   the same, and return these records (contact/files/records.hpp)
 ///     {"set": [], "kernels": true}                  list the kernels that the impact needs
 ///     {"set": [], "kernels": true, "derive": ["…"]}

@@ -11,6 +11,8 @@ import h5py
 import scenes
 from programs import ProgramTest, impact, kernel
 from ricochet import principal_stresses, von_mises
+from ricochet.pictures.gauges import gauges_picture
+from ricochet.pictures.loaded_result import LoadedResult
 
 BLOCK = """
 SetFactory("Built-in");
@@ -249,6 +251,21 @@ rotate_deg = [1, 0, 90]
         for result in (linear, finite):
             self.check_envelope(result, "block", len(time))
         self.assertEqual(time[0], 0)
+        self.check_picture(finite)
+
+    def check_picture(self, result):
+        """Compares the curves of the picture with the rows, for a gauge with a direction and one without."""
+        stresses, strains = gauges_picture(LoadedResult(result.path)).axes
+        curves = {line.get_label(): line for line in stresses.lines}
+        self.assertEqual(sorted(curves), ["low", "skin"])
+        factor = {"Pa": 1, "mPa": 1e3}[stresses.get_ylabel().removeprefix("von Mises stress (")[:-1]]
+        for name, line in curves.items():
+            np.testing.assert_allclose(line.get_ydata(), factor * von_mises(result.gauges[name].stress))
+            np.testing.assert_allclose(line.get_xdata(), result.gauge_time)  # some seconds
+        self.assertEqual((strains.get_ylabel(), strains.get_xlabel()), ("strain (10⁻⁶)", "time (s)"))
+        (line,) = strains.lines
+        self.assertEqual((line.get_label(), line.get_color()), ("low", curves["low"].get_color()))
+        np.testing.assert_allclose(line.get_ydata(), 1e6 * result.gauges["low"].strain)
 
     def test_rows_are_as_many_as_those_of_receivers(self):
         self.write("rod.geo", scenes.rod(1, 20))

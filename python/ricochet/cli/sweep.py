@@ -9,7 +9,8 @@
 study.toml:
 
     scene = "two-disks.toml"
-    keep = ["force"]                                    # records: also "receivers", "acceleration", "bodies", "energy"
+    keep = ["force"]                                    # records: also "receivers", "acceleration", "gauges", "bodies",
+                                                        # "energy"
     [grid]                                              # every combination
     "bodies.upper.velocity[1]" = [-1.0, -2.0, -4.0]
     "contact.spacing" = { from = 5e-3, to = 2e-2, steps = 3 }

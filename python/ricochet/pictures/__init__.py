@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Pictures of results (contact, friction, snapshots, energy, stress) and of modes, as matplotlib figures and as files."""
+"""Pictures of results (contact, friction, snapshots, energy, stress, gauges) and of modes, as matplotlib figures and as files."""
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
@@ -14,6 +14,7 @@ from ricochet.pictures.comparison import Law
 from ricochet.pictures.contact import contact_picture, table_picture
 from ricochet.pictures.energy import energy_picture
 from ricochet.pictures.friction import friction_picture
+from ricochet.pictures.gauges import gauges_picture
 from ricochet.pictures.modes import modes_picture
 from ricochet.pictures.snapshots import snapshots_picture
 from ricochet.pictures.stress import stress_picture
@@ -29,7 +30,7 @@ def figures(
     result: LoadedResult, kernels: Path, note: Callable[[str], None], laws: Sequence[Law] = ()
 ) -> Iterator[tuple[str, Figure]]:
     """Yields the figures of a result with their names: "contact", "friction", "snapshots",
-    "energy", "stress"; of bodies at rest only "stress".
+    "energy", "stress", "gauges"; of bodies at rest only the last two.
 
     @param kernels  folder of the kernels
     @param note     called with the reason for each figure that is omitted
@@ -40,8 +41,11 @@ def figures(
         yield "stress", stressed
     elif stressed is not None:
         note(f"no picture of stress: {stressed}")
+    gauged = gauges_picture(result)
+    if gauged:
+        yield "gauges", gauged
     if result.static:
-        if stressed is not None:
+        if stressed is not None or gauged:
             return
         raise InputError(f"{result.path}: bodies at rest have no motion to draw. Use ricochet report.")
     if not result.energy:

@@ -8,7 +8,7 @@ _FILTERED = {
     for number in (60, 180, 600, 1000)  # classes of SAE J211-1
 }
 
-#: by kind and figure, the label, with {} for the name of the receiver or body
+#: by kind and figure, the label, with {} for the name of the receiver, body or gauge
 LABELS = {
     "acceleration": {
         "peak": "largest acceleration of {} (m/s²)",
@@ -19,6 +19,12 @@ LABELS = {
         "von_mises_pa": "largest von Mises stress of {} (Pa)",
         "time_s": "time of the largest von Mises stress of {} (s)",
         "ratio_to_yield": "largest von Mises stress of {}, relative to yield",
+    },
+    "gauges": {
+        "von_mises_pa": "largest von Mises stress of {} (Pa)",
+        "von_mises_time_s": "time of the largest von Mises stress of {} (s)",
+        "strain_peak": "largest strain of {}",
+        "strain_time_s": "time of the largest strain of {} (s)",
     },
 }
 

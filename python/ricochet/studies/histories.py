@@ -8,7 +8,7 @@ has times of its own. Names and units are those of result files (docs/formats/re
 import errno
 import os
 import zlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
@@ -17,6 +17,7 @@ import numpy as np
 
 from ricochet.arrays import Floats
 from ricochet.errors import InputError
+from ricochet.stress import von_mises
 from ricochet.studies.study import WORDS, meant
 
 KEY_BYTES = 24  # length of the key of an impact
@@ -135,32 +136,49 @@ class Record(NamedTuple):
 
     #: (k) [s]
     time: Floats
-    #: (k) or (k,3), in world axes
+    #: (k) or (k,3), in world axes; stress of a gauge (k,6), in the axes of its body
     values: Floats
     unit: str
 
 
-def names_in(group: h5py.Group) -> dict[str, tuple[str, str]]:
-    """The records of an impact by name, each as the names of its values and of its times: "force",
-    "receivers.NAME", "acceleration.NAME", "bodies.NAME", "energy.TERM"."""
+class Place(NamedTuple):
+    """Where the file of an impact has a record."""
+
+    values: str
+    time: str
+    #: makes the record of the values; none: it is the values
+    measure: Callable[[Floats], Floats] | None = None
+
+
+#: names of components by their number: of a vector, and of a stress
+COMPONENTS = {3: ("x", "y", "z"), 6: ("xx", "yy", "zz", "yz", "xz", "xy")}
+
+
+def names_in(group: h5py.Group) -> dict[str, Place]:
+    """The records of an impact by name: "force", "receivers.NAME", "acceleration.NAME", "gauges.NAME.stress",
+    "gauges.NAME.von_mises", "gauges.NAME.strain", "bodies.NAME", "energy.TERM"."""
     found = {}
     if "contact" in group:
-        found["force"] = "contact/total_force", "contact/time"
-    for kind, place, values, time in (
-        ("receivers", "receivers", "velocity", "receivers/time"),
-        ("acceleration", "receivers", "acceleration", "receivers/time"),
-        ("bodies", "bodies", "velocity", "time"),
+        found["force"] = Place("contact/total_force", "contact/time")
+    for name, place, values, time, measure in (
+        ("receivers.{}", "receivers", "velocity", "receivers/time", None),
+        ("acceleration.{}", "receivers", "acceleration", "receivers/time", None),
+        ("gauges.{}.stress", "gauges", "stress", "gauges/time", None),
+        ("gauges.{}.von_mises", "gauges", "stress", "gauges/time", von_mises),
+        ("gauges.{}.strain", "gauges", "strain", "gauges/time", None),
+        ("bodies.{}", "bodies", "velocity", "time", None),
     ):
-        for name, member in group.get(place, {}).items():
+        for of, member in group.get(place, {}).items():
             if isinstance(member, h5py.Group) and values in member:
-                found[f"{kind}.{name}"] = f"{place}/{name}/{values}", time
-    for name in group.get("energy", {}):
-        found[f"energy.{name}"] = f"energy/{name}", "time"
+                found[name.format(of)] = Place(f"{place}/{of}/{values}", time, measure)
+    for term in group.get("energy", {}):
+        found[f"energy.{term}"] = Place(f"energy/{term}", "time")
     return found
 
 
 def read(file: h5py.File, row: int, name: str) -> Record:
-    """The record `name` of a row; with .x, .y or .z at its end, this component. Raises InputError."""
+    """The record `name` of a row; with the name of a component at its end, such as .x, this component. Raises
+    InputError."""
     histories = file.get("histories")
     if histories is None:
         raise not_kept(file.filename, name)
@@ -168,17 +186,28 @@ def read(file: h5py.File, row: int, name: str) -> Record:
     if group is None:
         raise InputError(f"{file.filename}: impact {row} has no records: it was refused, failed or not run")
     found = names_in(group)
-    base, _, axis = name.rpartition(".")
-    component = "xyz".find(axis) if name not in found and len(axis) == 1 and base in found else -1
-    place = found.get(name if component < 0 else base)
+    base, _, component = name.rpartition(".")
+    is_component = name not in found and any(component in names for names in COMPONENTS.values())
+    place = found.get(base if is_component else name)
     if place is None:
         raise InputError(f'{file.filename}: there is no record "{name}"{meant(name, found, "there are")}')
-    values, time = (group[part] for part in place)
-    if component >= 0 and values.ndim != 2:
-        raise InputError(f'{file.filename}: "{base}" has no components: leave .{axis} out')
-    unit = values.attrs["unit"]
+    data = group[place.values]
+    unit = data.attrs["unit"]
     text = unit.decode() if isinstance(unit, bytes) else str(unit)
-    return Record(np.asarray(time[:]), np.asarray(values[:] if component < 0 else values[:, component]), text)
+    values = place.measure(data[:]) if place.measure else data[:]
+    if is_component:
+        names = components_of(values)
+        if not names:
+            raise InputError(f'{file.filename}: "{base}" has no components: leave .{component} out')
+        if component not in names:
+            raise InputError(f'{file.filename}: "{base}" has no .{component}: give .{", .".join(names)}')
+        values = values[:, names.index(component)]
+    return Record(np.asarray(group[place.time][:]), np.asarray(values), text)
+
+
+def components_of(values: Floats) -> tuple[str, ...]:
+    """The names of the components of a record; none if it has a number for each time."""
+    return COMPONENTS[values.shape[1]] if values.ndim == 2 else ()
 
 
 def not_kept(study: object, name: str) -> InputError:

@@ -29,6 +29,8 @@ WORDS = {
     "energy": "energy,",
 }
 
+GAUGE_WORDS = {"von_mises": "von Mises stress", "strain": "strain"}
+
 
 @in_style
 def draw(table: Table, results: Path, name: str, against: str, path: Path, units: dict[str, str]) -> None:
@@ -40,13 +42,14 @@ def draw(table: Table, results: Path, name: str, against: str, path: Path, units
             raise InputError(f'no finished impact has a record "{name}": there is nothing to draw')
         rows = kept[:: -(-len(kept) // MOST)]
         lines = [histories.read(file, row, name) for row in rows]
-    if lines[0].values.ndim == 2:
-        raise InputError(f'"{name}" has three components: draw {name}.x, {name}.y or {name}.z')
+    if names := histories.components_of(lines[0].values):
+        each = ", ".join(f"{name}.{component}" for component in names)
+        raise InputError(f'"{name}" has {len(names)} components: draw one of {each}')
     column = table.column(against)
-    values, names = axis([column[row] for row in rows])
+    values, texts = axis([column[row] for row in rows])
     fig = Figure(figsize=(WIDTH, 5.2), layout="constrained")
     ax = fig.subplots()
-    colour_lines(ax, lines, values, names, label(against, units))
+    colour_lines(ax, lines, values, texts, label(against, units))
     some = f" ({len(rows)} of {len(kept)} impacts)" if len(rows) < len(kept) else ""
     ax.set(ylabel=with_unit(words(name), lines[0].unit), title=table.title + some)
     save_picture(fig, path, dpi=DPI)
@@ -56,7 +59,16 @@ def words(name: str) -> str:
     """The label of a record."""
     kind, _, rest = name.partition(".")
     base, _, component = rest.rpartition(".")
+    if kind == "gauges":
+        return words_of_gauge(base, component)
     return " ".join(filter(None, [WORDS[kind], f"{base}, {component}" if base else rest]))
+
+
+def words_of_gauge(name: str, quantity: str) -> str:
+    """The label of a record gauges.NAME.QUANTITY, where `quantity` may be a component of the stress."""
+    if quantity in GAUGE_WORDS:
+        return f"{GAUGE_WORDS[quantity]} of {name}"
+    return f"stress of {name.removesuffix('.stress')}, {quantity}"
 
 
 def colour_lines(

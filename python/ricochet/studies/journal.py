@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from ricochet.studies import figures
 from ricochet.studies.histories import Archive, Kept
 from ricochet.studies.records import Records, Row, whole_lines
 
@@ -130,7 +131,8 @@ def storable(text: Any) -> bool:
 
 def outputs(summary: dict[str, Any]) -> dict[str, float]:
     """The numbers of a summary by name: "restitution", "exit_velocity.upper.y", "acceleration.mic.cfc_1000" (the
-    filtered peak), "stress.case.von_mises_pa", "episodes" (number of episodes), "finite_rotation" and "touched" (1 or 0).
+    filtered peak), "stress.case.von_mises_pa", "gauges.foil.strain_peak", "episodes" (number of episodes),
+    "finite_rotation" and "touched" (1 or 0).
     """
     found: dict[str, Any] = {}
     for name, value in summary.items():
@@ -149,10 +151,10 @@ def outputs(summary: dict[str, Any]) -> dict[str, float]:
             for quantity, shares in value.get("quantities", {}).items():
                 found[f"{name}.quantities.{quantity}.total"] = shares["total"]
             found |= {f"{name}.{key}": item for key, item in value.items() if isinstance(item, (int, float))}
-        elif name == "stress":
-            for body, peak in value.items():
-                for key in ("von_mises_pa", "time_s", "ratio_to_yield"):
-                    found[f"{name}.{body}.{key}"] = math.nan if peak[key] is None else peak[key]
+        elif name in ("stress", "gauges"):
+            for part, peaks in value.items():
+                for key in figures.LABELS[name]:
+                    found[f"{name}.{part}.{key}"] = math.nan if peaks[key] is None else peaks[key]
         elif name == "pairs":
             found |= {f"pairs.{k}.{key}": item for k, pair in enumerate(value) for key, item in pair.items()}
         elif isinstance(value, dict):

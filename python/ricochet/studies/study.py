@@ -20,6 +20,7 @@ WORDS = {
     "force": ("contact",),
     "receivers": ("receivers",),
     "acceleration": ("receivers",),
+    "gauges": ("gauges",),
     "bodies": ("time", "bodies"),
     "energy": ("time", "energy"),
 }
