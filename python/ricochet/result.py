@@ -568,6 +568,14 @@ class Result(_Data):
         @param kernels  folder of the kernels; by default, that of the result
         Raises InputError if the result has no snapshots of this body, or if its kernel has no stress.
         """
+        fields, amplitudes = self.stress_fields(body, kernels)
+        return np.moveaxis(fields @ amplitudes.T.astype(fields.dtype), 2, 0).astype(float)
+
+    def stress_fields(
+        self, body: str, kernels: str | os.PathLike[str] | None = None
+    ) -> tuple[NDArray[np.float32], Floats]:
+        """(V,6,r) fields in single precision and (s,r) amplitudes whose products are `surface_stress`. Large surfaces are
+        treated in parts. Raises InputError, as `surface_stress`."""
         from ricochet.pictures.static_part import static_part
 
         if body not in self.snapshots:
@@ -583,8 +591,7 @@ class Result(_Data):
         modal = self.snapshots[body]
         shape = kernel.array("/view/stress/shape", None, 6, modal.shape[1])
         static, amplitudes = static_part(self._file, kernel, body, len(modal), "/view/stress", 6)
-        both, at = np.concatenate([shape, static], axis=2), np.concatenate([modal, amplitudes], axis=1)
-        return np.moveaxis(both @ at.T.astype(both.dtype), 2, 0).astype(float)
+        return np.concatenate([shape, static], axis=2), np.concatenate([modal, amplitudes], axis=1)
 
     @cached_property
     def energy(self) -> dict[str, Floats]:

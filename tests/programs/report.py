@@ -16,7 +16,7 @@ import numpy as np
 from programs import MESHES, Command, Run, contact, impact, kernel
 from report_test import ReportTest, number, unpacked
 
-from ricochet.pages.motion import coarser
+from ricochet.pictures.simplified import coarser
 from ricochet.pictures.viewpoint import clearest
 
 TITLE = 'Rods </script><script>document.title = "run"</script> & <b>"more"</b>'

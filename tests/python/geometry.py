@@ -7,14 +7,17 @@ import types
 import unittest
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from programs import ProgramTest
 from ricochet import surfaces
-from ricochet.interchange.rotations import angles_of, rotation_of, turn_between
+from ricochet.films.arrows import directions, turns_to
+from ricochet.films.bodies import continuous
+from ricochet.interchange.rotations import angles_of, quaternion_of, rotation_of, turn_between
 from ricochet.modal_table import ModalTable
 from ricochet.pages import motion
 from ricochet.pages.modes import table_of
-from ricochet.pictures import modes, planes
+from ricochet.pictures import modes, planes, simplified
 from ricochet.pictures.loaded_result import low_passed
 from ricochet.pictures.viewpoint import View, clearest, clearness, spread, views
 
@@ -250,12 +253,12 @@ class Bodies(unittest.TestCase):
         random = np.random.default_rng(1)
         shape = random.normal(size=(40, 6))
         mixed = random.normal(size=(30, 2)) @ random.normal(size=(2, 6))  # of rank 2
-        fields, amounts = motion.few_shapes(shape, mixed, 6, 1e-9)
+        fields, amounts = simplified.few_shapes(shape, mixed, 6, 1e-9)
         self.assertEqual((fields.shape, amounts.shape), ((40, 2), (30, 2)))
         np.testing.assert_allclose(fields @ amounts.T, shape @ mixed.T, atol=1e-10)
         for most, left_out in ((6, 0.3), (6, 0.02), (2, 1e-9)):
             free = random.normal(size=(30, 6)) * [1, 0.5, 0.2, 0.05, 0.01, 0.001]
-            fields, amounts = motion.few_shapes(shape, free, most, left_out)
+            fields, amounts = simplified.few_shapes(shape, free, most, left_out)
             exact, count = shape @ free.T, fields.shape[1]
             size = np.linalg.svd(exact, compute_uv=False)  # the best error with r shapes (Eckart and Young)
             self.assertAlmostEqual(
@@ -265,7 +268,7 @@ class Bodies(unittest.TestCase):
             if count < most:
                 self.assertLessEqual(np.linalg.norm(size[count:]), left_out * np.linalg.norm(size))
             self.assertGreater(np.linalg.norm(size[count - 1 :]), left_out * np.linalg.norm(size))
-        self.assertEqual(motion.few_shapes(shape[:, :0], mixed[:, :0], 6, 1e-3)[0].shape, (40, 0))
+        self.assertEqual(simplified.few_shapes(shape[:, :0], mixed[:, :0], 6, 1e-3)[0].shape, (40, 0))
 
     def test_show_a_static_field_at_one_node_beside_large_modes(self):
         """The field of a force is tiny per newton, and sharp; among 900 nodes it adds little to a mean."""
@@ -297,17 +300,17 @@ class Bodies(unittest.TestCase):
         node = grid((0, 0), (1, 1), 0.0, 31)
         corner = (31 * np.arange(30)[:, None] + np.arange(30)).ravel()
         element = np.concatenate([corner[:, None] + [0, 1, 32], corner[:, None] + [0, 32, 31]])
-        kept, few = motion.coarser(node, element, 300)
+        kept, few = simplified.coarser(node, element, 300)
         self.assertTrue(100 < len(few) <= 300)
         # The square loses at most a cell at its edges and is covered once.
         self.assertAlmostEqual(areas(node[kept][few]).sum(), 1, delta=0.15)
-        same, all_of_them = motion.coarser(node, element, 1800)
+        same, all_of_them = simplified.coarser(node, element, 1800)
         self.assertIs(all_of_them, element)
         self.assertEqual(same.tolist(), list(range(961)))
 
     def test_that_are_rods_become_closed_tubes(self):
         node, radius = np.array([[0, 0, 0], [1, 0, 0], [3.0, 0, 0]]), 0.1
-        faces, of, offset = motion.tube(node, np.array([[0, 1], [1, 2]]), radius)
+        faces, of, offset = simplified.tube(node, np.array([[0, 1], [1, 2]]), radius)
         place = node[of] + offset
         np.testing.assert_allclose(np.hypot(*place[:, 1:].T), radius)
         np.testing.assert_allclose(place[:, 0], np.repeat([0, 1, 3], 12))
@@ -319,10 +322,12 @@ class Bodies(unittest.TestCase):
         self.assertEqual(set(count), {2})
 
     def test_that_are_rods_have_the_radius_of_their_section_or_one_that_is_visible(self):
-        self.assertAlmostEqual(motion.radius_of({"material": {"density": 1, "area": np.pi * 0.04}}, 1), 0.2)
+        self.assertAlmostEqual(
+            simplified.radius_of({"material": {"density": 1, "area": np.pi * 0.04}}, 1), 0.2
+        )
         parts = {"a": {"area": np.pi}, "b": {"area": 4 * np.pi}}
-        self.assertAlmostEqual(motion.radius_of({"material": parts}, 1), 2)
-        self.assertAlmostEqual(motion.radius_of({}, 5), 0.05)
+        self.assertAlmostEqual(simplified.radius_of({"material": parts}, 1), 2)
+        self.assertAlmostEqual(simplified.radius_of({}, 5), 0.05)
 
     def test_stand_on_the_part_of_a_plane_that_is_near_them(self):
         low, high = np.array([1.0, -1, 2]), np.array([3.0, 1, 6])
@@ -378,6 +383,37 @@ class Rotations(unittest.TestCase):
             self.assertAlmostEqual(np.linalg.det(turn), 1, delta=1e-14)
             # It turns by the angle between them: 1 + 2 cos is the trace.
             self.assertAlmostEqual(np.trace(turn), 1 + 2 * start @ end, delta=1e-13)
+
+    def test_quaternions_are_those_of_scipy(self):
+        random = np.random.default_rng(3)
+        turns = Rotation.random(100, random)
+        halves = Rotation.from_rotvec(
+            np.pi * np.array([X, Y, Z, (X + Y) / np.sqrt(2), (Z - X) / np.sqrt(2), 0 * X])
+        )
+        for turn in [*turns, *halves]:
+            found = quaternion_of(turn.as_matrix())
+            self.assertAlmostEqual(np.linalg.norm(found), 1, delta=1e-14)
+            np.testing.assert_allclose(
+                Rotation.from_quat(np.roll(found, -1)).as_matrix(), turn.as_matrix(), atol=1e-14
+            )
+        forces = np.concatenate([random.normal(size=(20, 3)), [Y, -Y, 0 * X, X]])
+        along = directions(forces)
+        known = np.delete(np.arange(24), 22)
+        np.testing.assert_allclose(
+            along[known] * np.linalg.norm(forces[known], axis=1)[:, None], forces[known], atol=1e-14
+        )
+        self.assertIn(along[22].tolist(), [along[21].tolist(), along[23].tolist()])  # that of a neighbour
+        found = Rotation.from_quat(np.roll(turns_to(along), -1, axis=1)).apply(Y)
+        np.testing.assert_allclose(found, along, atol=1e-14)
+
+    def test_quaternions_of_neighbours_have_the_signs_that_interpolation_needs(self):
+        whole = Rotation.from_rotvec(np.linspace(0, 4 * np.pi, 30)[:, None] * Z).as_quat()
+        signs = np.random.default_rng(4).choice([-1, 1], size=(30, 1))
+        found = continuous(signs * whole)
+        self.assertGreater(
+            np.sum(found[1:] * found[:-1], axis=1).min(), 0.97
+        )  # the cosine of half of a step, 0.976
+        np.testing.assert_array_equal(np.abs(found), np.abs(whole))
 
 
 class LowPass(unittest.TestCase):

@@ -23,7 +23,7 @@ VERBS = {
     "surfaces": "list and draw the surfaces of a drawing or mesh",
     "materials": "list the materials that a scene can name",
     "import": "write a body file from the matrices of another program",
-    "export": "write a body for another program, or as a page to play",
+    "export": "write a body or a run for another program, or as a page to play",
     "batch": "run a study on a SLURM cluster",
 }
 MODULES = {"import": "import_"}  # a Python keyword cannot name a module

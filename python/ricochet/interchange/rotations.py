@@ -49,6 +49,22 @@ def matrices_of(quaternion: Array) -> Array:
     return np.asarray(np.eye(3) + 2 * (w * cross + cross @ cross))
 
 
+def quaternion_of(rotation: Array) -> Array:
+    """(4) a unit quaternion w, x, y, z of a rotation matrix (3,3)."""
+    xx, yy, zz = np.diag(rotation)
+    (_, xy, xz), (yx, _, yz), (zx, zy, _) = rotation
+    products = np.array(  # four times those of the components
+        [
+            [1 + xx + yy + zz, zy - yz, xz - zx, yx - xy],
+            [zy - yz, 1 + xx - yy - zz, xy + yx, xz + zx],
+            [xz - zx, xy + yx, 1 - xx + yy - zz, yz + zy],
+            [yx - xy, xz + zx, yz + zy, 1 - xx - yy + zz],
+        ]
+    )
+    largest = products[np.argmax(np.diag(products))]
+    return np.asarray(largest / np.linalg.norm(largest))
+
+
 def product(one: Array, other: Array) -> Array:
     """The quaternion of the rotation `other`, followed by `one`; (…,4) each."""
     w, u, z, v = one[..., :1], one[..., 1:], other[..., :1], other[..., 1:]

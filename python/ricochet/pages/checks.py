@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ricochet.pages.motion import materials
+from ricochet.pictures.simplified import materials
 from ricochet.pictures.loaded_result import LoadedResult
 
 DRIFT = 1e-10  # largest energy drift that is round-off

@@ -12,7 +12,8 @@ from ricochet.errors import InputError
 from ricochet.interchange.instrument import Instrument, instrument_of
 from ricochet.interchange.rotations import rotation_of
 from ricochet.kernel import Kernel
-from ricochet.pages.motion import coarser, of_rest, packed, tube
+from ricochet.pages.motion import of_rest, packed
+from ricochet.pictures.simplified import coarser, tube
 from ricochet.pages.page import FOLDER
 from ricochet.pictures.viewpoint import View
 from ricochet.result import Result

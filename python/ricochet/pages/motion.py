@@ -21,6 +21,7 @@ from ricochet.pictures.moving_surfaces import (
     largest_amplification,
     moving_surfaces,
 )
+from ricochet.pictures.simplified import few_shapes, simplified
 from ricochet.pictures.snapshots import MOMENTS as PICTURES
 from ricochet.pictures.snapshots import drawn_path, moments
 from ricochet.pictures.viewpoint import View, clearest
@@ -28,12 +29,10 @@ from ricochet.pictures.viewpoint import View, clearest
 Packed = dict[str, Any]  # an array encoded as text
 
 MOMENTS = 1200  # maximum number of snapshots, evenly spaced
-TRIANGLES = 80_000  # maximum number of triangles of all bodies
 SHAPES = 80  # maximum number of shapes of a body, without rigid motion
 SHAPES_MB = 4  # maximum memory of the shapes of all bodies
 LEFT_OUT = 3e-4  # allowed relative root mean square error of the deformation
 POINTS = 300  # number of contact points whose forces are drawn, those with the largest impulse
-SIDES = 12  # sides of a rod's cross-section
 MODES = 20  # maximum number of modes of a body whose shapes are in the page
 MODES_MB = 4  # maximum size of the shapes of modes of all bodies, as text
 
@@ -48,82 +47,6 @@ def packed(values: Any, kind: str = "f4") -> Packed:
         out["scale"] = largest / (32767 if kind == "i2" else 65535)
         values = np.rint(values / out["scale"])
     return out | {"data": base64.b64encode(np.ascontiguousarray(values, "<" + kind).tobytes()).decode()}
-
-
-def few_shapes(shape: Array, coordinates: Array, most: int, left_out: float) -> tuple[Array, Array]:
-    """The best r fields (n,r) and amplitudes (S,r) with fields · amplitudesᵀ ≈ shape · coordinatesᵀ.
-
-    r is the smallest number for which the relative root mean square error is within `left_out`, but at most
-    `most`.
-    """
-    if shape.shape[1] == 0:
-        return np.zeros((len(shape), 0)), np.zeros((len(coordinates), 0))
-    # Converted to double precision in parts to save memory.
-    parts = np.array_split(shape, len(shape) // 10_000 + 1)
-    products = sum(part.T.astype(float) @ part for part in parts)
-    values, vectors = np.linalg.eigh(products)
-    kept = values > 1e-14 * max(values[-1], 1e-300)
-    root, vectors = np.sqrt(values[kept]), vectors[:, kept]
-    left, size, right = np.linalg.svd((coordinates @ vectors) * root, full_matrices=False)
-    error = np.sqrt(np.append(np.cumsum(size[::-1] ** 2)[::-1], 0))  # with the first 0, 1, … shapes
-    count = min(int(np.argmax(error <= left_out * error[0])), most)
-    mix = (vectors / root) @ right[:count].T
-    return np.concatenate([part @ mix for part in parts]), left[:, :count] * size[:count]
-
-
-def coarser(node: Array, element: Array, limit: int) -> tuple[Array, Array]:
-    """Coarsens a surface: all nodes in a cell of a grid become one. Returns the nodes to keep and at most
-    `limit` triangles between them."""
-    kept, cells = np.arange(len(node)), 2.0 * np.sqrt(limit)
-    while len(element) > limit:
-        width = np.ptp(node, axis=0).max() / cells
-        cell = np.floor((node - node.min(axis=0)) / width).astype(int)
-        _, first, of = np.unique(cell, axis=0, return_index=True, return_inverse=True)
-        merged = of.ravel()[element]
-        whole = (
-            (merged[:, 0] != merged[:, 1]) & (merged[:, 1] != merged[:, 2]) & (merged[:, 2] != merged[:, 0])
-        )
-        corners, where = np.unique(np.sort(merged[whole], axis=1), axis=0, return_index=True)
-        kept, thinner, cells = first, merged[whole][where], 0.8 * cells
-        if len(corners) <= limit:
-            return kept, thinner
-    return kept, element
-
-
-def tube(node: Array, element: Array, radius: float) -> tuple[Array, Array, Array]:
-    """Turns a rod into a tube. Returns triangles between rings of new nodes, the old node of each new node,
-    and its offset from the old node."""
-    along = node[element[0, 1]] - node[element[0, 0]]
-    along = along / (np.linalg.norm(along) or 1)
-    across = np.cross(along, np.eye(3)[np.argmin(np.abs(along))])
-    across /= np.linalg.norm(across)
-    angle = 2 * np.pi * np.arange(SIDES) / SIDES
-    ring = radius * (np.outer(np.cos(angle), across) + np.outer(np.sin(angle), np.cross(along, across)))
-    of = np.repeat(np.arange(len(node)), SIDES)
-    here = np.arange(SIDES)
-    turned = (here + 1) % SIDES
-    faces = []
-    for a, b in element * SIDES:
-        faces += [
-            np.stack([a + here, b + here, b + turned], 1),
-            np.stack([a + here, b + turned, a + turned], 1),
-        ]
-    ends, counts = np.unique(element, return_counts=True)
-    for end in ends[counts == 1] * SIDES:
-        faces.append(np.stack([np.full(SIDES - 2, end), end + here[1:-1], end + here[2:]], 1))
-    return np.concatenate(faces), of, np.tile(ring, (len(node), 1))
-
-
-def radius_of(body: dict[str, Any], length: float) -> float:
-    """The radius of a rod, from its cross-section. It is at least large enough to be visible."""
-    area = max((part.get("area", 0) for part in materials(body).values()), default=0)
-    return max(np.sqrt(area / np.pi), 0.01 * length)
-
-
-def materials(body: dict[str, Any]) -> dict[str, dict[str, Any]]:
-    """The materials of a body by physical volume. The name "" stands for the whole body."""
-    found = body.get("material", {})
-    return {"": found} if "density" in found else found
 
 
 @dataclass
@@ -142,14 +65,8 @@ def body_of(name: str, surface: MovingSurface, chosen: Array, share: float, scen
 
     @param share  share of this body in the triangles and shapes that all bodies may have
     """
-    node, element, coordinates = surface.node, surface.element, surface.coordinates[chosen]
-    offset: Any = 0.0
-    of, tubular = np.arange(len(node)), element.shape[1] == 2
-    if tubular:
-        length = np.ptp(node, axis=0).max()
-        element, of, offset = tube(node, element, radius_of(scene.get("bodies", {}).get(name, {}), length))
-    elif len(element) > share * TRIANGLES:
-        of, element = coarser(node, element, int(share * TRIANGLES))
+    node, coordinates = surface.node, surface.coordinates[chosen]
+    element, of, offset = simplified(surface, share, scene.get("bodies", {}).get(name, {}))
     rotation, translation = surface.placement(0)
     shape = np.einsum("ij,vjn->vin", rotation.astype("f4"), surface.shape[of]).reshape(3 * len(of), -1)
     most = max(1, min(SHAPES, int(share * SHAPES_MB * 2**20 / (6 * len(of)))))
@@ -173,7 +90,7 @@ def body_of(name: str, surface: MovingSurface, chosen: Array, share: float, scen
         "name": name,
         "node": packed(place),
         "element": packed(element, "u4"),
-        "lines": not tubular,
+        "lines": surface.element.shape[1] == 3,
         "rigid": packed(rigid.T),
         "moved": packed(moved),
         "bent": [packed(column, "i2") for column in bent.T],
@@ -337,9 +254,7 @@ def motion_of(result: LoadedResult, folder: Path, scene: dict[str, Any]) -> dict
     strain = np.max(
         [body.deformation / surface.size for body, surface in zip(bodies, surfaces.values())], axis=0
     )
-    spans = result.spans()
-    touching = (time[chosen] >= spans[0][0]) & (time[chosen] <= spans[-1][1]) if spans else np.array([False])
-    during = np.flatnonzero(touching) if touching.any() else np.arange(len(chosen))
+    during = result.during(time[chosen])
     natural = amplification(strain[during].max())
     largest = max(body.deformation.max() for body in bodies)
     return {

@@ -12,7 +12,8 @@ from ricochet.pages import charts
 from ricochet.pages.checks import checks_of, peak_of
 from ricochet.pages.instrument import of_run
 from ricochet.pages.modes import modes_of
-from ricochet.pages.motion import materials, motion_of
+from ricochet.pages.motion import motion_of
+from ricochet.pictures.simplified import materials
 from ricochet.pages.sound import sounds_of
 from ricochet.errors import InputError
 from ricochet.pictures.loaded_result import LoadedResult

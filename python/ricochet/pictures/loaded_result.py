@@ -111,6 +111,12 @@ class LoadedResult(Result):
             for first, stop in self.episodes
         ]
 
+    def during(self, times: Array) -> NDArray[np.int64]:
+        """Numbers of the times [s] from the first touch to the last one; of all if none is."""
+        spans = self.spans()
+        touching = (times >= spans[0][0]) & (times <= spans[-1][1]) if spans else np.zeros(len(times), bool)
+        return np.flatnonzero(touching) if touching.any() else np.arange(len(times))
+
     def impulse(self) -> Array:
         """(m) impulse of each contact point, divided by the step [N]"""
         return self.forces.per_point()

@@ -120,6 +120,16 @@ class MovingSurface:
         """The largest displacement by elastic modes at snapshot k, relative to the size of the body"""
         return self.deformation(k) / (self.size or 1.0)
 
+    def largest_strain(self, snapshots: NDArray[np.int64]) -> float:
+        """The largest of the strains at some snapshots, computed for parts of the nodes to save memory."""
+        elastic = np.flatnonzero(~self.rigid)
+        amplitudes = self.coordinates[snapshots][:, elastic].T.astype("f4")
+        parts = np.array_split(np.arange(len(self.node)), len(self.node) // 2000 + 1)
+        largest = (
+            np.linalg.norm(self.shape[some][:, :, elastic] @ amplitudes, axis=1).max() for some in parts
+        )
+        return float(max(largest)) / (self.size or 1.0)
+
     def outline(self, flat: Array) -> Array:
         """(·,2,2) end points of the edges of `rim`"""
         return np.asarray(flat[self.rim(flat)])
