@@ -58,7 +58,7 @@ _ricochet() {
     esac
     if [[ $what == import ]]; then
         # The source comes first and has its own options.
-        what=$(printf '%s\n' "${words[@]:1}" | grep -m 1 -xE 'calculix|matrices')
+        what=$(printf '%s\n' "${words[@]:1}" | grep -m 1 -xE 'mesh|calculix|matrices')
         [[ $what ]] && command+=("$what")
         if [[ ! $what && $word != -* ]]; then
             mapfile -t COMPREPLY < <(compgen -W "$(_ricochet_verbs "${command[@]}")" -- "$word"); return
@@ -73,6 +73,7 @@ _ricochet() {
     case $what in
         plot|report|ricochet-recast) endings=h5 ;;
         export) endings='h5 toml' ;;
+        mesh) endings='inp bdf nas fem med vtu vtk xdmf e exo cgns' ;;
         calculix) endings=inp ;;
         matrices) endings='mtx txt' ;;
         surfaces) endings='step stp brep geo msh' ;;

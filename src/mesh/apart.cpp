@@ -137,7 +137,7 @@ InputError no_answer(const scene::Body& body, const Ending& ending, const Limits
       signal == 0 && !ending.stuck ? "remove what ends it from the file"
       : is_drawing(body.mesh)
           ? "choose other element sizes, repair the geometry, or mesh it elsewhere and name its .msh"
-          : "convert it to .msh, for example with meshio";
+          : "read it by ricochet import mesh, or mesh it elsewhere and name its .msh";
   return gmsh_error(file, fmt::format("{}{}: {}", what, said, remedy));
 }
 

@@ -19,7 +19,9 @@ namespace {
 constexpr std::array drawings{".geo", ".geo_unrolled", ".step", ".stp", ".brep", ".iges", ".igs"};
 constexpr std::array meshes{".msh", ".stl", ".unv", ".mesh", ".bdf", ".nas", ".vtk"};
 
-constexpr const char* by_meshio = "convert it to .msh, for example with meshio";
+constexpr const char* by_import = nullptr;  // by ricochet import mesh: the advice names the file
+constexpr const char* by_meshio =
+    "convert it to .vtu, for example with meshio, and run ricochet import mesh on it";
 constexpr const char* by_export = "export it from there as .step";
 constexpr const char* surface_only =
     "it holds a surface: fill it with volume elements in gmsh, and name the .msh";
@@ -29,24 +31,24 @@ struct Foreign {
   const char *software, *advice;
 };
 constexpr Foreign others[] = {
-    {".inp", "a mesh of Abaqus or CalculiX", by_meshio},
-    {".med", "a mesh of Salome or code_aster", by_meshio},
-    {".mmed", "a mesh of Salome or code_aster", by_meshio},
-    {".vtu", "a mesh of ParaView", by_meshio},
-    {".pvtu", "a mesh of ParaView", by_meshio},
-    {".cgns", "a mesh of a flow solver (CGNS)", by_meshio},
-    {".xml", "a mesh of FEniCS, or other XML", by_meshio},
-    {".xdmf", "a mesh of FEniCS or ParaView", by_meshio},
-    {".e", "a mesh of Cubit or Sierra (Exodus)", by_meshio},
-    {".exo", "a mesh of Cubit or Sierra (Exodus)", by_meshio},
-    {".ex2", "a mesh of Cubit or Sierra (Exodus)", by_meshio},
-    {".f3grid", "a mesh of FLAC3D", by_meshio},
-    {".avs", "a mesh of AVS", by_meshio},
-    {".su2", "a mesh of SU2", by_meshio},
-    {".node", "a mesh of TetGen", by_meshio},
-    {".ele", "a mesh of TetGen", by_meshio},
-    {".vol", "a mesh of Netgen", "export it from there as Gmsh2 Format, .msh"},
-    {".fem", "a deck of OptiStruct", "export it from there as Nastran, .bdf"},
+    {".inp", "a mesh of Abaqus or CalculiX", by_import},
+    {".med", "a mesh of Salome or code_aster", by_import},
+    {".mmed", "a mesh of Salome or code_aster", by_import},
+    {".vtu", "a mesh of ParaView", by_import},
+    {".pvtu", "a mesh of ParaView", "save it from there as one .vtu, and run ricochet import mesh on it"},
+    {".cgns", "a mesh of a flow solver (CGNS)", by_import},
+    {".xml", "a mesh of FEniCS, or other XML", by_import},
+    {".xdmf", "a mesh of FEniCS or ParaView", by_import},
+    {".e", "a mesh of Cubit or Sierra (Exodus)", by_import},
+    {".exo", "a mesh of Cubit or Sierra (Exodus)", by_import},
+    {".ex2", "a mesh of Cubit or Sierra (Exodus)", by_import},
+    {".f3grid", "a mesh of FLAC3D", by_import},
+    {".avs", "a mesh of AVS", by_import},
+    {".su2", "a mesh of SU2", by_import},
+    {".node", "a mesh of TetGen", by_import},
+    {".ele", "a mesh of TetGen", by_import},
+    {".vol", "a mesh of Netgen", by_import},
+    {".fem", "a deck of OptiStruct", by_import},
     {".k", "a deck of LS-DYNA", by_meshio},
     {".key", "a deck of LS-DYNA", by_meshio},
     {".cdb", "a mesh of Ansys", "export it from there as Nastran, .bdf"},
@@ -79,6 +81,10 @@ std::string ending_of(const std::filesystem::path& file) {
   return ending;
 }
 
+std::string advice_to_import(const std::filesystem::path& file) {
+  return fmt::format("run ricochet import mesh {}, and name the .msh that it writes", file.string());
+}
+
 }  // namespace
 
 bool is_drawing(const std::filesystem::path& file) {
@@ -91,8 +97,8 @@ void check_kind(const std::filesystem::path& file) {
   const std::string name = file.filename().string();
   const auto* const other = std::ranges::find(others, ending, &Foreign::ending);
   if (other != std::end(others))
-    throw InputError(
-        fmt::format("{}: is {}, which gmsh does not read: {}", name, other->software, other->advice));
+    throw InputError(fmt::format("{}: is {}, which gmsh does not read: {}", name, other->software,
+                                 other->advice == by_import ? advice_to_import(file) : other->advice));
   throw InputError(
       fmt::format("{}: \"{}\" is no kind of mesh or drawing that gmsh reads: name a .geo, .msh, .step, "
                   ".brep, .iges, .unv, .mesh, .bdf or .vtk",

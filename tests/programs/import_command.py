@@ -14,7 +14,8 @@ from programs import Command, Run, kernel
 
 from ricochet.errors import InputError
 from ricochet.interchange.body import wrong_edge, wrong_facet
-from ricochet.interchange.calculix import BRICK, Model
+from ricochet.interchange.calculix import Model
+from ricochet.interchange.elements import BRICK
 
 
 class ImportCommand(BoxTest):
@@ -150,7 +151,7 @@ class ImportCommand(BoxTest):
         i, j = (
             3 * np.array([[np.repeat(brick, 8), np.tile(brick, 8)] for brick in shell]).transpose(1, 0, 2)
         ).reshape(2, -1)
-        walls = box.brick[13][BRICK[0]]
+        walls = box.brick[13][BRICK.faces]
         a, b, c, _ = box.node[walls].transpose(1, 0, 2)
         inner = np.einsum("fk,fk->f", np.cross(b - a, c - a), box.node[box.brick[13]].mean(axis=0) - a) > 0
         outward = np.where(inner[:, None], walls, walls[:, ::-1])  # from the shell into the cavity

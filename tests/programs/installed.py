@@ -34,7 +34,7 @@ COMMANDS = [*PROGRAMS[1:], *(f"ricochet {verb}" for verb in VERBS)]
 # The input of commands that do not read a scene or a study.
 READS = {name: {"b.result.h5"} for name in ("ricochet plot", "ricochet report", "ricochet-recast")}
 READS |= {"ricochet export": {"a.toml", "b.result.h5"}, "ricochet surfaces": {"d.step"}}
-READS |= {"ricochet import": {"calculix", "matrices"}, "ricochet materials": set()}
+READS |= {"ricochet import": {"mesh", "calculix", "matrices"}, "ricochet materials": set()}
 
 
 class Installed(ProgramTest):
@@ -236,9 +236,10 @@ class Installed(ProgramTest):
             self.write(name, "")
         self.assertEqual(self.completed("ricochet import", "mat"), {"matrices"})
         self.assertEqual(self.completed("ricochet import", "calculix ''"), {"e.inp"})
+        self.assertEqual(self.completed("ricochet import", "mesh ''"), {"e.inp"})
         self.assertEqual(self.completed("ricochet import", "matrices k.mtx ''"), {"k.mtx", "n.txt"})
         self.assertEqual(self.completed("ricochet import", "matrices --s"), {"--surface", "--support"})
-        for command in ("calculix", "matrices"):
+        for command in ("mesh", "calculix", "matrices"):
             self.assertEqual(
                 self.completed("ricochet import", f"{command} -"), self.options(f"ricochet import {command}")
             )

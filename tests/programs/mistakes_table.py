@@ -56,6 +56,7 @@ FILES = {
     "study.toml": 'scene = "scene.toml"\n[grid]\n"contact.gap" = [0.0, 0.1]\n',
     "empty.toml": "",
     "empty.msh": "",
+    "part.inp": "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n*ELEMENT, TYPE=S3\n1, 1, 2, 3\n",
     "empty.result.h5": "",
     "binary.toml": "\x00\x01\x02",
     "folder/note.txt": "",

@@ -13,7 +13,7 @@ import numpy as np
 
 from ricochet import timing
 from ricochet.errors import InputError, SolverError
-from ricochet.interchange.calculix import TETRAHEDRON
+from ricochet.interchange.elements import TETRAHEDRON
 
 # gmsh and CalculiX number the last two nodes of a tetrahedron of order 2 in opposite order.
 CALCULIX_NODES = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
@@ -54,7 +54,7 @@ class Body:
         """The contact as pairs of an element and the name of its face, S1 to S4."""
         found = {}
         for e, nodes in enumerate(self.element):
-            for k, corners in enumerate(TETRAHEDRON[0], 1):
+            for k, corners in enumerate(TETRAHEDRON.faces, 1):
                 found[frozenset(nodes[list(corners)].tolist())] = e, f"S{k}"
         return [found[frozenset(facet.tolist())] for facet in self.contact]
 

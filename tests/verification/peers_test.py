@@ -172,7 +172,7 @@ class CalculixContactTest(unittest.TestCase):
         np.testing.assert_allclose(self.body.node[self.body.supported[1]][:, 1], 0, atol=1e-12)
 
     def test_middle_nodes_follow_calculix(self):
-        pairs = calculix_contact.TETRAHEDRON[1]
+        pairs = calculix_contact.TETRAHEDRON.edges
         for nodes in self.body.node[self.body.element]:
             for k, (a, b) in enumerate(pairs, 4):
                 np.testing.assert_allclose(nodes[k], (nodes[a] + nodes[b]) / 2, atol=1e-12)

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Writes a body file from the stiffness and mass matrices of another finite element program. A scene names this file as a mesh.
+"""Writes the mesh of another program as a .msh, or its stiffness and mass matrices as a body file. A scene names either as a mesh.
 
+  ricochet import mesh PART.inp                     # or .bdf, .med, .vtu, …: writes PART.msh; for .inp and .bdf also PART.toml
   ricochet import calculix JOB.inp                  # with JOB.sti, JOB.mas, JOB.dof of *FREQUENCY, SOLVER=MATRIXSTORAGE
   ricochet import matrices K.mtx M.mtx NODES.txt --surface top=TOP.txt --support foot=FOOT.txt
 
-docs/interchange.md describes the layouts and has examples.
+docs/meshes.md describes meshes of other programs; docs/interchange.md describes body files and has examples.
 """
 import argparse
 import sys
@@ -15,8 +16,11 @@ import numpy as np
 from ricochet import files
 from ricochet.cli.options import add_out, positive
 from ricochet.errors import InputError
-from ricochet.interchange import calculix, matrices
+from ricochet.interchange import calculix, draft, foreign, matrices
 from ricochet.interchange.body import Body, is_name
+
+
+SHOWN = 20  # of the groups of a mesh
 
 
 def named(text: str) -> tuple[str, Path]:
@@ -27,19 +31,34 @@ def named(text: str) -> tuple[str, Path]:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    common = argparse.ArgumentParser(add_help=False)
+    units, common = argparse.ArgumentParser(add_help=False), argparse.ArgumentParser(add_help=False)
     add_out(common, "the body file", "the first file with the suffix .h5", "BODY.h5")
     for option, metavar, text in (
         ("--length-unit", "M", "unit of length of the input, in metres (0.001: mm)"),
         ("--mass-unit", "KG", "unit of mass of the input, in kg (1000: tonnes)"),
     ):
-        common.add_argument(option, type=positive, default=1, metavar=metavar, help=text)
+        units.add_argument(option, type=positive, default=1, metavar=metavar, help=text)
     sources = parser.add_subparsers(title="sources", metavar="SOURCE", dest="source", required=True)
+    purpose = "a mesh of another program, with its groups"
+    mesh = sources.add_parser("mesh", parents=[units], help=purpose, description=f"Imports {purpose}.")
+    mesh.add_argument("file", type=Path, metavar="FILE")
+    add_out(mesh, "the mesh file", "FILE with the suffix .msh", "MESH.msh")
+    mesh.add_argument(
+        "--scene",
+        type=Path,
+        metavar="DRAFT.toml",
+        help="draft of a scene with materials and supports of a .inp or .bdf (default: FILE with the suffix .toml, "
+        "unless that file exists)",
+    )
     purpose = "a job of CalculiX whose matrices ccx has stored"
-    job = sources.add_parser("calculix", parents=[common], help=purpose, description=f"Imports {purpose}.")
+    job = sources.add_parser(
+        "calculix", parents=[common, units], help=purpose, description=f"Imports {purpose}."
+    )
     job.add_argument("job", type=Path, metavar="JOB.inp")
     purpose = "MatrixMarket files and lists"
-    lists = sources.add_parser("matrices", parents=[common], help=purpose, description=f"Imports {purpose}.")
+    lists = sources.add_parser(
+        "matrices", parents=[common, units], help=purpose, description=f"Imports {purpose}."
+    )
     lists.add_argument("stiffness", type=Path, metavar="K.mtx")
     lists.add_argument("mass", type=Path, metavar="M.mtx")
     lists.add_argument("nodes", type=Path, metavar="NODES.txt", help="a row for each node: x y z")
@@ -85,13 +104,56 @@ def read(options: argparse.Namespace) -> Body:
         return matrices.read(
             options.stiffness, options.mass, options.nodes, options.surface, options.supports
         )
-    except FileNotFoundError as error:
-        raise InputError(f"{error.filename}: there is no such file. Name an existing one") from None
     except OSError as error:
-        raise InputError(f"{error.filename}: can't be read: {error.strerror}. Name another file") from None
+        raise unreadable(error) from None
+
+
+def import_mesh(options: argparse.Namespace) -> None:
+    source: Path = options.file
+    out: Path = options.out or source.with_suffix(".msh")
+    if out.suffix != ".msh":
+        raise InputError(f"{out}: must end in .msh, by which a scene knows its kind: choose another --out")
+    try:
+        found = foreign.read(source, options.length_unit, options.mass_unit)
+    except OSError as error:
+        raise unreadable(error) from None
+    with files.writing(out, "--out"):
+        found.write(out)
+    for warning in found.mesh.warnings:
+        print(f"ricochet import: warning: {warning}", file=sys.stderr)
+    mesh, groups = found.mesh, found.groups
+    print(f"{out}: {len(mesh.node)} nodes, {len(mesh.solid_number)} elements")
+    for kind, names in (("volumes", groups.solids), ("faces", groups.faces), ("points", groups.points)):
+        print(f"groups of {kind}: {listed(list(names))}")
+    if found.offer:
+        write_draft(options, out, found, found.offer)
+
+
+def listed(names: list[str]) -> str:
+    shown = names if len(names) <= SHOWN else [*names[: SHOWN - 1], f"… ({len(names)} in all)"]
+    return ", ".join(shown) or "none"
+
+
+def write_draft(options: argparse.Namespace, mesh: Path, found: foreign.Import, offer: draft.Offer) -> None:
+    path: Path = options.scene or mesh.with_suffix(".toml")
+    if path.exists() and not options.scene:
+        print(f"{path}: exists and is left as it is; --scene FILE writes the draft to another one")
+        return
+    text = draft.scene(mesh, path, options.file, offer, found.groups, found.names)
+    with files.writing(path, "--scene"):
+        files.write(path, text.encode())
+    print(f"{path}: draft of a scene with the materials and supports of {options.file.name}")
+
+
+def unreadable(error: OSError) -> InputError:
+    if isinstance(error, FileNotFoundError):
+        return InputError(f"{error.filename}: there is no such file. Name an existing one")
+    return InputError(f"{error.filename}: can't be read: {error.strerror}. Name another file")
 
 
 def run(options: argparse.Namespace) -> None:
+    if options.source == "mesh":
+        return import_mesh(options)
     out = output(options)
     body = read(options)
     body.in_units(options.length_unit, options.mass_unit)

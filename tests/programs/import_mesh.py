@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""ricochet import mesh: meshes of other programs have the nodes, groups and kernels of the same mesh of gmsh."""
+
+import unittest
+
+import gmsh
+import h5py
+import numpy as np
+
+from foreign_meshes import Sample
+from programs import Command, ProgramTest, kernel
+
+# Each file has its coordinates with all digits.
+SAME = 1e-12
+SCENE = """
+[bodies.block]
+mesh = "{mesh}"
+material = {{ density = 2.0, young = 3.0, poisson = 0.3 }}
+contact = "3"
+support = {{ "4" = "xyz" }}
+[modes]
+count = 12
+"""
+
+
+def as_gmsh_reads(path):
+    """The nodes (k,3) of each solid by number, in gmsh's order, and the places of the nodes of each group by name."""
+    gmsh.open(str(path))
+    tags, xyz, _ = gmsh.model.mesh.getNodes()
+    place = dict(zip(tags.tolist(), xyz.reshape(-1, 3)))
+    solids = {}
+    for kind, numbers, nodes in zip(*gmsh.model.mesh.getElements(3)):
+        for number, row in zip(numbers.tolist(), nodes.reshape(len(numbers), -1).tolist()):
+            solids[number] = np.array([place[tag] for tag in row])
+    groups = {}
+    for dim, group in gmsh.model.getPhysicalGroups():
+        name = gmsh.model.getPhysicalName(dim, group) or str(group)
+        places = set()
+        for entity in gmsh.model.getEntitiesForPhysicalGroup(dim, group):
+            for nodes in gmsh.model.mesh.getElements(dim, entity)[2]:
+                places |= {tuple(np.round(place[tag], 10)) for tag in nodes.tolist()}
+        groups[name] = dim, places
+    gmsh.model.remove()
+    return solids, groups
+
+
+class ImportMesh(ProgramTest):
+    @classmethod
+    def setUpClass(cls):
+        gmsh.initialize()
+        gmsh.option.setNumber("General.Terminal", 0)
+        cls.addClassCleanup(gmsh.finalize)
+
+    def imported(self, path, *more):
+        """The .msh that the import writes, and the run."""
+        out = self.folder / f"{path.name}.msh"
+        return out, self.succeed(Command("import", "mesh", path, "--out", out, *more))
+
+    def assertSame(self, wanted, path):
+        solids, groups = as_gmsh_reads(path)
+        for number, nodes in wanted[0].items():
+            np.testing.assert_allclose(solids[number], nodes, rtol=0, atol=SAME, err_msg=f"{path}: {number}")
+        self.assertEqual(len(solids), len(wanted[0]))
+        for name, group in wanted[1].items():
+            self.assertEqual(groups[name], group, f"{path}: {name}")
+        return groups
+
+    def files(self, sample, name):
+        """The sample in each format and each of its forms."""
+        written = [self.folder / f"{name}{ending}" for ending in (".inp", ".med")]
+        sample.write_inp(written[0])
+        sample.write_med(written[1])
+        for form in ("free", "small", "large"):
+            written.append(self.folder / f"{name}-{form}.bdf")
+            sample.write_bdf(written[-1], form)
+        for form in ("ascii", "binary", "raw", "compressed"):
+            written.append(self.folder / f"{name}-{form}.vtu")
+            sample.write_vtu(written[-1], form, full=form != "binary")
+        for form in ("ascii", "binary"):
+            written.append(self.folder / f"{name}-{form}.vtk")
+            sample.write_vtk(written[-1], form == "binary")
+        return written
+
+    def test_elements_of_all_formats_are_those_of_gmsh(self):
+        for kind in ("tetrahedron", "brick", "wedge"):
+            for order in (1, 2):
+                sample = Sample(kind, order)
+                reference = self.folder / f"{kind}{order}.msh"
+                sample.write_msh(reference)
+                wanted = as_gmsh_reads(reference)
+                held = {tuple(np.round(sample.node[k], 10)) for k in sample.edge}
+                for path in self.files(sample, f"{kind}{order}"):
+                    with self.subTest(path.name):
+                        out, run = self.imported(path)
+                        groups = self.assertSame(wanted, out)
+                        edge = {".inp": "edge", ".med": "edge", ".bdf": "SPC 7"}.get(path.suffix)
+                        if edge:
+                            self.assertEqual(groups[edge], (0, held))
+                        self.assertNotIn("inverted", run.err)
+
+    def test_kernels_of_all_formats_are_those_of_gmsh(self):
+        for kind in ("tetrahedron", "brick"):
+            sample = Sample(kind, 2)
+            own = self.folder / f"{kind}.msh"
+            sample.write_msh(own)
+            wanted = self.kernel_of(own)
+            self.files(sample, kind)
+            for ending in (".inp", ".med", "-free.bdf", "-ascii.vtu"):
+                path = self.folder / f"{kind}{ending}"
+                found = self.kernel_of(self.imported(path)[0])
+                for name, values in wanted.items():
+                    error = abs(found[name] - values).max()
+                    self.assertLess(error, 1e-10 * abs(values).max(), f"{path.name}: {name}")
+
+    def kernel_of(self, mesh):
+        """Figures of the kernel that do not depend on the signs of modes."""
+        scene = self.write(f"{mesh.name}.toml", SCENE.format(mesh=mesh.name))
+        self.succeed(kernel(scene, self.folder / f"{mesh.name}.out"))
+        with h5py.File(self.one(self.folder / f"{mesh.name}.out")) as file:
+            centroid, omega = file["surface/centroid"][:], file["modes/angular_frequency"][:]
+            # Nodes that the import has added come last.
+            order = np.lexsort(np.round(centroid, 9).T)
+            shape = file["surface/shape"][:].reshape(len(order), -1, omega.size)[order]
+            residual = file["surface/residual_flexibility"][:].reshape(2 * shape.shape[:2])
+            return {
+                "centroid": centroid[order],
+                "area": file["surface/area"][:][order],
+                "centre": file["body/centre"][:],
+                "mass": np.array(file.attrs["mass"]),
+                "frequencies": omega,
+                # What the surface does under unit forces: the shapes in a form without signs.
+                "response": np.einsum("icn,jdn->icjd", shape / omega**2, shape)
+                + residual[order][:, :, order],
+            }
+
+
+if __name__ == "__main__":
+    unittest.main()
