@@ -24,7 +24,7 @@ constexpr const char* by_meshio =
     "convert it to .vtu, for example with meshio, and run ricochet import mesh on it";
 constexpr const char* by_export = "export it from there as .step";
 constexpr const char* surface_only =
-    "it holds a surface: fill it with volume elements in gmsh, and name the .msh";
+    "it holds a surface: save it from there as .stl, of which gmsh meshes the inside";
 
 struct Foreign {
   std::string_view ending;
@@ -91,6 +91,8 @@ bool is_drawing(const std::filesystem::path& file) {
   return std::ranges::count(drawings, ending_of(file)) > 0;
 }
 
+bool is_surface(const std::filesystem::path& file) { return ending_of(file) == ".stl"; }
+
 void check_kind(const std::filesystem::path& file) {
   const std::string ending = ending_of(file);
   if (is_drawing(file) || std::ranges::count(meshes, ending) > 0) return;
@@ -101,7 +103,7 @@ void check_kind(const std::filesystem::path& file) {
                                  other->advice == by_import ? advice_to_import(file) : other->advice));
   throw InputError(
       fmt::format("{}: \"{}\" is no kind of mesh or drawing that gmsh reads: name a .geo, .msh, .step, "
-                  ".brep, .iges, .unv, .mesh, .bdf or .vtk",
+                  ".brep, .iges, .stl, .unv, .mesh, .bdf or .vtk",
                   name, ending));
 }
 

@@ -13,4 +13,7 @@ void check_kind(const std::filesystem::path& file);
 /// Whether the file is of a kind of geometry, which gmsh meshes, and not a mesh.
 bool is_drawing(const std::filesystem::path& file);
 
+/// Whether the file is of a kind that holds triangles of a surface alone.
+bool is_surface(const std::filesystem::path& file);
+
 }  // namespace ricochet::mesh

@@ -17,6 +17,7 @@
 
 #include "ricochet/error.hpp"
 #include "src/mesh/file_kinds.hpp"
+#include "src/mesh/fill_surface.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/msh_check.hpp"
 
@@ -268,6 +269,7 @@ Extent extent_of(const scene::Body& body) {
 bool open_model(const scene::Body& body) {
   open_file(body);
   if (body.mesh.extension() == ".msh" || (body.mesh.extension() != ".geo" && holds_elements())) return true;
+  if (is_surface(body.mesh)) fill_surface(body.mesh.filename().string());
   refuse_points_for_lines(body.mesh.filename().string());
   double own = 1;  // of the file
   gmsh::option::getNumber("Mesh.MeshSizeFactor", own);

@@ -128,5 +128,54 @@ TEST(Foreign, kinds_that_gmsh_does_not_read_are_named_before_the_file_is_opened)
     EXPECT_THAT(complaint(known), HasSubstr("no such file"));
 }
 
+/// The triangles of a box of `edge` around the origin as text of a .stl, without the last `missing` ones.
+std::string stl(double edge, std::size_t missing = 0) {
+  const auto corner = [&](int k) {
+    const double h = edge / 2;
+    return fmt::format("vertex {} {} {}\n", (k & 1) != 0 ? h : -h, (k & 2) != 0 ? h : -h,
+                       (k & 4) != 0 ? h : -h);
+  };
+  const std::array<std::array<int, 4>, 6> sides{
+      {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}};
+  std::vector<std::string> facets;
+  for (const auto& [a, b, c, d] : sides)
+    for (const auto& [i, j, k] : {std::array{a, b, c}, std::array{a, c, d}})
+      facets.push_back("facet normal 0 0 0\nouter loop\n" + corner(i) + corner(j) + corner(k) +
+                       "endloop\nendfacet\n");
+  facets.resize(facets.size() - missing);
+  return fmt::format("solid box\n{}endsolid box\n", fmt::join(facets, ""));
+}
+
+TEST(Foreign, the_inside_of_a_closed_surface_is_meshed_without_its_cavities) {
+  const mesh::GmshSession gmsh;
+  for (const auto& [text, volume] :
+       {std::pair{stl(2), 8.0}, std::pair{stl(2) + stl(1), 7.0}, std::pair{stl(1) + stl(2), 7.0}}) {
+    const test::SharedFile file(".stl", text);
+    scene::Body body = test::body_of(file.path(), 1);
+    body.order = 2;
+    const mesh::GlobalMesh mesh = mesh::read_mesh(body);
+    EXPECT_EQ(mesh.order, 2);
+    EXPECT_NEAR(volume_of(body, mesh), volume, 1e-12) << text;
+  }
+}
+
+TEST(Foreign, surfaces_that_are_not_closed_are_refused_with_the_place_of_the_hole) {
+  const mesh::GmshSession gmsh;
+  const auto complaint = [](const std::string& text) -> std::string {
+    const test::SharedFile file(".stl", text);
+    try {
+      mesh::read_mesh(test::body_of(file.path(), 1));
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_THAT(complaint(stl(2, 1)),
+              HasSubstr(".stl: is not a closed surface: 3 of its 18 edges do not belong to "
+                        "two triangles, the first at ("));
+  EXPECT_THAT(complaint(stl(2) + stl(1, 2)), HasSubstr("4 of its 35 edges"));
+  EXPECT_THAT(complaint("solid nothing\nendsolid nothing\n"), HasSubstr(".stl: "));
+}
+
 }  // namespace foreign_test
 }  // namespace ricochet
