@@ -12,6 +12,7 @@
 #include "src/mesh/complaints.hpp"
 #include "src/mesh/curved.hpp"
 #include "src/mesh/faces.hpp"
+#include "src/mesh/file_kinds.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/groups.hpp"
 #include "src/mesh/node_order.hpp"
@@ -124,6 +125,9 @@ class MeshReader {
       std::vector<int> types;
       gmsh::model::mesh::getElementTypes(types, dim);
       if (types.empty()) continue;
+      if (dim == 2 && is_drawing(body_.mesh) && body_.mesh.extension() != ".geo")
+        throw InputError(fmt::format(
+            "{}: has faces but no solid, as .iges often does: export the body as a solid, in .step", file_));
       if (dim == 2)
         throw InputError(fmt::format(
             "{}: has surface elements but no volume: mesh the volume (gmsh -3) and give it a physical group",

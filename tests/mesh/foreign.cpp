@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Files of other programs: their kinds, the order of their nodes, and volumes that belong to no group.
 #include <gmock/gmock.h>
+#include <gmsh.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <array>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
 
 #include "src/elasticity/assemble.hpp"
 #include "src/mesh/partition.hpp"
@@ -126,6 +131,27 @@ TEST(Foreign, kinds_that_gmsh_does_not_read_are_named_before_the_file_is_opened)
   EXPECT_THAT(complaint("/nowhere/part"), HasSubstr("\"\" is no kind"));
   for (const char* known : {"/nowhere/part.STEP", "/nowhere/part.bdf", "/nowhere/part.igs"})
     EXPECT_THAT(complaint(known), HasSubstr("no such file"));
+}
+
+TEST(Foreign, drawings_of_faces_without_a_solid_are_refused_with_the_format_that_keeps_it) {
+  const mesh::GmshSession gmsh;
+  const auto own = std::filesystem::temp_directory_path() / fmt::format("ricochet-faces-{}.brep", getpid());
+  gmsh::model::add("faces");
+  gmsh::model::occ::addRectangle(0, 0, 0, 1, 1);
+  gmsh::model::occ::synchronize();
+  gmsh::write(own.string());
+  gmsh::model::remove();
+  std::ostringstream text;
+  text << std::ifstream(own).rdbuf();
+  std::filesystem::remove(own);
+  const test::SharedFile file(".brep", text.str());
+  try {
+    mesh::read_mesh(test::body_of(file.path(), 1));
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("has faces but no solid"));
+    EXPECT_THAT(error.what(), HasSubstr("export the body as a solid, in .step"));
+  }
 }
 
 /// The triangles of a box of `edge` around the origin as text of a .stl, without the last `missing` ones.
