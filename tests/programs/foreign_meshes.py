@@ -50,6 +50,18 @@ MED = {
     15: [0, 2, 1, 3, 5, 4, 7, 9, 6, 13, 14, 12, 8, 11, 10],
     20: [0, 3, 2, 1, 4, 7, 6, 5, 9, 13, 11, 8, 17, 19, 18, 16, 10, 15, 14, 12],
 }
+UNV = {
+    6: [0, 3, 1, 4, 2, 5],
+    8: [0, 4, 1, 5, 2, 6, 3, 7],
+    10: [0, 4, 1, 5, 2, 6, 7, 9, 8, 3],
+    15: [0, 6, 1, 9, 2, 7, 8, 10, 11, 3, 12, 4, 14, 5, 13],
+    20: [0, 8, 1, 11, 2, 13, 3, 9, 10, 12, 14, 15, 4, 16, 5, 18, 6, 19, 7, 17],
+}
+CGNS = NASTRAN | {18: NASTRAN[15] + [15, 17, 16], 27: NASTRAN[20] + [20, 21, 23, 24, 22, 25, 26]}
+UNV_TYPES = {4: 111, 6: 112, 8: 115, 10: 118, 15: 113, 20: 116}
+UNV_FACETS = {3: 91, 6: 92, 4: 94, 8: 95}
+CGNS_TYPES = {4: 10, 6: 14, 8: 17, 10: 11, 15: 15, 18: 16, 20: 18, 27: 19}
+CGNS_FACETS = {3: 5, 4: 7, 6: 6, 8: 8, 9: 9}
 VTK_TYPES = {4: 10, 6: 13, 8: 12, 10: 24, 15: 26, 18: 32, 20: 25, 27: 29}
 VTK_FACETS = {3: 5, 4: 9, 6: 22, 8: 23, 9: 28}
 MED_TYPES = {4: "TE4", 6: "PE6", 8: "HE8", 10: "T10", 15: "P15", 20: "H20"}
@@ -240,6 +252,70 @@ class Sample:
             ]
         path.write_bytes(b"".join(chunk if isinstance(chunk, bytes) else chunk.encode() for chunk in chunks))
 
+    def write_unv(self, path):
+        solid, facet = self.incomplete()
+        order = UNV[solid.shape[1]] if self.order == 2 else range(solid.shape[1])
+        lines = ["    -1", "  2411"]
+        for k, x in enumerate(self.node.tolist(), 1):
+            lines += [
+                f"{k:10}{1:10}{1:10}{11:10}",
+                "".join(f"{value:25.16E}".replace("E", "D") for value in x),
+            ]
+        lines += ["    -1", "    -1", "  2412"]
+        blocks = [(UNV_TYPES[solid.shape[1]], solid[:, order])]
+        for rows in facet.values():
+            turn = UNV[rows.shape[1]] if self.order == 2 else range(rows.shape[1])
+            blocks.append((UNV_FACETS[rows.shape[1]], rows[:, turn]))
+        number = 0
+        for kind, rows in blocks:
+            for nodes in rows:
+                number += 1
+                lines.append("".join(f"{word:10}" for word in (number, kind, 1, 1, 7, len(nodes))))
+                lines += [
+                    "".join(f"{node + 1:10}" for node in nodes[k : k + 8]) for k in range(0, len(nodes), 8)
+                ]
+        lines += ["    -1", "    -1", "  2467"]
+        last = len(solid)
+        groups = {str(part): [(8, k) for k in 1 + np.flatnonzero(self.part == part)] for part in (1, 2)}
+        for part, rows in facet.items():
+            groups[str(part)] = [(8, last + k) for k in range(1, len(rows) + 1)]
+            last += len(rows)
+        groups["edge"] = [(7, node) for node in 1 + self.edge]
+        for k, (name, listed) in enumerate(groups.items(), 1):
+            lines += ["".join(f"{word:10}" for word in (k, 0, 0, 0, 0, 0, 0, len(listed))), name]
+            words = [f"{kind:10}{member:10}{0:10}{0:10}" for kind, member in listed]
+            lines += ["".join(words[at : at + 2]) for at in range(0, len(words), 2)]
+        path.write_text("\n".join([*lines, "    -1", ""]))
+
+    def write_cgns(self, path, mixed=False):
+        """Parts 1 to 3 are sections; part 4 is a boundary condition, and so is the edge."""
+        order = CGNS.get(self.solid.shape[1], range(self.solid.shape[1]))
+        sections = {str(part): self.solid[self.part == part][:, order] for part in (1, 2)}
+        sections |= {"3": self.facet[3], "rest": self.facet[4]}
+        with h5py.File(path, "w") as file:
+            base = labelled_node(file, "Base", "CGNSBase_t", np.array([3, 3], np.int32))
+            zone = labelled_node(base, "block", "Zone_t", np.array([[len(self.node)], [0], [0]], np.int32))
+            labelled_node(zone, "ZoneType", "ZoneType_t", letters("Unstructured"))
+            grid = labelled_node(zone, "GridCoordinates", "GridCoordinates_t")
+            for axis, values in zip("XYZ", self.node.T):
+                labelled_node(grid, f"Coordinate{axis}", "DataArray_t", values)
+            first = 1
+            for name, rows in sections.items():
+                kind = (CGNS_TYPES if rows.shape[1] == self.solid.shape[1] else CGNS_FACETS)[rows.shape[1]]
+                nodes = 1 + rows
+                if mixed:
+                    nodes, kind = np.column_stack([np.full(len(rows), kind), nodes]), 20
+                section = labelled_node(zone, name, "Elements_t", np.array([kind, 0], np.int32))
+                last = first + len(rows) - 1
+                labelled_node(section, "ElementRange", "IndexRange_t", np.array([first, last], np.int32))
+                labelled_node(section, "ElementConnectivity", "DataArray_t", nodes.ravel().astype(np.int32))
+                top, first = np.arange(first, last + 1), last + 1
+            conditions = labelled_node(zone, "ZoneBC", "ZoneBC_t")
+            for name, place, numbers in (("4", "FaceCenter", top), ("edge", "Vertex", 1 + self.edge)):
+                condition = labelled_node(conditions, name, "BC_t", letters("BCWall"))
+                labelled_node(condition, "GridLocation", "GridLocation_t", letters(place))
+                labelled_node(condition, "PointList", "IndexArray_t", numbers[None].astype(np.int32))
+
     def write_med(self, path):
         solid, facet = self.incomplete()
         order = MED.get(solid.shape[1], range(solid.shape[1]))
@@ -263,6 +339,19 @@ class Sample:
                 letters = np.zeros((1, 80), np.int8)
                 letters[0, : len(name)] = list(name.encode())
                 group["GRO/NOM"] = letters
+
+
+def letters(text):
+    return np.array(list(text.encode()), np.int8)
+
+
+def labelled_node(parent, name, label, values=None):
+    """A node of CGNS in HDF5."""
+    node = parent.create_group(name)
+    node.attrs["label"] = np.bytes_(label)
+    if values is not None:
+        node[" data"] = values
+    return node
 
 
 def write_block(step, kind, rows, family):

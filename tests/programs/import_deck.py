@@ -144,6 +144,12 @@ class ImportDeck(ProgramTest):
         self.assertEqual(found.mesh.solid_number.tolist(), [1, 2])
         self.assertEqual(found.mesh.warnings, [])
 
+    def test_a_set_may_be_extended_by_itself(self):
+        found = self.imported(
+            "cubes.inp", CUBES.replace("*ELSET, ELSET=both", "*NSET, NSET=edge\nedge, 2\n*ELSET, ELSET=both")
+        )
+        self.assertEqual(len(found.groups.points["edge"]), 4)
+
     def test_a_draft_has_materials_and_supports_in_si_units(self):
         self.write("cubes.inp", CUBES)
         scene, run = self.draft("cubes.inp", "--length-unit", "0.001", "--mass-unit", "1000")
@@ -219,6 +225,9 @@ class ImportDeck(ProgramTest):
             'surface head has "S7"': ("upper, S2", "upper, S7"),
             "names the set feet, which": ("foot, 3\n", "feet, 3\n"),
             "names node 77, which": ("24, ENCASTRE", "77, ENCASTRE"),
+            "a range of more than 10000000 numbers": ("1, 4, 1", "1, 999999999, 1"),
+            "belongs to no *MATERIAL": ("*MATERIAL, NAME=Steel\n", ""),
+            "coordinates must be below 1e+30": ("1, 0, 0, 0", "1, 0, 0, 1e40"),
             "includes": ("*STEP", "*INCLUDE, INPUT=none.inc\n*STEP"),
             "holds no tetrahedra": (CUBES.partition("*ELEMENT")[2], ", TYPE=CPS4\n1, 1, 2, 3, 4\n"),
         }
@@ -248,6 +257,7 @@ class ImportDeck(ProgramTest):
             "GRID 1 is given in coordinate system 3": ("GRID,1,,", "GRID,1,3,"),
             'field 4 of GRID is "q": must be a number': ("GRID,1,,0", "GRID,1,,q"),
             "has pyramids": ("CQUAD4,8,40,1,2,3,4", "CPYRAM,8,40,1,2,3,4,11"),
+            "a range of more than 10000000 numbers": ("1,THRU,4", "1,THRU,999999999"),
             "continues no entry": ("EIGRL,3", "+,3"),
             "GRID 1 is there twice": ("GRID,2,", "GRID,1,"),
         }
@@ -268,6 +278,7 @@ class ImportDeck(ProgramTest):
         for form in ("ascii", "binary", "raw", "compressed"):
             sample.write_vtu(self.folder / f"a-{form}.vtu", form)
         sample.write_vtk(self.folder / "a-ascii.vtk"), sample.write_vtk(self.folder / "a-binary.vtk", True)
+        sample.write_unv(self.folder / "a.unv"), sample.write_cgns(self.folder / "a.cgns")
         for path in sorted(self.folder.glob("a*")):
             whole = path.read_bytes()
             for part in (0, 100, len(whole) // 3, len(whole) // 2, len(whole) - 60):

@@ -67,9 +67,14 @@ class ImportMesh(ProgramTest):
 
     def files(self, sample, name):
         """The sample in each format and each of its forms."""
-        written = [self.folder / f"{name}{ending}" for ending in (".inp", ".med")]
-        sample.write_inp(written[0])
-        sample.write_med(written[1])
+        written = [
+            self.folder / f"{name}{ending}" for ending in (".inp", ".med", ".unv", ".cgns", "-mixed.cgns")
+        ]
+        for path, write in zip(
+            written, (sample.write_inp, sample.write_med, sample.write_unv, sample.write_cgns)
+        ):
+            write(path)
+        sample.write_cgns(written[-1], mixed=True)
         for form in ("free", "small", "large"):
             written.append(self.folder / f"{name}-{form}.bdf")
             sample.write_bdf(written[-1], form)
@@ -93,7 +98,7 @@ class ImportMesh(ProgramTest):
                     with self.subTest(path.name):
                         out, run = self.imported(path)
                         groups = self.assertSame(wanted, out)
-                        edge = {".inp": "edge", ".med": "edge", ".bdf": "SPC 7"}.get(path.suffix)
+                        edge = {".bdf": "SPC 7", ".vtu": "", ".vtk": ""}.get(path.suffix, "edge")
                         if edge:
                             self.assertEqual(groups[edge], (0, held))
                         self.assertNotIn("inverted", run.err)

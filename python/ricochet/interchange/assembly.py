@@ -28,7 +28,7 @@ class Instance:
         values = [[float(word) for word in line if word] for line in lines]
         self.shift = np.array(values[0]) if values else np.zeros(3)
         self.axis = values[1] if len(values) > 1 else []
-        if self.shift.shape != (3,) or len(self.axis) not in (0, 7):
+        if self.shift.shape != (3,) or len(self.axis) not in (0, 7) or not np.isfinite(sum(values, [])).all():
             raise ValueError
 
     def placed(self, point: Array) -> Array:

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ricochet.errors import InputError
+from ricochet.interchange.numbers import LONGEST_RANGE
 
 # 1.5+3 and 1.5D+3 are 1.5e3.
 EXPONENT = re.compile(r"(?<=[0-9.])[Dd]?([+-][0-9]+)$|[Dd]([+-]?[0-9]+)$")
@@ -51,7 +52,10 @@ class Entry(list[str]):
         """The whole numbers from field `start` on, without empty fields; "a THRU b" is a range."""
         words = [k for k in range(start, len(self)) if self[k]]
         if len(words) == 3 and self[words[1]].upper() == "THRU":
-            return list(range(self.whole(words[0]), self.whole(words[2]) + 1))
+            first, last = self.whole(words[0]), self.whole(words[2])
+            if last - first > LONGEST_RANGE:
+                raise InputError(f"{self.where}: a range of more than {LONGEST_RANGE} numbers")
+            return list(range(first, last + 1))
         return [self.whole(k) for k in words]
 
 

@@ -4,10 +4,9 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from ricochet.errors import InputError
-from ricochet.interchange.numbers import is_number
+from ricochet.interchange.numbers import LONGEST_RANGE, is_number
 
 Card = tuple[str, str, dict[str, str], list["Line"]]  # place, keyword, parameters, lines of data
-MOST = 10**8  # largest number of members of a generated set
 
 
 class Line(list[str]):
@@ -91,8 +90,8 @@ def members(lines: Iterable[Line], parameters: dict[str, str], sets: dict[str, l
     if "GENERATE" in parameters:
         for line in lines:
             first, last, step = [int(word) for word in line[:2]] + [int(line[2]) if len(line) > 2 else 1]
-            if (last - first) / step > MOST:
-                raise InputError(f"{line.where}: a range of more than {MOST} numbers")
+            if (last - first) / step > LONGEST_RANGE:
+                raise InputError(f"{line.where}: a range of more than {LONGEST_RANGE} numbers")
             yield from range(first, last + 1, step)
         return
     for line in lines:

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Meshes from blocks of cells that name their nodes by place, as most files of meshes have them."""
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import h5py
 import numpy as np
 
 from ricochet.arrays import Array
@@ -25,6 +26,29 @@ class Cells:
 
 def no_pyramids(where: object) -> InputError:
     return InputError(f"{where}: has pyramids or polyhedra: mesh with tetrahedra, hexahedra or prisms")
+
+
+def from_hdf5(path: Path, kind: str, mesh_in: Callable[[Path, h5py.File], Mesh]) -> Mesh:
+    """The mesh that a function finds in an HDF5 file. Raises InputError, also for whatever the function raises where the
+    file is no complete one of this kind, and OSError."""
+    path.open("rb").close()  # HDF5 has no error of its own for a file that is not there
+    try:
+        with h5py.File(path) as file:
+            return mesh_in(path, file)
+    except InputError:
+        raise
+    except (
+        KeyError,
+        ValueError,
+        IndexError,
+        AttributeError,
+        TypeError,
+        OSError,
+        RuntimeError,
+        MemoryError,
+    ) as error:
+        what = " ".join(str(error).split())[:80]
+        raise InputError(f"{path}: is no complete {kind} ({what}): save it again") from None
 
 
 def labelled(values: Array, names: dict[int, str] | None = None) -> Iterator[tuple[str, Array]]:

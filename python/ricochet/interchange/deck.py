@@ -79,6 +79,7 @@ class Deck:
         self.surface_lines: dict[str, list[Line]] = {}
         self.surface_place: dict[str, str] = {}
         self.material: dict[str, Material] = {}
+        self.current: Material | None = None
         self.section: dict[str, str] = {}  # the material of a set of elements
         self.supports_given: list[Support] = []
         self.modes = 0  # requested by *FREQUENCY
@@ -172,7 +173,8 @@ class Deck:
     def add(self, sets: dict[str, list[int]], name: str | None, numbers: Iterable[int]) -> None:
         if name is not None:
             self.names.setdefault(name.upper(), name)
-            sets.setdefault(name.upper(), []).extend(numbers)
+            new = list(numbers)  # which may be those of the set itself
+            sets.setdefault(name.upper(), []).extend(new)
 
     def take_surface(self, parameters: dict[str, str], lines: list[Line]) -> None:
         name = parameters["NAME"]
@@ -186,6 +188,8 @@ class Deck:
             self.surface_place[name] = self.where
 
     def take_property(self, keyword: str, parameters: dict[str, str], lines: list[Line]) -> None:
+        if self.current is None:
+            raise InputError(f"{self.where}: *{keyword} belongs to no *MATERIAL: put it below one")
         kind = parameters.get("TYPE", "ISO").upper()
         if not kind.startswith("ISO") and keyword == "ELASTIC":
             self.warn_once(f"*ELASTIC, TYPE={kind} is not isotropic and is not read: the scene lacks it")

@@ -67,6 +67,11 @@ SOLIDS = {
     **{8: BRICK, 20: BRICK, 27: BRICK},
 }
 COMPLETE = {15: 18, 20: 27}
+# Edges by number of nodes where the middle nodes of the vertical edges come before those of the top: Nastran, CGNS.
+TOP_LAST = {
+    **dict.fromkeys((15, 18), [*WEDGE.edges[:3], *WEDGE.edges[6:], *WEDGE.edges[3:6]]),
+    **dict.fromkeys((20, 27), [*BRICK.edges[:4], *BRICK.edges[8:], *BRICK.edges[4:8]]),
+}
 FACET_CORNERS = {3: 3, 6: 3, 7: 3, 4: 4, 8: 4, 9: 4}  # by the number of nodes of a facet
 # Numbers of nodes of solids and of facets, by the dimension of the element.
 SIZES: dict[int, Container[int]] = {3: SOLIDS, 2: FACET_CORNERS}

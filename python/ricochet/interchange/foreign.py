@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ricochet.errors import InputError
-from ricochet.interchange import abaqus, med, msh, nastran, unstructured, vtk
+from ricochet.interchange import abaqus, cgns, med, msh, nastran, unstructured, unv, vtk
 from ricochet.interchange.draft import Offer
 from ricochet.interchange.faces import Faces, Groups, groups_of
 from ricochet.interchange.mesh import Mesh
@@ -14,15 +14,15 @@ DECKS = {".inp": abaqus.read, **dict.fromkeys((".bdf", ".nas", ".dat", ".fem"), 
 MESHES: dict[str, Callable[[Path], Mesh]] = {
     **dict.fromkeys((".med", ".mmed", ".rmed"), med.read),
     **dict.fromkeys((".vtu", ".vtk"), vtk.read),
+    **{".unv": unv.read, ".cgns": cgns.read},
     **dict.fromkeys(
-        (".xdmf", ".xmf", ".cgns", ".e", ".exo", ".ex2", ".xml", ".vol", ".mesh", ".meshb"), unstructured.read
+        (".xdmf", ".xmf", ".e", ".exo", ".ex2", ".xml", ".vol", ".mesh", ".meshb"), unstructured.read
     ),
     **dict.fromkeys((".su2", ".f3grid", ".avs", ".node", ".ele", ".h5m", ".ugrid"), unstructured.read),
 }
 DIRECT = {
     **dict.fromkeys((".geo", ".step", ".stp", ".brep", ".iges", ".igs", ".stl"), "is a drawing"),
     ".msh": "is a mesh of gmsh",
-    ".unv": "is a mesh that gmsh reads with its groups",
 }
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from ricochet.arrays import Array
 from ricochet.errors import InputError
-from ricochet.interchange.cells import FACET, SOLID, Cells, mesh_of, no_pyramids
+from ricochet.interchange.cells import FACET, SOLID, Cells, from_hdf5, mesh_of, no_pyramids
 from ricochet.interchange.mesh import Mesh
 
 # Dimension and number of nodes by type. Points and lines are left out in silence.
@@ -86,13 +86,4 @@ def mesh_in(path: Path, file: h5py.File) -> Mesh:
 
 def read(path: Path) -> Mesh:
     """The mesh of a MED file in its units. Raises InputError and OSError."""
-    path.open("rb").close()  # HDF5 has no error of its own for a file that is not there
-    try:
-        with h5py.File(path) as file:
-            return mesh_in(path, file)
-    except InputError:
-        raise
-    except (KeyError, ValueError, IndexError, AttributeError, TypeError, OSError) as error:
-        raise InputError(
-            f"{path}: is no complete MED file of version 3 or later ({' '.join(str(error).split())[:80]}): save it again"
-        ) from None
+    return from_hdf5(path, "MED file of version 3 or later", mesh_in)

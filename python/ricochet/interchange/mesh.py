@@ -11,6 +11,7 @@ from ricochet.errors import InputError
 from ricochet.interchange import elements
 from ricochet.interchange.elements import SOLIDS, Corners
 
+FARTHEST = 1e30  # as for numbers of a scene
 SECOND_ORDER = 10  # least number of nodes of a solid of order 2; those of order 1 have at most 8
 
 
@@ -55,10 +56,10 @@ class Mesh:
             raise InputError(
                 f"{self.path}: holds no tetrahedra, hexahedra or prisms: export the volume elements as well"
             )
-        if not np.isfinite(self.node).all():
-            wrong = np.flatnonzero(~np.isfinite(self.node).all(axis=1))[0]
+        if (wrong := np.flatnonzero(~(np.abs(self.node) < FARTHEST).all(axis=1))).size:
+            place = " ".join(f"{x:g}" for x in self.node[wrong[0]])
             raise InputError(
-                f"{self.path}: node {self.node_number[wrong]} has a coordinate that is not finite: export the mesh again"
+                f"{self.path}: node {self.node_number[wrong[0]]} is at {place}: coordinates must be below {FARTHEST:g}"
             )
         sizes = sorted(self.solids)
         if sizes[0] < SECOND_ORDER <= sizes[-1]:

@@ -10,17 +10,12 @@ from ricochet.errors import InputError
 from ricochet.interchange.bulk import Entry, control_and_bulk, entries
 from ricochet.interchange.cells import no_pyramids
 from ricochet.interchange.draft import Material, Offer
-from ricochet.interchange.elements import BRICK, FACET_CORNERS, WEDGE
+from ricochet.interchange.elements import FACET_CORNERS, TOP_LAST
 from ricochet.interchange.mesh import Mesh
 
 # Numbers of nodes of elements: without and with middle nodes.
 SOLIDS = {"CTETRA": (4, 10), "CPENTA": (6, 15), "CHEXA": (8, 20)}
 SHELLS = {"CTRIA3": 3, "CTRIAR": 3, "CTRIA6": 6, "CQUAD4": 4, "CQUADR": 4, "CQUAD8": 8, "CQUAD": 9}
-# The middle nodes of the vertical edges come before those of the top.
-EDGES = {
-    15: [*WEDGE.edges[:3], *WEDGE.edges[6:], *WEDGE.edges[3:6]],
-    20: [*BRICK.edges[:4], *BRICK.edges[8:], *BRICK.edges[4:8]],
-}
 # What a scene needs no warning about: loads, output, parameters and properties.
 SILENT = re.compile(
     "PARAM|PLOAD.*|FORCE.*|MOMENT.*|GRAV|LOAD|TEMP.*|EIGR|EIGC|SET.*|ASET.*|MDLPRM|PLOTEL|CORD.*|TABLE.*|"
@@ -161,7 +156,7 @@ class Bulk:
             np.array(numbers),
             blocks,
             np.array(solid),
-            edges=EDGES,
+            edges=TOP_LAST,
         )
         place = {number: k for k, number in enumerate(solid)}
         for part, elements in sorted(self.parts.items()):

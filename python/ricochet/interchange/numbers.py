@@ -8,6 +8,7 @@ import numpy as np
 from ricochet.arrays import Array
 from ricochet.errors import InputError
 
+LONGEST_RANGE = 10**7  # of numbers of nodes or elements, such as 1 THRU 10
 Entries = tuple[Array, Array, Array]  # rows, columns and values of a sparse matrix
 
 

@@ -72,6 +72,8 @@ BROKEN = (
     TypeError,
     AttributeError,
     xml.ParseError,
+    OverflowError,
+    MemoryError,
     zlib.error,
     lzma.LZMAError,
 )
@@ -205,7 +207,7 @@ def read_vtk(path: Path) -> Mesh:
     file = Vtk(path.read_bytes())
     parts: dict[str, Array] = {}
     data: dict[str, Array] = {}
-    of_cells = False
+    of_cells, count = False, 0
     while words := file.line():
         key = words[0].upper()
         if key == "DATASET" and words[1].upper() != "UNSTRUCTURED_GRID":
