@@ -132,8 +132,9 @@ const SectionOf<Body> body_keys{
     "[bodies.NAME]",
     "An elastic body.",
     {{"mesh", &Body::mesh, "", required(), any(),
-      "mesh file. `.msh` is read as it is; `.geo`, `.step` and `.brep` are meshed by the gmsh library; `.h5` "
-      "is a [body file](interchange.md#bodies-from-another-finite-element-program) from another program"},
+      "mesh file. `.msh` is read as it is; `.geo`, `.step`, `.brep` and `.stl` are meshed by the gmsh "
+      "library; `.h5` is a [body file](interchange.md#bodies-from-another-finite-element-program) from "
+      "another program. `ricochet import mesh` converts [other meshes](meshes.md#meshes-of-other-programs)"},
      {"geometry", &Body::geometry, "", "`{}`", any(),
       "values for the `DefineConstant` names of a `.geo`. Names that the `.geo` does not define are refused, "
       "and so is `geometry` for other files",

@@ -36,8 +36,14 @@ std::string other_kind(const std::string& name) {
   if (name.ends_with(".h5")) return "is an HDF5 file: name a scene, SCENE.toml";
   if (name.ends_with(".summary.json"))
     return "is the summary of a result: name the scene that it was computed from";
+  for (const char* ending : {".inp", ".bdf", ".nas", ".fem"})
+    if (name.ends_with(ending))
+      return "is a deck: run ricochet import mesh on it, which writes the mesh and the draft of a scene";
+  for (const char* ending : {".med", ".vtu", ".cgns"})
+    if (name.ends_with(ending))
+      return "is a mesh: run ricochet import mesh on it, and name a scene with the .msh as bodies.NAME.mesh";
   for (const char* ending :
-       {".geo", ".msh", ".step", ".stp", ".brep", ".iges", ".igs", ".stl", ".inp", ".med", ".vtk", ".unv"})
+       {".geo", ".msh", ".step", ".stp", ".brep", ".iges", ".igs", ".stl", ".vtk", ".unv"})
     if (name.ends_with(ending))
       return "is a mesh or drawing: name a scene, with this file as bodies.NAME.mesh; "
              "a scene starts as a copy of a folder in meshes/";

@@ -81,6 +81,8 @@ TEST(Refused, is_a_file_that_is_missing_or_not_toml) {
   EXPECT_THAT(complaint_of_file("a.result.h5", ""), HasSubstr(": is a result: name the scene"));
   EXPECT_THAT(complaint_of_file("a.kernel.h5", ""), HasSubstr(": is a kernel: name the scene"));
   EXPECT_THAT(complaint_of_file("a.geo", ""), HasSubstr(": is a mesh or drawing: name a scene"));
+  EXPECT_THAT(complaint_of_file("a.bdf", ""), HasSubstr(": is a deck: run ricochet import mesh on it"));
+  EXPECT_THAT(complaint_of_file("a.med", ""), HasSubstr(": is a mesh: run ricochet import mesh on it"));
   EXPECT_EQ(complaint_of_file("hdf5.toml", "\x89HDF\r\n"), ": is an HDF5 file: name a scene, SCENE.toml");
   EXPECT_EQ(complaint_of_file("utf16.toml", "\xff\xfet"), ": is UTF-16 text: save it as UTF-8 in the editor");
 }

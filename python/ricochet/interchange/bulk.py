@@ -12,6 +12,8 @@ from ricochet.interchange.numbers import LONGEST_RANGE
 
 # 1.5+3 and 1.5D+3 are 1.5e3.
 EXPONENT = re.compile(r"(?<=[0-9.])[Dd]?([+-][0-9]+)$|[Dd]([+-]?[0-9]+)$")
+WHOLE = re.compile("[+-]?[0-9]{1,15}")
+INCLUDE = re.compile(r"\s*INCLUDE\s+['\"]?(.*?)['\"]?", re.IGNORECASE)
 FIELDS = 8  # of a line, between its name and its mark of continuation
 
 
@@ -30,7 +32,7 @@ class Entry(list[str]):
         word = self.field(k)
         if not word and otherwise is not None:
             return otherwise
-        if not re.fullmatch("[+-]?[0-9]{1,15}", word):
+        if not WHOLE.fullmatch(word):
             raise InputError(
                 f'{self.where}: field {k + 2} of {self.name} is "{word}": must be a whole number'
             )
@@ -83,7 +85,7 @@ def lines_of(path: Path, outer: tuple[Path, ...] = ()) -> Iterator[tuple[str, st
     for number, line in enumerate(path.read_text(errors="replace").splitlines(), 1):
         line = line.partition("$")[0].rstrip()
         where = f"{path}: line {number}"
-        if found := re.fullmatch(r"\s*INCLUDE\s+['\"]?(.*?)['\"]?", line, re.IGNORECASE):
+        if found := INCLUDE.fullmatch(line):
             inner = path.parent / found[1]
             if not inner.is_file():
                 raise InputError(f"{where}: includes {inner}: no such file")

@@ -3,12 +3,11 @@
 
 Sources: Abaqus, "Keywords guide"; CalculiX CrunchiX user's manual.
 """
+import math
 import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
-
-import numpy as np
 
 from ricochet.errors import InputError
 from ricochet.interchange.assembly import Assembly
@@ -133,7 +132,7 @@ class Deck:
             raise InputError(f"{self.where}: nodes in polar coordinates are not read: give x, y, z")
         for line in self.each(lines):
             place = [float(x) for x in (line[1:4] + ["0"] * 3)[:3]]
-            if not np.isfinite(place).all():
+            if not all(map(math.isfinite, place)):
                 raise InputError(f"{line.where}: node {line[0]} has a coordinate that is not finite")
             self.position[int(line[0])] = place
         self.add(self.node_sets, parameters.get("NSET"), (int(line[0]) for line in lines))
