@@ -108,8 +108,10 @@ class Reader(unittest.TestCase):
             )
         self.assertLess(plate["exit_velocity"]["plate"][2], 0)
         (kernel,) = folder.glob("out/plate-*.kernel.h5")
-        with h5py.File(kernel) as file:
-            self.assertAlmostEqual(file.attrs["mass"] / (7850 * 0.12 * 0.08 * 0.01), 1, delta=1e-6)
+        (of_mesh,) = folder.glob("draft/plate-*.kernel.h5")
+        with h5py.File(kernel) as file, h5py.File(of_mesh) as mesh:
+            for one in file, mesh:
+                self.assertAlmostEqual(one.attrs["mass"] / (7850 * 0.12 * 0.08 * 0.01), 1, delta=1e-6)
         self.assertTrue(list(folder.glob("problems/*.hdf5")))
         self.assertIn("pm.modeFilter", (folder / "plate.dsp").read_text())
 

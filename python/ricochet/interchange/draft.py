@@ -59,11 +59,10 @@ def table(name: str, material: Material) -> list[str]:
     for value, unit in UNITS.items():
         number = getattr(material, value)
         comment = f"  # {unit}" if unit else ""
-        lines.append(
-            f"{value} = {number!r}{comment}"
-            if number is not None
-            else f"# {value} = …{comment}: not in the file"
-        )
+        if number is None:
+            lines.append(f"# {value} = …{comment}: not in the file")
+        else:  # without the last digit, which conversions change
+            lines.append(f"{value} = {float(f'{number:.15g}')!r}{comment}")
     return lines
 
 
