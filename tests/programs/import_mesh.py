@@ -1,14 +1,23 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """ricochet import mesh: meshes of other programs have the nodes, groups and kernels of the same mesh of gmsh."""
 
+import contextlib
+import io
 import unittest
 
 import gmsh
 import h5py
 import numpy as np
 
-from foreign_meshes import Sample
+from foreign_meshes import VTK, Sample
 from programs import Command, ProgramTest, kernel
+
+from ricochet.interchange import foreign
+
+try:
+    import meshio
+except ImportError:
+    meshio = None
 
 # Each file has its coordinates with all digits.
 SAME = 1e-12
@@ -102,6 +111,27 @@ class ImportMesh(ProgramTest):
                         if edge:
                             self.assertEqual(groups[edge], (0, held))
                         self.assertNotIn("inverted", run.err)
+
+    @unittest.skipUnless(meshio, "python3-meshio is not installed: scripts/setup --tests")
+    def test_files_that_meshio_writes_are_read(self):
+        """meshio has orders of its own for each format; it cannot write wedges of order 2."""
+        kinds = {("tetrahedron", 1): "tetra", ("tetrahedron", 2): "tetra10", ("wedge", 1): "wedge"}
+        kinds |= {("brick", 1): "hexahedron", ("brick", 2): "hexahedron20"}
+        for (kind, order), cells in kinds.items():
+            sample = Sample(kind, order)
+            rows = sample.incomplete()[0]
+            rows = rows[:, VTK.get(rows.shape[1], range(rows.shape[1]))]
+            mesh = meshio.Mesh(sample.node, [(cells, rows)], cell_data={"cell_tags": [sample.part]})
+            mesh.cell_tags = {1: ["one"], 2: ["two"]}
+            for ending in (".med", ".vtu", ".vtk", ".xdmf", ".inp"):
+                path = self.folder / f"{cells}{ending}"
+                with self.subTest(path.name), contextlib.redirect_stdout(io.StringIO()):
+                    meshio.write(path, mesh)
+                    found = foreign.read(path, 1.0, 1.0)
+                    ((_, solids),) = found.mesh.solids.items()
+                    np.testing.assert_allclose(found.mesh.node[solids], sample.node[sample.solid], atol=SAME)
+                    names = {".med": {"one", "two"}, ".inp": {"whole"}}.get(ending, {"1", "2"})
+                    self.assertEqual(set(found.groups.solids), names)
 
     def test_kernels_of_all_formats_are_those_of_gmsh(self):
         for kind in ("tetrahedron", "brick"):
