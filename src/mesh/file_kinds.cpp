@@ -20,8 +20,8 @@ constexpr std::array drawings{".geo", ".geo_unrolled", ".step", ".stp", ".brep",
 constexpr std::array meshes{".msh", ".stl", ".unv", ".mesh", ".bdf", ".nas", ".vtk"};
 
 constexpr const char* by_import = nullptr;  // by ricochet import mesh: the advice names the file
-constexpr const char* by_meshio =
-    "convert it to .vtu, for example with meshio, and run ricochet import mesh on it";
+constexpr const char* by_other_kind =
+    "export it from there as .vtu, .med or .bdf, and run ricochet import mesh on that";
 constexpr const char* by_export = "export it from there as .step";
 constexpr const char* surface_only =
     "it holds a surface: save it from there as .stl, of which gmsh meshes the inside";
@@ -49,16 +49,16 @@ constexpr Foreign others[] = {
     {".ele", "a mesh of TetGen", by_import},
     {".vol", "a mesh of Netgen", by_import},
     {".fem", "a deck of OptiStruct", by_import},
-    {".k", "a deck of LS-DYNA", by_meshio},
-    {".key", "a deck of LS-DYNA", by_meshio},
+    {".k", "a deck of LS-DYNA", by_other_kind},
+    {".key", "a deck of LS-DYNA", by_other_kind},
     {".cdb", "a mesh of Ansys", "export it from there as Nastran, .bdf"},
     {".ply", "a surface of a scanner or MeshLab", surface_only},
     {".obj", "a surface of Blender or a scanner", surface_only},
     {".off", "a surface of Geomview", surface_only},
     {".3mf", "a surface for 3-D printers", surface_only},
     {".wrl", "a surface of VRML", surface_only},
-    {".diff", "a mesh of Diffpack", by_meshio},
-    {".p3d", "a grid of Plot3D", by_meshio},
+    {".diff", "a mesh of Diffpack", by_other_kind},
+    {".p3d", "a grid of Plot3D", by_other_kind},
     {".pos", "a result of gmsh", "name the .msh that it was computed on"},
     {".fcstd", "a drawing of FreeCAD", by_export},
     {".scad", "a drawing of OpenSCAD", "write it in gmsh's own language, .geo"},
