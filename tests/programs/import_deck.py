@@ -144,6 +144,12 @@ class ImportDeck(ProgramTest):
         self.assertEqual(found.mesh.solid_number.tolist(), [1, 2])
         self.assertEqual(found.mesh.warnings, [])
 
+    def test_a_set_may_have_the_nodes_of_elements(self):
+        found = self.imported(
+            "cubes.inp", CUBES.replace("*ELSET, ELSET=both", "*NSET, NSET=n, ELSET=upper\n*ELSET, ELSET=both")
+        )
+        self.assertEqual(self.places(found, "faces", "n"), self.places(found, "solids", "upper"))
+
     def test_a_set_may_be_extended_by_itself(self):
         found = self.imported(
             "cubes.inp", CUBES.replace("*ELSET, ELSET=both", "*NSET, NSET=edge\nedge, 2\n*ELSET, ELSET=both")
@@ -206,9 +212,14 @@ class ImportDeck(ProgramTest):
         said = "\n".join(found.mesh.warnings)
         self.assertRegex(said, r"deck.inp: line 39: \*EQUATION is not read")
         self.assertRegex(said, r"deck.inp: line 42: elements of type T3D2 are not read")
-        bulk = BULK.replace("ENDDATA", "CBAR,50,1,1,2\nCONM2,60,1,,2.5\nRBE2,7,1,123,2\nENDDATA")
+        nodes = CUBES.replace(
+            "*NSET, NSET=foot, GENERATE", "*NODE, NSET=away\n99, 9, 9, 9\n*NSET, NSET=foot, GENERATE"
+        )
+        found = self.imported("deck.inp", nodes.replace("foot, 3", "away, 3"))
+        self.assertRegex("\n".join(found.mesh.warnings), 'the support of "away" holds no node of a solid')
+        bulk = BULK.replace("ENDDATA", "MAT9,4,1.\nCBAR,50,1,1,2\nCONM2,60,1,,2.5\nRBE2,7,1,123,2\nENDDATA")
         said = "\n".join(self.imported("more.bdf", bulk).mesh.warnings)
-        for name in ("CBAR", "CONM2", "RBE2"):
+        for name in ("CBAR", "CONM2", "RBE2", "MAT9"):
             self.assertRegex(said, rf"more.bdf: line \d+: {name} is not read")
 
     def test_files_that_are_wrong_are_refused_in_one_line(self):
@@ -228,6 +239,7 @@ class ImportDeck(ProgramTest):
             "a range of more than 10000000 numbers": ("1, 4, 1", "1, 999999999, 1"),
             "belongs to no *MATERIAL": ("*MATERIAL, NAME=Steel\n", ""),
             "coordinates must be below 1e+30": ("1, 0, 0, 0", "1, 0, 0, 1e40"),
+            "*NFILL is not read": ("*NSET, NSET=edge", "*NFILL, NSET=x\n1, 2\n*NSET, NSET=edge"),
             "includes": ("*STEP", "*INCLUDE, INPUT=none.inc\n*STEP"),
             "holds no tetrahedra": (CUBES.partition("*ELEMENT")[2], ", TYPE=CPS4\n1, 1, 2, 3, 4\n"),
         }

@@ -16,7 +16,7 @@ from ricochet.interchange.numbers import is_number
 # By keyword, the parameter that names or defines a set, a surface or a section.
 NAMED = {
     **{"NODE": "NSET", "ELEMENT": "ELSET", "NSET": "NSET", "ELSET": "ELSET"},
-    **{"SURFACE": "NAME", "SOLID SECTION": "ELSET", "NGEN": "NSET", "ELGEN": "ELSET"},
+    **{"SURFACE": "NAME", "SOLID SECTION": "ELSET"},
 }
 
 

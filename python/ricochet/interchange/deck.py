@@ -50,6 +50,8 @@ CONSTRAINTS = {
         "SHELL TO SOLID COUPLING",
     ),
 }
+# What would change or make nodes and elements.
+GENERATORS = {"NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "SYMMETRIC MODEL GENERATION"}
 # The displacements that the named supports of Abaqus hold.
 NAMED_SUPPORTS = {
     **{"ENCASTRE": "xyz", "PINNED": "xyz", "XSYMM": "x", "YSYMM": "y", "ZSYMM": "z"},
@@ -102,6 +104,8 @@ class Deck:
         elif keyword in ("NSET", "ELSET"):
             sets = self.node_sets if keyword == "NSET" else self.element_sets
             self.add(sets, parameters[keyword], members(self.each(lines), parameters, sets))
+            if keyword == "NSET" and "ELSET" in parameters:
+                self.add(sets, parameters["NSET"], self.nodes_of(parameters["ELSET"]))
         elif keyword == "SURFACE":
             self.take_surface(parameters, lines)
         elif keyword == "MATERIAL":
@@ -114,6 +118,10 @@ class Deck:
             self.take_supports(lines)
         elif keyword == "FREQUENCY" and lines:
             self.modes = int(lines[0][0])
+        elif keyword in GENERATORS:
+            raise InputError(
+                f"{self.where}: *{keyword} is not read: write out the nodes and elements that it makes"
+            )
         elif keyword in CONSTRAINTS:
             self.warn_once(f"*{keyword} is not read: the scene lacks it")
 
@@ -174,6 +182,14 @@ class Deck:
             self.names.setdefault(name.upper(), name)
             new = list(numbers)  # which may be those of the set itself
             sets.setdefault(name.upper(), []).extend(new)
+
+    def nodes_of(self, elements: str) -> set[int]:
+        """The nodes of a set of elements."""
+        if elements.upper() not in self.element_sets:
+            raise InputError(f"{self.where}: names the set {elements}, which is not there")
+        found = self.element_sets[elements.upper()]
+        both = self.element | self.facet
+        return {node for element in found for node in both.get(element, ())}
 
     def take_surface(self, parameters: dict[str, str], lines: list[Line]) -> None:
         name = parameters["NAME"]

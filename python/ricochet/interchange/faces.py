@@ -25,12 +25,8 @@ class Faces:
 
     def __init__(self, mesh: Mesh) -> None:
         self.mesh = mesh
-        sides = [
-            (size, side, face)
-            for size, rows in mesh.solids.items()
-            for side, face in enumerate(elements.SOLIDS[size].faces)
-        ]
-        corners = [padded(mesh.solids[size][:, list(face)]) for size, _, face in sides]
+        sides = [(size, face) for size in mesh.solids for face in elements.SOLIDS[size].faces]
+        corners = [padded(mesh.solids[size][:, list(face)]) for size, face in sides]
         self.corner, first, count = np.unique(
             np.concatenate(corners), axis=0, return_index=True, return_counts=True
         )
@@ -43,7 +39,7 @@ class Faces:
     def nodes(self, faces: Array) -> list[tuple[Array, Array]]:
         """The faces by number of nodes: their places in `faces`, and (m,k) nodes in gmsh's order."""
         found: dict[int, list[tuple[Array, Array]]] = {}
-        for kind, (size, _, face) in enumerate(self.sides):
+        for kind, (size, face) in enumerate(self.sides):
             here = np.flatnonzero(self.kind[faces] == kind)
             if here.size:
                 columns = elements.face_nodes(size, face)

@@ -65,4 +65,8 @@ def read(path: Path, length: float, mass: float) -> Import:
     if offer:
         offer.materials = {name: one.in_units(length, mass) for name, one in offer.materials.items()}
     faces = Faces(mesh)
-    return Import(mesh, faces, *groups_of(mesh, faces), offer)
+    groups, names = groups_of(mesh, faces)
+    for name in offer.supports if offer else ():
+        if name not in names:
+            mesh.warn(f'the support of "{name}" holds no node of a solid: the scene lacks it')
+    return Import(mesh, faces, groups, names, offer)

@@ -28,9 +28,7 @@ class Mesh:
     facet_groups: dict[str, Array] = field(default_factory=dict)  # (F,4) corners, −1 behind a triangle
     node_groups: dict[str, Array] = field(default_factory=dict)  # nodes
     edges: dict[int, Corners] = field(default_factory=dict)  # of the middle nodes, if not those of Abaqus
-    oriented: bool = (
-        True  # whether the format defines the order of nodes, so that another one is worth a warning
-    )
+    oriented: bool = True  # whether another order than that of the format is worth a warning
     warnings: list[str] = field(default_factory=list)
 
     def warn(self, text: str) -> None:
