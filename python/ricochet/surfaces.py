@@ -38,15 +38,12 @@ def kinds(surface: int) -> Iterator[tuple[int, int, list[int]]]:
 
 def triangles(surface: int) -> NDArray[np.float64]:
     """(T,3,3) corners of the triangles on a surface."""
-    tags, xyz, _ = gmsh.model.mesh.getNodes(2, surface, includeBoundary=True)
-    place = dict(zip(tags, xyz.reshape(-1, 3)))
-    corners = [
-        gmsh.model.mesh.getElementsByType(kind, surface)[1].reshape(-1, count)[:, corner]
-        for kind, count, corner in kinds(surface)
-    ]
-    if not corners:
-        return np.empty((0, 3, 3))
-    return np.array([[place[tag] for tag in element] for element in np.concatenate(corners)])
+    corners = []
+    for kind, count, corner in kinds(surface):
+        # A mesh of another program may have the nodes of a surface as nodes of the volume.
+        _, xyz, _ = gmsh.model.mesh.getNodesByElementType(kind, surface, returnParametricCoord=False)
+        corners.append(xyz.reshape(-1, count, 3)[:, corner])
+    return np.concatenate(corners) if corners else np.empty((0, 3, 3))
 
 
 def groups() -> dict[int, list[str]]:

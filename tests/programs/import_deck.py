@@ -12,6 +12,7 @@ import numpy as np
 from foreign_meshes import SIZE, Sample
 from programs import Command, ProgramTest, Run, kernel
 
+from ricochet import surfaces
 from ricochet.interchange import foreign
 
 # Two cubes of edge 1 on top of each other; node 10 z + 1 to 4, corner by corner.
@@ -143,6 +144,18 @@ class ImportDeck(ProgramTest):
         self.assertEqual(self.places(found, "points", "edge"), {(0, 0, 0), (0, 0, 1), (0, 0, 2)})
         self.assertEqual(found.mesh.solid_number.tolist(), [1, 2])
         self.assertEqual(found.mesh.warnings, [])
+
+    def test_surfaces_of_an_imported_mesh_are_listed(self):
+        path = self.write("cubes.inp", CUBES)
+        self.succeed(Command("import", "mesh", path))
+        run = self.succeed(Command("surfaces", path.with_suffix(".msh"), "--out", self.folder))
+        found, named = surfaces.read(path.with_suffix(".msh"))
+        side = {tuple(names): corners for tag, names in named.items() for corners in [found[tag]]}
+        # The head of the upper cube is in the skin too, and in the set of all nodes.
+        (head,) = (corners for names, corners in side.items() if "head" in names)
+        twice = np.cross(head[:, 1] - head[:, 0], head[:, 2] - head[:, 0])
+        self.assertAlmostEqual(np.linalg.norm(twice, axis=1).sum(), 2, delta=1e-12)
+        self.assertIn("head", run.out)
 
     def test_a_set_may_have_the_nodes_of_elements(self):
         found = self.imported(
