@@ -34,6 +34,7 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-ricochet)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
   "python3 (>= 3.11), python3 (<< 3.12), python3-numpy, python3-h5py, python3-matplotlib")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-meshio")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "ricochet (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_GENERATE_SHLIBS OFF)
 file(WRITE ${PROJECT_BINARY_DIR}/package/python/postinst "#!/bin/sh\nset -e\n[ \"$1\" != configure ] || py3compile -p python3-ricochet\n")
