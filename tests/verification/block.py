@@ -4,7 +4,7 @@ matrices describe the same discrete space as Ricochet but share no code, quadrat
 import numpy as np
 from numpy.polynomial import legendre
 
-from ritz import stiffness_of
+from ritz import isotropic, stiffness_of
 
 GEO = """
 SetFactory("Built-in");
@@ -79,7 +79,7 @@ class Block:
             return np.kron(np.kron(tables[0], tables[1]), tables[2])
 
         stiffness = np.block(
-            stiffness_of({a + b: product(a, b) for a in "xyz" for b in "xyz"}, young, poisson)
+            stiffness_of({a + b: product(a, b) for a in "xyz" for b in "xyz"}, isotropic(young, poisson))
         )
         scalar = density * product("0", "0")
         count = len(scalar)

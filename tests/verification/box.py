@@ -23,8 +23,9 @@ class Box(ProgramTest):
         return ricochet.kernels(scene, ranks)["box"].frequency
 
     def compare(self, sides, support, degree, rigid, bound, ranks):
-        oracle = ritz.box(sides, degree, DENSITY, YOUNG, POISSON, clamped=rigid == 0)[rigid:60]
-        coarser = ritz.box(sides, degree - 2, DENSITY, YOUNG, POISSON, clamped=rigid == 0)[rigid:60]
+        law = ritz.isotropic(YOUNG, POISSON)
+        oracle = ritz.box(sides, degree, DENSITY, law, clamped=rigid == 0)[rigid:60]
+        coarser = ritz.box(sides, degree - 2, DENSITY, law, clamped=rigid == 0)[rigid:60]
         frequencies = self.frequencies(sides, support, ranks)
         self.assertEqual(np.count_nonzero(frequencies == 0), rigid)
         elastic = frequencies[rigid:]

@@ -20,32 +20,65 @@ def orthonormal(tables, weight=1.0):
     return {pair: inverse @ table @ inverse.T for pair, table in tables.items()}
 
 
-def stiffness_of(g, young, poisson):
-    """Stiffness, by blocks of the components x, y, z, from g[a + b] = ∫ ∂_a f_m ∂_b f_n."""
+def isotropic(young, poisson):
+    """C_ijkl [Pa] of an isotropic material, (3, 3, 3, 3)."""
     lame = young * poisson / ((1 + poisson) * (1 - 2 * poisson))
     shear = young / (2 * (1 + poisson))
-    laplace = g["xx"] + g["yy"] + g["zz"]
-    return [
-        [lame * g[a + b] + shear * g[b + a] + (shear * laplace if a == b else 0) for b in "xyz"]
-        for a in "xyz"
-    ]
+    one = np.eye(3)
+    same, crossed = np.einsum("ik,jl->ijkl", one, one), np.einsum("il,jk->ijkl", one, one)
+    return lame * np.einsum("ij,kl->ijkl", one, one) + shear * (same + crossed)
 
 
-def frequencies(product, parity, young, poisson):
+def tensor(constants):
+    """C_ijkl from the 21 constants of a scene: the upper triangle by rows, for xx, yy, zz, yz, xz, xy."""
+    matrix = np.zeros((6, 6))
+    matrix[np.triu_indices(6)] = constants
+    matrix += np.triu(matrix, 1).T
+    place = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
+    return matrix[place[:, :, None, None], place[None, None, :, :]]
+
+
+def stiffness_of(g, law):
+    """Stiffness, by blocks of the components x, y, z, from g[a + b] = ∫ ∂_a f_m ∂_b f_n and C_ijkl."""
+
+    def block(i, k):
+        pairs = [(j, l) for j in range(3) for l in range(3) if law[i, j, k, l] != 0]
+        return sum((law[i, j, k, l] * g["xyz"[j] + "xyz"[l]] for j, l in pairs), np.zeros_like(g["xx"]))
+
+    return [[block(i, k) for k in range(3)] for i in range(3)]
+
+
+def symmetries(law, axes):
+    """Reversals of the given axes, (n, 3) of 0 and 1, that leave C_ijkl as it is: mirrors, half turns and the inversion."""
+    found = []
+    for mask in np.ndindex(2, 2, 2):
+        sign = 1 - 2 * np.array(mask)
+        turned = np.einsum("i,j,k,l,ijkl->ijkl", sign, sign, sign, sign, law)
+        if (
+            any(mask)
+            and all(axes[k] or not mask[k] for k in range(3))
+            and np.allclose(turned, law, rtol=1e-12)
+        ):
+            found.append(mask)
+    return np.array(found, dtype=int).reshape(-1, 3)
+
+
+def frequencies(product, parity, law, axes=(True, True, True)):
     """All frequencies [Hz] in ascending order. Those of rigid modes are 0 to round-off.
 
     product(a, b) is ∫ ∂_a f_m ∂_b f_n of scalar functions with ∫ ρ f_m f_n = δ_mn, for a, b from "xyz". parity
-    (functions, 3) is 0 or 1 along x, y and z, and 0 for all functions along an axis without symmetry."""
-    blocks = stiffness_of({a + b: product(a, b) for a in "xyz" for b in "xyz"}, young, poisson)
-    symmetric = parity.any(axis=0)
+    (functions, 3) is 0 or 1 along x, y and z. axes: whether the body is symmetric along each of them. Motions that
+    differ under a symmetry of body and law do not couple.
+    """
+    blocks = stiffness_of({a + b: product(a, b) for a in "xyz" for b in "xyz"}, law)
+    reversals = symmetries(law, axes)
+    kind = np.array(
+        [(parity @ reversals.T + reversals[:, c]) % 2 for c in range(3)]
+    )  # (3, functions, reversals)
+    number = kind @ 2 ** np.arange(len(reversals))
     values = []
-    for kind in np.unique(parity, axis=0):
-        # In a motion of this class, each component has the parity of the class,
-        # reversed along the component's own axis.
-        rows = [
-            np.flatnonzero((parity == np.where(symmetric, kind ^ np.eye(3, dtype=int)[c], 0)).all(axis=1))
-            for c in range(3)
-        ]
+    for one in np.unique(number):
+        rows = [np.flatnonzero(number[c] == one) for c in range(3)]
         stiffness = np.block([[blocks[i][j][np.ix_(rows[i], rows[j])] for j in range(3)] for i in range(3)])
         values.append(np.linalg.eigvalsh((stiffness + stiffness.T) / 2))
     return np.sqrt(np.maximum(np.sort(np.concatenate(values)), 0)) / (2 * np.pi)
@@ -57,8 +90,9 @@ def multiplicities(frequencies, tolerance):
     return [len(group) for group in groups]
 
 
-def box(sides, degree, density, young, poisson, clamped=False):
-    """Frequencies of a box by polynomials of up to `degree` in x, y and z. If `clamped`, the face at the lowest z is clamped."""
+def box(sides, degree, density, law, clamped=False):
+    """Frequencies of a box with the stiffness C_ijkl by polynomials of up to `degree` in each of x, y and z. If `clamped`, the face
+    at the lowest z is clamped."""
     points, weights = legendre.leggauss(degree + 3)
     tables = {}
     for axis, side in zip("xyz", sides):
@@ -77,10 +111,10 @@ def box(sides, degree, density, young, poisson, clamped=False):
 
     # The factor ρ^(1/3) of each axis is also contained in the tables of derivatives, so that ∫ ρ f f = 1.
     parity = np.stack(np.meshgrid(*[np.arange(degree + 1) % 2] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
-    return frequencies(product, parity * [1, 1, int(not clamped)], young, poisson)
+    return frequencies(product, parity, law, (True, True, not clamped))
 
 
-def disk(radius, thickness, degree, through, density, young, poisson):
+def disk(radius, thickness, degree, through, density, law):
     """Frequencies of a free disk by polynomials of total `degree` in x, y and degree `through` in z."""
     # Quadrature on the unit disk that is exact for the products: Gauss in r², and equal angles.
     radial, radial_weight = legendre.leggauss(degree + 2)
@@ -110,4 +144,4 @@ def disk(radius, thickness, degree, through, density, young, poisson):
         return np.kron(in_plane[keys[0]], in_depth[keys[1]])
 
     parity = np.array([(i % 2, j % 2, k % 2) for i, j in pairs for k in range(through + 1)])
-    return frequencies(product, parity, young, poisson)
+    return frequencies(product, parity, law)

@@ -28,8 +28,9 @@ def run(bench):
         body="upper",
     )
     ours = kernel["modes/angular_frequency"][:] / (2 * np.pi)
-    fine = ritz.disk(RADIUS, THICKNESS, 18, 5, DENSITY, YOUNG, POISSON)[6 : 6 + ELASTIC]
-    coarse = ritz.disk(RADIUS, THICKNESS, 16, 4, DENSITY, YOUNG, POISSON)[6 : 6 + ELASTIC]
+    law = ritz.isotropic(YOUNG, POISSON)
+    fine = ritz.disk(RADIUS, THICKNESS, 18, 5, DENSITY, law)[6 : 6 + ELASTIC]
+    coarse = ritz.disk(RADIUS, THICKNESS, 16, 4, DENSITY, law)[6 : 6 + ELASTIC]
     elastic = ours[6 : 6 + ELASTIC]
     error = np.abs(elastic / fine - 1)
     bench.compare(
