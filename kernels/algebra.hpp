@@ -27,9 +27,10 @@
 
 namespace ricochet::kernels {
 
-/// The ratios of one body to another of the same shape and Poisson's ratio. All factors are positive.
+/// The ratios of one body to another of the same shape, whose elastic laws are proportional. All factors are
+/// positive.
 struct Similarity {
-  double young = 1, density = 1;  ///< common to all its materials
+  double young = 1, density = 1;  ///< of stiffness and density, common to all its materials
   double scale = 1;               ///< of length
   std::optional<double> area{};   ///< of the cross-section; rods only
 };

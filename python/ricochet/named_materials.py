@@ -12,6 +12,7 @@ from ricochet.errors import InputError
 COLUMNS = [
     ("density", "density", "kg/m³", 1.0),
     ("young", "young", "GPa", 1e9),
+    ("shear", "shear", "GPa", 1e9),
     ("poisson", "poisson", "", 1.0),
     ("yield", "yield", "MPa", 1e6),
     ("loss_factor", "loss factor", "", 1.0),
@@ -21,7 +22,8 @@ COLUMNS = [
 def materials() -> dict[str, dict[str, Any]]:
     """The materials that scenes can name, by name: `density` [kg/m³], `young` [Pa], `poisson` [1], `yield` [Pa] and
     `loss_factor` [1], the last two where they are known; `scatter`, ranges of these values; `source`; `what`, the
-    grade; `also`, other names."""
+    grade; `also`, other names. Orthotropic ones have lists of three as `young`, `shear` [Pa] and `poisson`.
+    """
     return tomllib.loads(_core.materials_toml())
 
 
@@ -43,14 +45,19 @@ def find(name: str) -> tuple[str, dict[str, Any]]:
 
 
 def value(one: Mapping[str, Any], key: str, unit: float) -> str:
-    return f"{one[key] / unit:.5g}" if key in one else "–"
+    if key not in one:
+        return "–"
+    numbers = one[key] if isinstance(one[key], list) else [one[key]]
+    return " ".join(f"{number / unit:.5g}" for number in numbers)
 
 
 def table() -> str:
-    """A line for each material."""
-    rows = [["name", *(title for _, title, _, _ in COLUMNS)], ["", *(unit for _, _, unit, _ in COLUMNS)]]
+    """A line for each material. Shear moduli, which follow from the others unless a material is orthotropic, are left to
+    its details."""
+    columns = [column for column in COLUMNS if column[0] != "shear"]
+    rows = [["name", *(title for _, title, _, _ in columns)], ["", *(unit for _, _, unit, _ in columns)]]
     rows += [
-        [name, *(value(one, key, unit) for key, _, _, unit in COLUMNS)] for name, one in materials().items()
+        [name, *(value(one, key, unit) for key, _, _, unit in columns)] for name, one in materials().items()
     ]
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
     return "\n".join(

@@ -23,6 +23,7 @@
 #include "src/accuracy/scene_dial.hpp"
 #include "src/accuracy/settings.hpp"
 #include "src/parallel/parallel.hpp"
+#include "src/scene/elastic_law.hpp"
 #include "src/store/body_warnings.hpp"
 #include "src/store/memory.hpp"
 
@@ -67,10 +68,10 @@ struct RoundImpact {
 /// Modes of a body in a band. Those of a contact-adapted basis are not known and are estimated.
 double modes_in_band(const scene::Scene& scene, std::size_t k, const kernels::Kernel& kernel, Hertz band) {
   const auto found = static_cast<double>(kernel.modes.size());
-  const double fastest = store::wave_speeds(scene.bodies[k]).high;
-  if (scene.modes.basis == scene::Basis::modes || fastest == 0) return found;
+  const double wave = scene::wave_speeds(scene.bodies[k]).mean;
+  if (scene.modes.basis == scene::Basis::modes || wave == 0) return found;
   const double omega = RadPerSecond(band).value;
-  return std::max(found, kernels::expected_count(kernel.mass, kernel.inertia, fastest)(omega * omega));
+  return std::max(found, kernels::expected_count(kernel.mass, kernel.inertia, wave)(omega * omega));
 }
 
 /// Smallest side of a box with the inertia of a body [m].

@@ -13,6 +13,7 @@
 #include "src/mesh/apart.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/parallel/parallel.hpp"
+#include "src/scene/elastic_law.hpp"
 #include "src/scene/parts.hpp"
 #include "src/scene/scene.hpp"
 
@@ -35,9 +36,7 @@ Waves waves(const scene::Scene& scene, const scene::Body& body) {
   if (const auto parts = scene::part_files(body.mesh); !parts.empty()) opened.mesh = parts.front();
   const mesh::GmshSession gmsh;
   const mesh::Extent extent = mesh::extent_apart(opened);
-  double speed = 0;
-  for (const scene::Material& material : body.materials)
-    speed = std::max(speed, std::sqrt(material.young / material.density));
+  const double speed = scene::wave_speeds(body).mean;
   if (!(extent.length > 0))
     throw InputError(
         fmt::format("{}: bodies.{}: {} has no extent, so accuracy cannot choose modes: give "

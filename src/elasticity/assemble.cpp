@@ -9,6 +9,7 @@
 #include "src/elasticity/element.hpp"
 #include "src/elasticity/pattern.hpp"
 #include "src/mesh/element_shape.hpp"
+#include "src/scene/elastic_law.hpp"
 
 namespace ricochet::elasticity {
 
@@ -22,17 +23,14 @@ class Element {
  public:
   /// Degree 2p integrates the mass of straight elements exactly.
   Element(const Mesh& mesh, const Block& block)
-      : points_(mesh, block, 2 * mesh::reference_element(block.gmsh_type).order),
-        components_(mesh.components()) {}
+      : points_(mesh, block, 2 * mesh::reference_element(block.gmsh_type).order) {}
 
   /// Fills K (cn, cn) and the scalar mass M (n, n); returns false if the Jacobian is not positive everywhere.
   bool compute(const std::int64_t* nodes, const Material& material) {
     if (!points_.move_to(nodes)) return false;
     M.noalias() = material.density * (shape().transpose() * measure().asDiagonal() * shape());
     points_.gradients(points_.shapes(), gradient_);
-    scaled_.noalias() = gradient_ * measure().asDiagonal();
-    K.noalias() = scaled_ * gradient_.transpose();
-    to_stiffness(material, components_, K);
+    integral_.compute(points_, material, gradient_, gradient_, K);
     return true;
   }
 
@@ -43,8 +41,8 @@ class Element {
 
  private:
   ElementPoints points_;
-  int components_;
-  ElementMatrix gradient_, scaled_;  // (cn, q)
+  ElementMatrix gradient_;  // (cn, q)
+  StiffnessIntegral integral_;
 };
 
 /// Counts the entries of each row exactly, from the elements.
@@ -105,6 +103,9 @@ Body assemble(const Mesh& mesh, const std::vector<scene::Material>& materials, c
   body.mass = create(mesh, pattern);
   body.rigid_load = Eigen::MatrixXd::Zero(body.local_rows, 6);
 
+  const std::vector<Material> laws = materials_of(materials, mesh.dim);
+  std::vector<double> waves;
+  for (const scene::Material& material : materials) waves.push_back(scene::wave_speeds(material).mean);
   Imposing imposing(mesh, moved);
   std::array<double, 10> moments{};
   std::string complaint;
@@ -122,8 +123,8 @@ Body assemble(const Mesh& mesh, const std::vector<scene::Material>& materials, c
     for (std::size_t e = 0; e < block.size(); ++e) {
       if (progress && ++done % 256 == 0) progress(done, all);
       const std::int64_t* nodes = &block.node[e * static_cast<std::size_t>(n)];
-      const scene::Material& given = materials[static_cast<std::size_t>(block.label[e])];
-      if (!element.compute(nodes, material_of(given, mesh.dim))) {
+      const auto label = static_cast<std::size_t>(block.label[e]);
+      if (!element.compute(nodes, laws[label])) {
         const Vector3 x = node_position(mesh, static_cast<std::size_t>(nodes[0]));
         complaint = fmt::format(
             "{}: element {} near ({:.4g}, {:.4g}, {:.4g}) m is inverted or flat (its Jacobian is not "
@@ -132,7 +133,7 @@ Body assemble(const Mesh& mesh, const std::vector<scene::Material>& materials, c
             only_bent(mesh, block, e) ? " or lower the element order" : "");
         break;
       }
-      body.wave_speed = std::max(body.wave_speed, std::sqrt(given.young / given.density));
+      body.wave_speed = std::max(body.wave_speed, waves[label]);
       mass.setZero();
       for (int a = 0; a < n; ++a)
         for (int d = 0; d < n; ++d)
@@ -167,10 +168,9 @@ Body assemble(const Mesh& mesh, const std::vector<scene::Material>& materials, c
       parallel::check(
           MatSetValuesBlocked(body.mass, n, rows.data(), n, columns.data(), mass.data(), ADD_VALUES));
       if (mesh.own[b][e] == 0) continue;
-      const double density = material_of(given, mesh.dim).density;
       const Eigen::MatrixXd points = element.shape() * element.position();  // (q,3)
       for (Eigen::Index q = 0; q < points.rows(); ++q) {
-        const double w = density * element.measure()(q);
+        const double w = laws[label].density * element.measure()(q);
         const Eigen::Vector3d x = points.row(q);
         const std::array<double, 10> values{1,           x[0],        x[1],        x[2],        x[0] * x[0],
                                             x[0] * x[1], x[0] * x[2], x[1] * x[1], x[1] * x[2], x[2] * x[2]};

@@ -26,7 +26,7 @@ struct Body {
   double total_mass = 0;            ///< [kg]
   Vector3 centre{};                 ///< [m]
   std::array<double, 9> inertia{};  ///< about the centre [kg m²]
-  double wave_speed = 0;            ///< largest sqrt(E/ρ) [m/s]
+  double wave_speed = 0;            ///< largest mean √(E/ρ) of a material [m/s]
   Imposed imposed;                  ///< forcing by moving supports
 };
 

@@ -41,6 +41,40 @@ bool all_affine(const Mesh& mesh, const Block& block, const ReferenceElement& re
   return true;
 }
 
+/// Turns ∫ ∂_j v_a ∂_l u_b at (ca + j, cb + l) into K where C is constant.
+void to_stiffness(const Material& material, int components, ElementMatrix& product) {
+  if (components == 1) {
+    product *= material.lambda;
+    return;
+  }
+  if (material.law) {
+    const Eigen::Matrix<double, 9, 9> C = by_components(material.law->at(Eigen::Vector3d::Zero()));
+    Eigen::Matrix<double, 3, 3, Eigen::RowMajor> h, k;
+    for (Eigen::Index a = 0; a < product.rows(); a += 3)
+      for (Eigen::Index b = 0; b < product.cols(); b += 3) {
+        h = product.block<3, 3>(a, b);
+        k.reshaped<Eigen::RowMajor>().noalias() = C * h.reshaped<Eigen::RowMajor>();
+        product.block<3, 3>(a, b) = k;
+      }
+    return;
+  }
+  for (Eigen::Index a = 0; a < product.rows(); a += 3)
+    for (Eigen::Index b = 0; b < product.cols(); b += 3) {
+      const Eigen::Matrix3d h = product.block<3, 3>(a, b);
+      Eigen::Matrix3d k = material.lambda * h + material.mu * h.transpose();
+      k.diagonal().array() += material.mu * h.trace();
+      product.block<3, 3>(a, b) = k;
+    }
+}
+
+/// out = a bᵀ by BLAS. Libraries that do without BLAS also multiply plain matrices, and of two functions with
+/// one name the linker keeps either, so these factors have a type of their own.
+void multiply(const ElementMatrix& a, const ElementMatrix& b, ElementMatrix& out) {
+  using View = Eigen::Map<const ElementMatrix>;
+  const View left(a.data(), a.rows(), a.cols()), right(b.data(), b.rows(), b.cols());
+  out.noalias() = left * right.transpose();
+}
+
 /// Straight simplices have constant Jacobians.
 bool has_constant_jacobians(const Mesh& mesh, const Block& block, const ReferenceElement& reference) {
   const bool simplex =
@@ -50,10 +84,17 @@ bool has_constant_jacobians(const Mesh& mesh, const Block& block, const Referenc
 
 }  // namespace
 
-Material material_of(const scene::Material& m, int dim) {
-  if (dim == 1) return {m.density * m.area, m.young * m.area, 0};
-  return {m.density, m.young * m.poisson / ((1 + m.poisson) * (1 - 2 * m.poisson)),
-          m.young / (2 * (1 + m.poisson))};
+std::vector<Material> materials_of(const std::vector<scene::Material>& materials, int dim) {
+  std::vector<Material> out;
+  for (const scene::Material& m : materials)
+    if (dim == 1)
+      out.push_back({m.density * m.area, m.young * m.area, 0});
+    else if (m.isotropic())
+      out.push_back({m.density, m.young * m.poisson / ((1 + m.poisson) * (1 - 2 * m.poisson)),
+                     m.young / (2 * (1 + m.poisson))});
+    else
+      out.push_back({m.density, 0, 0, std::make_shared<const Law>(m)});
+  return out;
 }
 
 Functions functions_of(const mesh::Basis& basis) {
@@ -110,6 +151,15 @@ void ElementPoints::gradients(const Functions& functions, ElementMatrix& out) co
   }
 }
 
+std::vector<Matrix6> ElementPoints::stiffness(const Material& material) const {
+  if (!material.law) return {};
+  if (material.uniform()) return {material.law->at(Eigen::Vector3d::Zero())};
+  const Eigen::Matrix<double, Eigen::Dynamic, 3> points = shapes_.value * position_;
+  std::vector<Matrix6> out;
+  for (Eigen::Index q = 0; q < points.rows(); ++q) out.push_back(material.law->at(points.row(q)));
+  return out;
+}
+
 const Eigen::Matrix3d* ElementPoints::constant_inverse() const {
   if (mesh_.dim == 1) return nullptr;
   const Eigen::Matrix3d& first = inverse_.front();
@@ -117,6 +167,30 @@ const Eigen::Matrix3d* ElementPoints::constant_inverse() const {
   for (const Eigen::Matrix3d& inverse : inverse_)
     if (!((inverse - first).cwiseAbs().maxCoeff() <= most)) return nullptr;
   return &first;
+}
+
+void StiffnessIntegral::compute(const ElementPoints& points, const Material& material,
+                                const ElementMatrix& of_v, const ElementMatrix& of_u, ElementMatrix& out) {
+  if (!material.uniform()) return at_points(points, material, of_v, of_u, out);
+  scaled_.noalias() = of_v * points.measure().asDiagonal();
+  multiply(scaled_, of_u, out);
+  to_stiffness(material, points.components(), out);
+}
+
+void StiffnessIntegral::at_points(const ElementPoints& points, const Material& material,
+                                  const ElementMatrix& of_v, const ElementMatrix& of_u, ElementMatrix& out) {
+  const std::vector<Matrix6> C = points.stiffness(material);
+  const Eigen::Index each = 6, n = std::ssize(C);
+  strain_.resize(of_v.rows(), each * n);  // of v, and the stress of u
+  stress_.resize(of_u.rows(), each * n);
+  for (Eigen::Index q = 0; q < n; ++q) {
+    const Matrix6 weighted = points.measure()[q] * C[static_cast<std::size_t>(q)];
+    for (Eigen::Index a = 0; a < of_v.rows(); a += 3)
+      strain_.block<3, 6>(a, each * q) = strain_of(of_v.block<3, 1>(a, q)).transpose();
+    for (Eigen::Index b = 0; b < of_u.rows(); b += 3)
+      stress_.block<3, 6>(b, each * q) = (weighted * strain_of(of_u.block<3, 1>(b, q))).transpose();
+  }
+  multiply(strain_, stress_, out);
 }
 
 GradientProducts::GradientProducts(const ElementPoints& points, Functions v, Functions u)
@@ -132,13 +206,12 @@ GradientProducts::GradientProducts(const ElementPoints& points, Functions v, Fun
   }
 }
 
-void GradientProducts::compute(const ElementPoints& points, ElementMatrix& out) {
-  const Eigen::Matrix3d* const inverse = points.constant_inverse();
+void GradientProducts::compute(const ElementPoints& points, const Material& material, ElementMatrix& out) {
+  const Eigen::Matrix3d* const inverse = material.uniform() ? points.constant_inverse() : nullptr;
   if (inverse == nullptr) {
     points.gradients(v_, of_v_);
     points.gradients(u_, of_u_);
-    of_v_ *= points.measure().asDiagonal();
-    out.noalias() = of_v_ * of_u_.transpose();
+    integral_.compute(points, material, of_v_, of_u_, out);
     return;
   }
   Eigen::Matrix<double, 9, 9> combination;  // ∂_i ∂_j of ∂_d ∂_e
@@ -153,10 +226,11 @@ void GradientProducts::compute(const ElementPoints& points, ElementMatrix& out) 
     for (Eigen::Index a = 0; a < n; ++a)
       for (Eigen::Index b = 0; b < m; ++b) out(3 * a + k / 3, 3 * b + k % 3) = *from++;
   }
+  to_stiffness(material, 3, out);
 }
 
 Eigen::Matrix3d own_stiffness(const Material& material, int components, const ElementMatrix& gradient, int a,
-                              const Eigen::VectorXd& measure) {
+                              const Eigen::VectorXd& measure, const std::vector<Matrix6>& stiffness) {
   Eigen::Matrix3d out = Eigen::Matrix3d::Zero();
   if (components == 1) {
     for (Eigen::Index q = 0; q < measure.size(); ++q)
@@ -167,25 +241,17 @@ Eigen::Matrix3d own_stiffness(const Material& material, int components, const El
   double square = 0;
   for (Eigen::Index q = 0; q < measure.size(); ++q) {
     const Eigen::Vector3d g(gradient(3 * a, q), gradient(3 * a + 1, q), gradient(3 * a + 2, q));
+    if (material.law) {
+      const Eigen::Matrix<double, 6, 3> strain = strain_of(g);
+      const Matrix6& C = stiffness[material.uniform() ? 0 : static_cast<std::size_t>(q)];
+      out += measure[q] * strain.transpose() * C * strain;
+      continue;
+    }
     out += measure[q] * (material.lambda + material.mu) * g * g.transpose();
     square += measure[q] * g.squaredNorm();
   }
   out.diagonal().array() += material.mu * square;
   return out;
-}
-
-void to_stiffness(const Material& material, int components, ElementMatrix& product) {
-  if (components == 1) {
-    product *= material.lambda;
-    return;
-  }
-  for (Eigen::Index a = 0; a < product.rows(); a += 3)
-    for (Eigen::Index b = 0; b < product.cols(); b += 3) {
-      const Eigen::Matrix3d h = product.block<3, 3>(a, b);
-      Eigen::Matrix3d k = material.lambda * h + material.mu * h.transpose();
-      k.diagonal().array() += material.mu * h.trace();
-      product.block<3, 3>(a, b) = k;
-    }
 }
 
 }  // namespace ricochet::elasticity

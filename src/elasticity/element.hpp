@@ -4,8 +4,10 @@
 
 #include <Eigen/Dense>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
+#include "src/elasticity/law.hpp"
 #include "src/mesh/mesh.hpp"
 #include "src/mesh/reference.hpp"
 
@@ -14,10 +16,13 @@ namespace ricochet::elasticity {
 using ElementMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 struct Material {
-  double density, lambda, mu;  ///< rods: ρA, EA, 0
+  double density, lambda, mu;        ///< rods: ρA, EA, 0
+  std::shared_ptr<const Law> law{};  ///< of an anisotropic material, without λ and μ; null: isotropic
+  bool uniform() const { return !law || law->uniform(); }
 };
 
-Material material_of(const scene::Material& material, int dim);
+/// In the order of the labels of elements.
+std::vector<Material> materials_of(const std::vector<scene::Material>& materials, int dim);
 
 /// Functions on an element, by their values and gradients at the quadrature points.
 struct Functions {
@@ -37,6 +42,7 @@ class ElementPoints {
   /// p − 1)
   ElementPoints(const mesh::Mesh& mesh, const mesh::Block& block, int degree);
 
+  int components() const { return mesh_.components(); }
   const mesh::ReferenceElement& reference() const { return reference_; }
   const std::vector<double>& local() const { return rule_.local; }  ///< (q,3)
   /// The shape functions of the elements.
@@ -48,6 +54,10 @@ class ElementPoints {
 
   const Eigen::VectorXd& measure() const { return measure_; }  ///< (q) weight × Jacobian
   const Eigen::Matrix<double, Eigen::Dynamic, 3>& position() const { return position_; }  ///< (n,3) of nodes
+
+  /// C of an anisotropic material at the points, or one that serves for all of them; empty if it is
+  /// isotropic.
+  std::vector<Matrix6> stiffness(const Material& material) const;
 
   /// Gradients of functions in space: (c n, q); along the axis of rods, c = 1.
   void gradients(const Functions& functions, ElementMatrix& out) const;
@@ -68,31 +78,44 @@ class ElementPoints {
   Eigen::Matrix<double, Eigen::Dynamic, 3> position_;
 };
 
-/// Integrals of products of the gradients of functions v and u over one element after another. Where the
-/// Jacobian is constant, they are combinations of those over the reference element, which takes a small part
-/// of the time of a sum over the points.
+/// K_ab = ∫ ∂_j v_a C_ijkl ∂_l u_b at (ca + i, cb + k) from the gradients of functions v and u at the points
+/// of one element after another. Isotropic: K_ab = ∫ λ ∇v_a ∇u_bᵀ + μ ∇u_b ∇v_aᵀ + μ (∇v_a·∇u_b) I.
+class StiffnessIntegral {
+ public:
+  /// @param of_v, of_u  (c n, q) gradients in the element to which the points have moved
+  void compute(const ElementPoints& points, const Material& material, const ElementMatrix& of_v,
+               const ElementMatrix& of_u, ElementMatrix& out);
+
+ private:
+  /// Takes C at each point.
+  void at_points(const ElementPoints& points, const Material& material, const ElementMatrix& of_v,
+                 const ElementMatrix& of_u, ElementMatrix& out);
+
+  ElementMatrix scaled_, strain_, stress_;
+};
+
+/// The same of functions that stay the same. Where the Jacobian and C are constant, the integrals are
+/// combinations of those over the reference element, which takes a small part of the time of a sum over the
+/// points.
 class GradientProducts {
  public:
   /// @param v, u  at these points
   GradientProducts(const ElementPoints& points, Functions v, Functions u);
 
-  /// ∫ ∂_i v_a ∂_j u_b at (ca + i, cb + j), of the element to which the points have moved.
-  void compute(const ElementPoints& points, ElementMatrix& out);
+  /// K_ab of the element to which the points have moved.
+  void compute(const ElementPoints& points, const Material& material, ElementMatrix& out);
 
  private:
   Functions v_, u_;
   ElementMatrix reference_;  ///< (9, v·u) ∫ ∂_d v_a ∂_e u_b at (3d + e, a·u + b)
   ElementMatrix straight_, of_v_, of_u_;
+  StiffnessIntegral integral_;
 };
 
 /// The block K_aa of functions v_a with these gradients. Rods use its first entry alone, and have 1 on the
 /// rest of its diagonal.
-/// @param gradient  (c n, q), @param measure  (q)
+/// @param gradient  (c n, q), @param measure  (q), @param stiffness  as ElementPoints gives it
 Eigen::Matrix3d own_stiffness(const Material& material, int components, const ElementMatrix& gradient, int a,
-                              const Eigen::VectorXd& measure);
-
-/// K_ab = ∫ λ ∇v_a ∇u_bᵀ + μ ∇u_b ∇v_aᵀ + μ (∇v_a·∇u_b) I from ∫ ∂_i v_a ∂_j u_b at (ca + i, cb + j).
-/// @param product  replaced by K. It has one row for each component of each function v.
-void to_stiffness(const Material& material, int components, ElementMatrix& product);
+                              const Eigen::VectorXd& measure, const std::vector<Matrix6>& stiffness);
 
 }  // namespace ricochet::elasticity

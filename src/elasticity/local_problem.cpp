@@ -189,8 +189,8 @@ Neighbourhood neighbourhood(const Mesh& mesh, const PatchLoad& load, const Vecto
 class LocalProblem {
  public:
   /// @param raise  1 or 2
-  LocalProblem(const Neighbourhood& part, const std::vector<scene::Material>& materials,
-               const PatchLoad& load, int raise) {
+  LocalProblem(const Neighbourhood& part, const std::vector<Material>& materials, const PatchLoad& load,
+               int raise) {
     for (const Block& block : part.mesh.blocks) add(part, block, materials, raise);
     residual_.conservativeResize(3 * std::ssize(number_));
     for (Eigen::Matrix3d& block : inverse_) block = block.inverse().eval();
@@ -242,8 +242,7 @@ class LocalProblem {
     return known->second;
   }
 
-  void add(const Neighbourhood& part, const Block& block, const std::vector<scene::Material>& materials,
-           int raise) {
+  void add(const Neighbourhood& part, const Block& block, const std::vector<Material>& materials, int raise) {
     const Mesh& mesh = part.mesh;
     // Straight elements: ∫ of products of gradients of order p + q, and of a function of this order with one
     // of order p.
@@ -251,16 +250,15 @@ class LocalProblem {
     ElementPoints points(mesh, block, 2 * (order + raise) - 1);
     const Enriched high(points, raise);
     const int low_nodes = block.nodes_per_element, corners = points.reference().corners;
-    ElementMatrix gradient, scaled, K;
+    ElementMatrix gradient, K;
+    StiffnessIntegral integral;
     Corners corner(static_cast<std::size_t>(corners));
     for (std::size_t e = 0; e < block.size(); ++e) {
       const std::int64_t* nodes = &block.node[e * static_cast<std::size_t>(low_nodes)];
       points.move_to(nodes);
-      const Material material = material_of(materials[static_cast<std::size_t>(block.label[e])], mesh.dim);
+      const Material& material = materials[static_cast<std::size_t>(block.label[e])];
       points.gradients(high.shapes(), gradient);
-      scaled.noalias() = gradient * points.measure().asDiagonal();
-      K.noalias() = scaled * gradient.transpose();
-      to_stiffness(material, mesh.components(), K);
+      integral.compute(points, material, gradient, gradient, K);
       for (int k = 0; k < corners; ++k) corner[static_cast<std::size_t>(k)] = mesh.node[nodes[k]];
       Element element{{}, K};
       VectorXd raised = VectorXd::Zero(3 * high.nodes());
@@ -342,8 +340,9 @@ double work_of_growth(const Mesh& mesh, const std::vector<scene::Material>& mate
   const Neighbourhood part = neighbourhood(mesh, load, halo(solution), halo(inertia));
   double out = 0;
   if (parallel::rank_of(mesh.comm) == 0) {
-    const double once = LocalProblem(part, materials, load, 1).gain(),
-                 twice = LocalProblem(part, materials, load, 2).gain();
+    const std::vector<Material> laws = materials_of(materials, mesh.dim);
+    const double once = LocalProblem(part, laws, load, 1).gain(),
+                 twice = LocalProblem(part, laws, load, 2).gain();
     const double ratio = once > 0 ? std::clamp((twice - once) / once, 0.0, slowest) : 0;
     out = once + std::max(twice - once, 0.0) / (1 - ratio);
   }

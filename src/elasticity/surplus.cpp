@@ -80,10 +80,12 @@ void add_diagonal(const Mesh& mesh, EnrichedBlock& of, std::size_t e, const Mate
                   std::vector<Eigen::Matrix3d>& diagonal, std::vector<char>& fixed) {
   const int c = mesh.components();
   of.points.gradients(c == 1 ? of.next.surplus() : of.next.shapes(), of.high);
+  const std::vector<Matrix6> stiffness = of.points.stiffness(material);
   for (int a = 0; a < of.next.nodes(); ++a) {
     const Index node = of.node[e * static_cast<std::size_t>(of.next.nodes()) + static_cast<std::size_t>(a)];
     if (node < 0) continue;
-    diagonal[static_cast<std::size_t>(node)] += own_stiffness(material, c, of.high, a, of.points.measure());
+    diagonal[static_cast<std::size_t>(node)] +=
+        own_stiffness(material, c, of.high, a, of.points.measure(), stiffness);
     for (int k = 0; k < c; ++k)
       if (of.next.all_around(
               a, [&](int b) { return mesh.is_fixed(static_cast<std::size_t>(of.nodes(e)[b]), k); }))
@@ -102,11 +104,12 @@ Eigen::VectorXd eigenvalue_errors(const Mesh& mesh, const std::vector<scene::Mat
   blocks.reserve(mesh.blocks.size());
   for (const Block& block : mesh.blocks)
     if (block.size() > 0) number_nodes(mesh, blocks.emplace_back(mesh, block), nodes);
+  const std::vector<Material> laws = materials_of(materials, mesh.dim);
   const auto for_each_element = [&](const auto& visit) {
     for (EnrichedBlock& of : blocks)
       for (std::size_t e = 0; e < of.block->size(); ++e) {
         of.points.move_to(of.nodes(e));
-        visit(of, e, material_of(materials[static_cast<std::size_t>(of.block->label[e])], mesh.dim));
+        visit(of, e, laws[static_cast<std::size_t>(of.block->label[e])]);
       }
   };
 
@@ -126,8 +129,7 @@ Eigen::VectorXd eigenvalue_errors(const Mesh& mesh, const std::vector<scene::Mat
     const MatrixXd local = halo(shape.middleCols(from, n));
     MatrixXd residual = MatrixXd::Zero(c * nodes.size(), n);
     for_each_element([&](EnrichedBlock& of, std::size_t e, const Material& material) {
-      of.products.compute(of.points, of.K);
-      to_stiffness(material, static_cast<int>(c), of.K);
+      of.products.compute(of.points, material, of.K);
       const Index low = of.points.shapes().size();
       const MatrixXd M = material.density * (of.next.surplus().value.transpose() *
                                              of.points.measure().asDiagonal() * of.points.shapes().value);

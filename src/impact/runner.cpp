@@ -22,6 +22,7 @@
 #include "src/impact/sampled_responses.hpp"
 #include "src/impact/second_run.hpp"
 #include "src/impact/warnings.hpp"
+#include "src/scene/elastic_law.hpp"
 #include "src/store/memory.hpp"
 
 namespace ricochet::impact {
@@ -289,7 +290,7 @@ std::vector<MaterialLimits> limits_of(const scene::Scene& scene) {
   for (const scene::Body& body : scene.bodies) {
     MaterialLimits& of_body = out.emplace_back();
     for (const scene::Material& material : body.materials) {
-      least(of_body.young, material.young);
+      least(of_body.young, scene::softest_young(material));
       least(of_body.yield, material.yield);
     }
   }
@@ -298,9 +299,7 @@ std::vector<MaterialLimits> limits_of(const scene::Scene& scene) {
 
 double slowest_wave(const scene::Scene& scene) {
   double slowest = std::numeric_limits<double>::infinity();
-  for (const scene::Body& body : scene.bodies)
-    for (const scene::Material& material : body.materials)
-      slowest = std::min(slowest, std::sqrt(material.young / material.density));
+  for (const scene::Body& body : scene.bodies) slowest = std::min(slowest, scene::wave_speeds(body).low);
   return std::isfinite(slowest) ? slowest : 0;
 }
 

@@ -76,7 +76,7 @@ ImpactResult run_impact(ImpactRequest request, store::KernelStore& store, consol
 /// Limits of the weakest material of each body.
 std::vector<MaterialLimits> limits_of(const scene::Scene& scene);
 
-/// √(E/ρ) of the slowest material [m/s]; 0 without bodies.
+/// √(E/ρ) of the slowest material, in its softest direction [m/s]; 0 without bodies.
 double slowest_wave(const scene::Scene& scene);
 
 /// Throws the error of a step that failed at `time` [s]. Does nothing if the step succeeded.

@@ -193,11 +193,18 @@ class MeshReader {
       for (int entity : entities(mesh_.dim, group, key_of("material")))
         append(mesh_.blocks, mesh_.dim, entity, static_cast<std::int64_t>(m));
     }
-    for (const scene::Material& material : body_.materials)
-      if (mesh_.dim == 1 && !(material.area > 0))
+    for (const scene::Material& material : body_.materials) {
+      if (mesh_.dim != 1) continue;
+      if (!(material.area > 0))
         throw InputError(fmt::format(
             "{}: is a rod (line elements): give bodies.{}.material its cross-section, area = … [m²]", file_,
             body_.name));
+      if (!material.isotropic())
+        throw InputError(
+            fmt::format("{}: is a rod (line elements), which stretches along its axis alone: give "
+                        "bodies.{}.material one number as young, and neither stiffness nor shear",
+                        file_, body_.name));
+    }
     if (mesh_.blocks.empty() && !partial_) throw no_elements(body_);
     if (mesh_.blocks.empty()) {
       mesh_.order = 0;

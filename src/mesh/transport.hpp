@@ -92,7 +92,7 @@ void pass_all(Stream& stream, Values&... values) {
 template <class Stream>
 void pass(Stream& stream, scene::Material& material) {
   pass_all(stream, material.group, material.density, material.young, material.poisson, material.area,
-           material.yield);
+           material.yield, material.orthotropy, material.stiffness, material.axes, material.about);
 }
 
 /// What a mesh depends on, and what messages name.

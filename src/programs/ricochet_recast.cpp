@@ -22,7 +22,8 @@ struct CommandLine {
 
   void describe(CLI::App& app) {
     app.add_option("KERNEL", kernel, "Kernel file of ricochet-kernel")->required();
-    app.add_option("--young-factor", options.young, "Multiplies Young's modulus of each material")
+    app.add_option("--young-factor", options.young,
+                   "Multiplies Young's modulus, or the whole stiffness, of each material")
         ->check(console::above_zero());
     app.add_option("--density-factor", options.density, "Multiplies the density of each material")
         ->check(console::above_zero());

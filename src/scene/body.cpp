@@ -5,6 +5,7 @@
 
 #include "base/similar.hpp"
 #include "src/scene/keys.hpp"
+#include "src/scene/material.hpp"
 #include "src/scene/materials.hpp"
 #include "src/scene/scene.hpp"
 
@@ -19,45 +20,26 @@ bool read_order(const Table& table, const Key& key, Body& body) {
 
 std::string order_of(const Body& body) { return body.order_open ? "" : toml_value(body.order); }
 
-/// Sets all values to those of a material that has a name.
-bool read_like(const Table& table, const Key& key, Material& material) {
-  std::string name;
-  if (!table.read(key, name)) return false;
-  const std::string group = material.group;
-  material = named_material(table, key.name, name);
-  material.group = group;
-  return true;
-}
-
 /// A name or a table for the whole body, or a table of them, one for each group. An imported body has none.
 bool read_materials(const Table& table, const Key& key, Body& body) {
-  const auto read = [&](const Table& inner, const std::string& group) {
-    body.materials.push_back({.group = group});
-    material_keys.read(inner, body.materials.back());
-    for (const char* required : {"density", "young"})
-      if (!inner.has(required) && !inner.has("like"))
-        inner.complain(required, "is missing: give a number in " + material_keys.find(required)->unit +
-                                     ", or like, the name of a material");
-  };
   if (table.has_text(key.name)) {
     std::string name;
     table.read(Key{.name = key.name, .type = Type::text}, name);
     body.materials.push_back(named_material(table, key.name, name));
   } else if (table.has_named_entries(key.name, material_keys)) {
     std::map<std::string, std::string> names;
-    for (const auto& [group, inner] : table.named(key.name, material_keys, &names)) read(inner, group);
+    for (const auto& [group, inner] : table.named(key.name, material_keys, &names))
+      body.materials.push_back(read_material(inner, group));
     for (const auto& [group, name] : names) {
       body.materials.push_back(named_material(table, key.name + '.' + group, name));
       body.materials.back().group = group;
     }
     std::ranges::sort(body.materials, {}, &Material::group);
   } else if (const auto inner = table.table(key.name, material_keys)) {
-    read(*inner, "");
+    body.materials.push_back(read_material(*inner, ""));
   }
   return table.has(key.name);
 }
-
-std::string no_text(const Material&) { return ""; }
 
 std::string materials_of(const Body& body) {
   if (body.materials.empty()) return "{}";
@@ -188,29 +170,6 @@ const SectionOf<FineBall> refine_keys{
       "centre, in the axes of the mesh: after `scale`, before `rotate_deg` and `translate`"},
      {"radius", &FineBall::radius, "m", required(), above("0"), "radius of the ball"},
      {"size", &FineBall::size, "m", required(), above("0"), "size of elements in the ball"}}};
-
-const SectionOf<Material> material_keys{
-    "[bodies.NAME.material]",
-    "Linear and isotropic. A body of several materials has one table for each: "
-    "`[bodies.NAME.material.GROUP]`.",
-    {{"like", Access<Material>(Type::text, read_like, no_text), "", none, any(),
-      "[name of a material](commands.md#ricochet-materials), whose values serve for the keys that are not "
-      "given. The resolved scene has the values alone"},
-     {"density", &Material::density, "kg/m³", "– without `like`", above("0"), "mass per volume"},
-     {"young", &Material::young, "Pa", "– without `like`", above("0"), "Young's modulus"},
-     {"poisson", &Material::poisson, "1", ", or that of `like`",
-      Range{.low = "-1",
-            .high = "0.5",
-            .low_open = true,
-            .high_open = true,
-            .remark = ". Nearly incompressible: try 0.49."},
-      "Poisson's ratio; rods do not use it. Above 0.45 use `order` 2 or more: linear elements lock, and a "
-      "warning is printed"},
-     {"area", Access(&Material::area).if_changed(), "m²", none, above("0"),
-      "cross-section of a rod; other bodies do not use it"},
-     {"yield", Access(&Material::yield).if_changed(), "Pa", none, above("0"),
-      "stress at which the material yields. A run warns if the pressure of a contact or the stress "
-      "at a gauge exceeds it; nothing else depends on it"}}};
 
 const SectionOf<Damping> damping_keys{
     "[bodies.NAME.damping]",

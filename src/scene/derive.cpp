@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "ricochet/error.hpp"
+#include "src/scene/elastic_law.hpp"
 
 namespace ricochet::scene {
 
@@ -21,11 +22,12 @@ bool both_or_neither(const std::optional<T>& a, const std::optional<T>& b) {
   return a.has_value() == b.has_value();
 }
 
-/// Whether the second material equals the first one multiplied by these factors.
-bool similar(const Material& had, const Material& wanted, const kernels::Similarity& by) {
-  return had.group == wanted.group && had.poisson == wanted.poisson &&
-         same(had.young * by.young, wanted.young) && same(had.density * by.density, wanted.density) &&
-         same(had.area * by.area.value_or(1), wanted.area);
+/// Whether the second material equals the first one multiplied by these factors. The lines about which its
+/// axes turn are those of the scaled body.
+bool similar(Material had, const Material& wanted, const kernels::Similarity& by) {
+  stiffen(had, by.young);
+  return had.group == wanted.group && same_law(had, wanted) &&
+         same(had.density * by.density, wanted.density) && same(had.area * by.area.value_or(1), wanted.area);
 }
 
 /// Whether the body is a rod. The patches of a rod are its ends, so their area is that of its cross-section.
@@ -111,18 +113,18 @@ std::optional<kernels::Similarity> similarity(const KernelRequest& had, const Ke
   kernels::Similarity by{.scale = b.scale / a.scale};
   if (!a.materials.empty()) {
     const Material &one = a.materials.front(), &other = b.materials.front();
-    by.young = other.young / one.young;
+    by.young = stiffness_ratio(one, other);
     by.density = other.density / one.density;
     if (one.area > 0 && other.area > 0) by.area = other.area / one.area;
   }
+  KernelRequest scaled = had;
+  scale_places(scaled, by.scale);
   for (std::size_t k = 0; k < a.materials.size(); ++k)
-    if (!similar(a.materials[k], b.materials[k], by)) return std::nullopt;
+    if (!similar(scaled.body.materials[k], b.materials[k], by)) return std::nullopt;
   if (had.spacing && !same(*had.spacing * by.scale, *wanted.spacing)) return std::nullopt;
   const auto has = [&](std::int64_t point) { return std::ranges::count(*had.points, point) > 0; };
   if (had.points && !(wanted.points && std::ranges::all_of(*wanted.points, has))) return std::nullopt;
   if (wanted.within_reach && had.points && !had.within_reach) return std::nullopt;
-  KernelRequest scaled = had;
-  scale_sources(scaled, by.scale);
   if (!same_sources(scaled, wanted)) return std::nullopt;
   return by;
 }

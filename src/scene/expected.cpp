@@ -157,6 +157,13 @@ std::string expected(const Key& key, const std::string& dotted, const toml::node
       return text(key, given);
     case Type::texts:
       return texts(given);
+    case Type::three:
+      return "must be three numbers, " + key.example;
+    case Type::number_or_three:
+      return number(key, given) +
+             (given.is_array() && only_entry(given) == nullptr ? ", or three, " + key.example : "");
+    case Type::axes:
+      return "must be two directions, " + key.example;
     case Type::pair:
       return "must be two numbers, " + key.example;
     case Type::vector:

@@ -12,10 +12,25 @@ namespace ricochet::scene {
 namespace {
 
 /// Name of each Type, in the order of its members.
-constexpr std::array names{"number",          "whole number",    "whole numbers",   "list of numbers",
-                           "list of pairs",   "true or false",   "string",          "string or list of them",
-                           "two numbers",     "[x, y, z]",       "[x, y, z]",       "table",
-                           "number or table", "string or table", "array of tables", "table of numbers",
+constexpr std::array names{"number",
+                           "whole number",
+                           "whole numbers",
+                           "list of numbers",
+                           "list of pairs",
+                           "true or false",
+                           "string",
+                           "string or list of them",
+                           "two numbers",
+                           "three numbers",
+                           "number or three numbers",
+                           "two of [x, y, z]",
+                           "[x, y, z]",
+                           "[x, y, z]",
+                           "table",
+                           "number or table",
+                           "string or table",
+                           "array of tables",
+                           "table of numbers",
                            "table of strings"};
 static_assert(names.size() == static_cast<std::size_t>(Type::strings) + 1);
 

@@ -42,10 +42,10 @@ std::string Section::text_of(const void* settings, const std::filesystem::path& 
 }
 
 std::vector<const Section*> all_sections() {
-  return {&scene_keys, &body_keys,     &refine_keys, &material_keys, &damping_keys,      &obstacle_keys,
-          &modes_keys, &contact_keys,  &pair_keys,   &friction_keys, &rigid_motion_keys, &time_keys,
-          &loads_keys, &traction_keys, &point_keys,  &motion_keys,   &output_keys,       &receiver_keys,
-          &gauge_keys, &sound_keys,    &strike_keys};
+  return {&scene_keys,    &body_keys,  &refine_keys,   &material_keys, &about_keys,    &damping_keys,
+          &obstacle_keys, &modes_keys, &contact_keys,  &pair_keys,     &friction_keys, &rigid_motion_keys,
+          &time_keys,     &loads_keys, &traction_keys, &point_keys,    &motion_keys,   &output_keys,
+          &receiver_keys, &gauge_keys, &sound_keys,    &strike_keys};
 }
 
 }  // namespace ricochet::scene

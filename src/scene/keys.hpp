@@ -27,8 +27,11 @@ enum class Type {
   pairs,  ///< pairs of numbers, at least one
   boolean,
   text,
-  texts,      ///< a string or a list of strings
-  pair,       ///< two numbers, neither negative
+  texts,  ///< a string or a list of strings
+  pair,   ///< two numbers, neither negative
+  three,  ///< three numbers that are no vector
+  number_or_three,
+  axes,       ///< two vectors
   vector,     ///< three numbers
   direction,  ///< three numbers, not all 0
   table,
@@ -274,6 +277,7 @@ extern const SectionOf<Scene> scene_keys;
 extern const SectionOf<Body> body_keys, matter_keys;  ///< matter: what its kernel depends on, except its mesh
 extern const SectionOf<FineBall> refine_keys;
 extern const SectionOf<Material> material_keys;
+extern const SectionOf<CentreLine> about_keys;
 extern const SectionOf<Damping> damping_keys;
 extern const SectionOf<HalfSpace> obstacle_keys;
 extern const SectionOf<Modes> modes_keys;

@@ -25,6 +25,11 @@ std::vector<Entry> read_materials() {
   for (auto&& [key, node] : toml::parse(materials_toml())) {
     const toml::table& table = *node.as_table();
     const auto number = [&](const char* name) { return table[name].value_or(0.0); };
+    const auto three = [&](const char* name) {
+      Vector3 numbers{};
+      for (std::size_t k = 0; k < 3; ++k) numbers[k] = table[name][k].value_or(0.0);
+      return numbers;
+    };
     Entry& entry = out.emplace_back();
     entry.name = std::string(key.str());
     entry.names = {entry.name};
@@ -35,6 +40,9 @@ std::vector<Entry> read_materials() {
                       .young = number("young"),
                       .poisson = number("poisson"),
                       .yield = number("yield")};
+    if (table["young"].is_array())
+      entry.material.orthotropy = {
+          .young = three("young"), .shear = three("shear"), .poisson = three("poisson")};
   }
   return out;
 }

@@ -338,7 +338,7 @@ KernelRequest request_of(const kernels::Header& header, const std::string& origi
   return request;
 }
 
-void scale_sources(KernelRequest& request, double factor) {
+void scale_places(KernelRequest& request, double factor) {
   const auto scale = [&](Vector3& at) {
     for (double& x : at) x *= factor;
     at = rounded(at);
@@ -349,6 +349,8 @@ void scale_sources(KernelRequest& request, double factor) {
     scale(gauge.at);
     gauge.length *= factor;
   }
+  for (Material& material : request.body.materials)
+    if (material.about) scale(material.about->point);
 }
 
 std::filesystem::path kernel_path(const std::filesystem::path& out, const KernelRequest& request) {

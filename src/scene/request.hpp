@@ -76,8 +76,9 @@ KernelRequest with_view(KernelRequest request);
 /// placement. Throws InputError that begins with `origin` if this version would not make such a kernel.
 KernelRequest request_of(const kernels::Header& header, const std::string& origin);
 
-/// Multiplies the positions of point forces, receivers and gauges, for a body of another size.
-void scale_sources(KernelRequest& request, double factor);
+/// Multiplies the positions of point forces, receivers and gauges, and of the lines about which axes of
+/// materials turn, for a body of another size.
+void scale_places(KernelRequest& request, double factor);
 
 /// `<out>/<body>-<first 12 digits of hash>.kernel.h5`
 std::filesystem::path kernel_path(const std::filesystem::path& out, const KernelRequest& request);

@@ -120,6 +120,7 @@ void Table::check(const Key& key, Vector3& vector) const {
     if (!std::isfinite(x)) complain(key.name, "must be finite");
     if (std::abs(x) > largest_number && !is_direction)
       complain(key.name, "must consist of numbers from -1e30 to 1e30");
+    if (!is_direction) check_range(key, x);
   }
   if (!is_direction) return;
   const double length = std::hypot(vector[0], vector[1], vector[2]);

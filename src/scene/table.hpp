@@ -42,12 +42,12 @@ bool convert(const toml::node& node, bool& on);
 bool convert(const toml::node& node, std::string& text);
 /// A string or a list of strings.
 bool convert(const toml::node& node, std::vector<std::string>& texts);
-template <std::size_t n>
-bool convert(const toml::node& node, std::array<double, n>& numbers) {
+template <class T, std::size_t n>
+bool convert(const toml::node& node, std::array<T, n>& values) {
   const toml::array* list = node.as_array();
   if (list == nullptr || list->size() != n) return false;
   for (std::size_t k = 0; k < n; ++k)
-    if (!convert(*list->get(k), numbers[k])) return false;
+    if (!convert(*list->get(k), values[k])) return false;
   return true;
 }
 template <class T>
@@ -73,6 +73,7 @@ class Table {
   bool has(const std::string& key) const { return table_.contains(key); }
   bool has_table(const std::string& key) const { return table_[key].is_table(); }
   bool has_text(const std::string& key) const { return table_[key].is_string(); }
+  bool has_list(const std::string& key) const { return table_[key].is_array(); }
   /// Whether the key is a table of tables alone, or of tables and strings under names that `keys` does not
   /// have.
   bool has_named_entries(const std::string& key, const Section& keys) const;

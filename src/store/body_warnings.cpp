@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace ricochet::store {
 namespace {
@@ -24,8 +23,6 @@ constexpr double slowest = 1, slowest_of_dense = 10, dense = 2500, fastest = 3e4
 constexpr double locking_poisson = 0.45;
 /// Error of a displacement due to compression of the residual flexibility above which a warning is due.
 constexpr double most_compression_error = 0.01;
-
-double wave_speed(const scene::Material& material) { return std::sqrt(material.young / material.density); }
 
 bool is_cad(const scene::Body& body) {
   return body.mesh.extension() == ".step" || body.mesh.extension() == ".brep";
@@ -48,23 +45,27 @@ void add_implausible(const scene::Body& body, const kernels::Kernel& kernel, std
     out.push_back(fmt::format("{} has a mass of {:.4g} kg: check its density, in kg/m³, and its scale",
                               body.name, kernel.mass));
   for (const scene::Material& material : body.materials) {
-    const double speed = wave_speed(material);
-    const bool slow = speed < (material.density >= dense ? slowest_of_dense : slowest);
-    if (slow || speed > fastest)
-      out.push_back(fmt::format(
-          "waves in {} run at {:.4g} m/s (young = {:.4g} Pa, density = {:.4g} kg/m³), {} than in any usual "
-          "solid: check the units of young (Pa) and density (kg/m³)",
-          body.name, speed, material.young, material.density, slow ? "slower" : "faster"));
+    const scene::WaveSpeeds waves = scene::wave_speeds(material);
+    const bool slow = waves.low < (material.density >= dense ? slowest_of_dense : slowest);
+    if (!slow && !(waves.high > fastest)) continue;
+    const double speed = slow ? waves.low : waves.high;
+    out.push_back(fmt::format(
+        "waves in {} run at {:.4g} m/s (young = {:.4g} Pa, density = {:.4g} kg/m³), {} than in any usual "
+        "solid: check the units of young (Pa) and density (kg/m³)",
+        body.name, speed, speed * speed * material.density, material.density, slow ? "slower" : "faster"));
   }
 }
 
 void add_locking(const scene::Body& body, const kernels::Kernel& kernel, std::vector<std::string>& out) {
-  for (const scene::Material& material : body.materials)
-    if (kernel.order == 1 && material.area == 0 && material.poisson > locking_poisson)  // a rod has an area
-      out.push_back(fmt::format(
-          "{}: elements of order 1 lock at poisson = {:g} (above {:g}), forces are far too large: "
-          "use order 2 or more",
-          body.name, material.poisson, locking_poisson));
+  for (const scene::Material& material : body.materials) {
+    const double poisson = scene::mean_poisson(material);
+    if (kernel.order == 1 && material.area == 0 && poisson > locking_poisson)  // a rod has an area
+      out.push_back(
+          fmt::format("{}: elements of order 1 lock at {} {:g} (above {:g}), forces are far too large: "
+                      "use order 2 or more",
+                      body.name, material.isotropic() ? "poisson =" : "a mean Poisson's ratio of", poisson,
+                      locking_poisson));
+  }
 }
 
 /// The number of elements and the place of each piece, or of the first of many; empty if not known.
@@ -119,20 +120,11 @@ Vector3 size_of(const kernels::Kernel& kernel) {
   return {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
 }
 
-WaveSpeeds wave_speeds(const scene::Body& body) {
-  WaveSpeeds out{std::numeric_limits<double>::infinity(), 0};
-  for (const scene::Material& material : body.materials) {
-    out.low = std::min(out.low, wave_speed(material));
-    out.high = std::max(out.high, wave_speed(material));
-  }
-  return out;
-}
-
 std::string figures_of(const scene::Body& body, const kernels::Kernel& kernel) {
   const Vector3 size = size_of(kernel);
   std::string text =
       fmt::format("mass {:.4g} kg, size {:.4g} x {:.4g} x {:.4g} m", kernel.mass, size[0], size[1], size[2]);
-  const auto [low, high] = wave_speeds(body);
+  const auto [low, high, mean] = scene::wave_speeds(body);
   if (high > low)
     text += fmt::format(", wave speed {:.4g} to {:.4g} m/s", low, high);
   else if (high > 0)

@@ -6,18 +6,12 @@
 #include <vector>
 
 #include "ricochet/kernel.hpp"
-#include "src/scene/data/body.hpp"
+#include "src/scene/elastic_law.hpp"
 
 namespace ricochet::store {
 
 /// Lengths of the body along the axes of its mesh [m]; 0 if the kernel does not contain its outline.
 Vector3 size_of(const kernels::Kernel& kernel);
-
-/// Smallest and largest √(E/ρ) of the materials of a body [m/s]; infinity and 0 if it has none.
-struct WaveSpeeds {
-  double low, high;
-};
-WaveSpeeds wave_speeds(const scene::Body& body);
 
 /// "mass 0.23 kg, size 0.06 x 0.04 x 0.04 m, wave speed 5172 m/s"
 std::string figures_of(const scene::Body& body, const kernels::Kernel& kernel);

@@ -10,6 +10,7 @@
 #include "base/memory.hpp"
 #include "contact/stepping/step_memory.hpp"
 #include "ricochet/error.hpp"
+#include "src/scene/elastic_law.hpp"
 #include "src/scene/scene.hpp"
 #include "src/store/body_warnings.hpp"
 #include "src/store/placing.hpp"
@@ -45,7 +46,7 @@ double approach_of(const scene::Scene& scene, const KernelPointers& kernels,
     const Eigen::Map<const Eigen::Vector3d> velocity(scene.bodies[body].velocity.data());
     towards += (k == pair.a ? 1.0 : -1.0) * velocity;
     turning += magnitude(scene.bodies[body].angular_velocity) * length;
-    const double wave = wave_speeds(scene.bodies[body]).low;
+    const double wave = scene::wave_speeds(scene.bodies[body]).low;
     if (!std::isfinite(wave) || length == 0) return std::numeric_limits<double>::infinity();
     crossing = std::max(crossing, length / wave);
   }

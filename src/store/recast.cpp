@@ -11,6 +11,7 @@
 #include "kernels/write.hpp"
 #include "ricochet/error.hpp"
 #include "src/scene/derive.hpp"
+#include "src/scene/elastic_law.hpp"
 #include "src/scene/request.hpp"
 
 namespace ricochet::store {
@@ -41,11 +42,11 @@ scene::KernelRequest wanted_of(const scene::KernelRequest& had, const RecastOpti
         "belongs to a body file, whose numbers include material and size: leave the factors out, or change "
         "the file");
   for (scene::Material& material : wanted.body.materials) {
-    material.young *= options.young;
+    scene::stiffen(material, options.young);
     material.density *= options.density;
   }
   wanted.body.scale *= options.scale;
-  scene::scale_sources(wanted, options.scale);
+  scene::scale_places(wanted, options.scale);
   if (wanted.spacing) *wanted.spacing *= options.scale;
   if (options.points) {
     wanted.points = of_whole_surface(had, *options.points, kernel.surface.size());

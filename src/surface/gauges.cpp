@@ -6,8 +6,10 @@
 #include <Eigen/Dense>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "ricochet/kernel.hpp"
+#include "src/elasticity/element.hpp"
 #include "src/surface/recovery.hpp"
 
 namespace ricochet::surface {
@@ -38,15 +40,14 @@ struct Point {
 /// What one share of a node gives: (rows of the gauge, components of the mesh).
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic>;
 
+/// Of an isotropic material.
 Rows stress_of(const mesh::Mesh& mesh, const scene::Material& material, const Vector3d& weight) {
-  constexpr std::array<std::pair<int, int>, kernels::stress_rows> order{
-      {{0, 0}, {1, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}}};
   Rows out = Rows::Zero(stress_rows, mesh.components());
   const Vector3d axis(mesh.axis.data());
   const double mu = material.young / (2 * (1 + material.poisson)),
                lambda = 2 * mu * material.poisson / (1 - 2 * material.poisson);
   for (Index row = 0; row < stress_rows; ++row) {
-    const auto [i, j] = order[static_cast<std::size_t>(row)];
+    const auto [i, j] = elasticity::stress_order[static_cast<std::size_t>(row)];
     if (mesh.dim != 3) {
       out(row, 0) = material.young * axis[i] * axis[j] * axis.dot(weight);
       continue;
@@ -105,14 +106,21 @@ template <class Put>
 void for_each_entry(const mesh::Mesh& mesh, const std::vector<scene::Material>& materials,
                     const std::vector<Point>& points, const std::vector<Located>& at, Put&& put) {
   const int c = mesh.components();
+  const std::vector<elasticity::Material> laws = elasticity::materials_of(materials, mesh.dim);
+  elasticity::Matrix6 C;  // at the last point; shares are ordered by point
+  std::int64_t last = -1;
   for (const GradientShare& share : recover_gradients(mesh, at)) {
     const Index row = mesh.owned(share.node);
     if (row < 0) continue;
     const auto local = static_cast<std::size_t>(
         std::lower_bound(mesh.node.begin(), mesh.node.end(), share.node) - mesh.node.begin());
     const Point& point = points[static_cast<std::size_t>(share.point)];
-    const scene::Material& material =
-        materials[static_cast<std::size_t>(at[static_cast<std::size_t>(share.point)].label)];
+    const Located& place = at[static_cast<std::size_t>(share.point)];
+    const auto label = static_cast<std::size_t>(place.label);
+    const scene::Material& material = materials[label];
+    const elasticity::Law* const law = laws[label].law.get();
+    if (law != nullptr && std::exchange(last, share.point) != share.point)
+      C = law->at(Vector3d(place.place.data()));
     const Vector3d weight(share.weight.data());
     const auto add = [&](const Rows& rows, Index first) {
       for (Index k = 0; k < rows.rows(); ++k)
@@ -120,7 +128,9 @@ void for_each_entry(const mesh::Mesh& mesh, const std::vector<scene::Material>& 
           put(Eigen::Triplet<double>(static_cast<int>(row * c + d), static_cast<int>(first + k), rows(k, d)),
               mesh.is_fixed(local, d));
     };
-    if (point.stress) add(stress_of(mesh, material, weight), point.first);
+    if (point.stress)
+      add(law != nullptr ? Rows(C * elasticity::strain_of(weight)) : stress_of(mesh, material, weight),
+          point.first);
     if (point.strain > 0)
       add(point.strain * strain_of(mesh, material, weight, point.direction), point.first + stress_rows);
   }

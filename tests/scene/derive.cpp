@@ -183,6 +183,38 @@ TEST(Similar, bodies_of_several_materials_have_common_factors) {
   EXPECT_FALSE(similarity(had, with("6")));
 }
 
+TEST(Similar, bodies_have_proportional_laws_in_the_same_axes) {
+  const auto with = [](const std::string& law) {
+    return request_of_ball({"bodies.ball.material={density=1,poisson=[0.1,0.2,0.3]," + law + "}"});
+  };
+  const KernelRequest had = with("young=[3,2,1],shear=[1,1,1]");
+  ASSERT_TRUE(similarity(had, with("young=[3.3,2.2,1.1],shear=[1.1,1.1,1.1]")));
+  EXPECT_DOUBLE_EQ(similarity(had, with("young=[3.3,2.2,1.1],shear=[1.1,1.1,1.1]"))->young, 1.1);
+  EXPECT_FALSE(similarity(had, with("young=[3.3,2.2,1.1],shear=[1,1,1]")));
+  EXPECT_FALSE(similarity(had, with("young=[3,2,1],shear=[1,1,1],axes=[[0,1,0],[1,0,0]]")));
+  EXPECT_FALSE(similarity(had, request_of_ball({"bodies.ball.material={density=1,young=3}"})));
+  const auto of_21 = [](const std::string& last) {
+    return request_of_ball(
+        {"bodies.ball.material={density=1,stiffness=[3,1,1,0,0,0,3,1,0,0,0,3,0,0,0,1,0,0,1,0," + last +
+         "]}"});
+  };
+  EXPECT_TRUE(similarity(of_21("1"), of_21("1")));
+  EXPECT_FALSE(similarity(of_21("1"), of_21("1.01")));
+}
+
+// The line about which axes turn scales with the body.
+TEST(Similar, bodies_of_another_size_have_the_centre_line_of_that_size) {
+  const auto with = [](double scale, double place) {
+    return request_of_ball(
+        {fmt::format("bodies.ball.scale={}", scale), fmt::format("contact.spacing={}", 0.01 * scale),
+         fmt::format("bodies.ball.material={{density=1,young=[3,2,1],shear=[1,1,1],poisson=[0,0,0],"
+                     "about={{point=[{},0,0],direction=[0,0,1]}}}}",
+                     place)});
+  };
+  EXPECT_TRUE(similarity(with(1, 0.3), with(2, 0.6)));
+  EXPECT_FALSE(similarity(with(1, 0.3), with(2, 0.3)));
+}
+
 // A scene with a receiver and a load of each kind, and a kernel of them. Positions are in the axes of the
 // body.
 TEST(Similar, bodies_have_the_same_loads_and_receivers_at_places_that_scale) {
@@ -210,10 +242,10 @@ TEST(Similar, bodies_have_the_same_loads_and_receivers_at_places_that_scale) {
   twice.body.scale = 2;
   *twice.spacing *= 2;
   EXPECT_FALSE(similarity(had, twice));
-  scale_sources(twice, 2);
+  scale_places(twice, 2);
   EXPECT_EQ(twice.receivers[0].at, (Vector3{0.2, 0, 0.6}));
   EXPECT_TRUE(similarity(had, twice));
-  scale_sources(twice, 1.5);
+  scale_places(twice, 1.5);
   EXPECT_EQ(twice.receivers[0].at, (Vector3{0.3, 0, 0.9}));  // rounded: 1.5 · 0.2 is above 0.3
 }
 

@@ -142,6 +142,16 @@ TEST(Materials, like_another_differ_in_the_keys_that_are_given) {
       ElementsAre(stiffer));
 }
 
+// Wood Handbook, FPL-GTR-190, tables 5-1 and 5-2: E_T/E_L = 0.043, G_RT/E_L = 0.003, ν_LR = 0.372.
+TEST(Materials, by_name_may_be_orthotropic) {
+  const Material wood = with_material("{ like = \"sitka spruce\", density = 400 }")[0];
+  ASSERT_TRUE(wood.orthotropy);
+  EXPECT_EQ(wood.density, 400);
+  EXPECT_NEAR(wood.orthotropy->young[2] / wood.orthotropy->young[0], 0.043, 5e-5);  // rounded to three digits
+  EXPECT_NEAR(wood.orthotropy->shear[0] / wood.orthotropy->young[0], 0.003, 5e-6);
+  EXPECT_EQ(wood.orthotropy->poisson[2], 0.372);
+}
+
 TEST(Materials, by_name_have_other_names_and_spellings) {
   EXPECT_EQ(with_material("\"Stainless-Steel\""), with_material("\"stainless steel\""));
   EXPECT_EQ(with_material("\"aluminum\""), with_material("\"aluminium\""));

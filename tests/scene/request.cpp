@@ -83,6 +83,24 @@ TEST(KernelHash, changes_with_everything_that_the_kernel_depends_on) {
     EXPECT_NE(hash_with(set), hash) << set;
 }
 
+TEST(KernelHash, changes_with_each_constant_of_a_law_and_with_its_axes) {
+  const std::string start = "bodies.ball.material={ density = 1, ",
+                    nine = "young = [3, 2, 1], shear = [1, 1, 1], ";
+  std::set<std::string> hashes;
+  for (const std::string& law :
+       {nine + "poisson = [0, 0, 0]", nine + "poisson = [0, 0, 0.1]",
+        std::string("young = [3, 2, 1.1], shear = [1, 1, 1], poisson = [0, 0, 0]"),
+        std::string("young = [3, 2, 1], shear = [1, 1, 1.1], poisson = [0, 0, 0]"),
+        nine + "poisson = [0, 0, 0], axes = [[0, 1, 0], [1, 0, 0]]",
+        nine + "poisson = [0, 0, 0], about = { point = [0, 0, 0], direction = [0, 0, 1] }",
+        nine + "poisson = [0, 0, 0], about = { point = [1, 0, 0], direction = [0, 0, 1] }",
+        std::string("stiffness = [3, 0, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 1]"),
+        std::string("stiffness = [3, 0, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 1.1]")})
+    EXPECT_TRUE(hashes.insert(hash_with(start + law + " }")).second) << law;
+  EXPECT_EQ(hash_with(start + nine + "poisson = [0, 0, 0] }"),
+            hash_with(start + nine + "poisson = [0, 0, 0], axes = [[2, 0, 0], [0, 3, 0]] }"));
+}
+
 // The same band with other settings gives a different kernel.
 TEST(KernelHash, changes_with_basis_and_flexibility_error) {
   std::set<std::string> hashes;

@@ -55,6 +55,13 @@ TEST(Resolved, scene_with_each_form_of_a_value_reads_back) {
       {R"(bodies.ball.contact=["a \"b\"", "c.d"])"},
       {R"(bodies.ball.support={ "a b" = "x", "c.d" = "yz" })"},
       {"bodies.ball.velocity=[0.1,-1e30,3.0000000000000004]"},
+      {"bodies.ball.material={ density = 1, young = [0.3, 0.2, 0.1], shear = [0.1, 0.1, 0.1], poisson = "
+       "[0.1, -0.3, 1.1], "
+       "axes = [[0.3, 0.4, 0.001], [-0.4, 0.3, 0.7e-17]] }"},
+      {"bodies.ball.material={ like = \"sitka spruce\", about = { point = [0.1, 0, 0], direction = [1, 2, "
+       "0.3] } }"},
+      {"bodies.ball.material={ steel = \"steel\", wood = { density = 1, "
+       "stiffness = [3, 0, 0, 0, 0.1, 0, 2, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 1] } }"},
       {"bodies.ball.material={ \"all of it\" = { density = 1, young = 2 } }"},
       {"time.rate_hz=1e20", "time.duration=1e-15", "time.precision=single"},
       {mic},

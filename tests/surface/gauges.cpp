@@ -82,6 +82,57 @@ TEST(Gauge, of_a_linear_field_has_its_exact_stress_and_strain_everywhere) {
     }
 }
 
+/// Stress in the order of a gauge by C and the strain, both along axes, the columns of a rotation.
+Eigen::VectorXd stress_along(const Eigen::Matrix<double, 6, 6>& C, const Matrix3d& axes,
+                             const Matrix3d& slopes) {
+  const Matrix3d e = axes.transpose() * (slopes + slopes.transpose()) * axes;  // 2 ε
+  const Eigen::VectorXd own =
+      C * Eigen::Vector<double, 6>(e(0, 0) / 2, e(1, 1) / 2, e(2, 2) / 2, e(1, 2), e(0, 2), e(0, 1));
+  const Matrix3d s =
+      axes *
+      (Matrix3d() << own[0], own[5], own[4], own[5], own[1], own[3], own[4], own[3], own[2]).finished() *
+      axes.transpose();
+  return (Eigen::VectorXd(6) << s(0, 0), s(1, 1), s(2, 2), s(1, 2), s(0, 2), s(0, 1)).finished();
+}
+
+// A uniform strain of a body without symmetry: in axes of the body, and about a line through it.
+TEST(Gauge, of_an_anisotropic_body_has_the_stress_of_its_law_in_its_axes_at_the_point) {
+  std::array<double, 21> upper{7,  3.4,  3.1, 0.5, -0.2, -0.1, 18,   0.6, -0.4, -0.8, -0.6,
+                               18, -0.9, 0.7, -1,  2.5,  -0.2, -0.7, 2.7, 0.1,  3.4};
+  Eigen::Matrix<double, 6, 6> C;
+  auto next = upper.begin();
+  for (int i = 0; i < 6; ++i)
+    for (int j = i; j < 6; ++j) C(i, j) = C(j, i) = *next++;
+  const Point along = Point(1, 2, 2) / 3, through(0.2, 0.9, 0.4);
+  for (const bool about : {false, true}) {
+    scene::KernelRequest request = with_gauges();
+    scene::Material& material =
+        request.body.materials.emplace_back(scene::Material{.group = "", .density = 2});
+    material.stiffness = upper;
+    if (about)
+      material.about =
+          scene::CentreLine{{through[0], through[1], through[2]}, {along[0], along[1], along[2]}};
+    else
+      material.axes = {{{0, 1, 0}, {0, 0, 1}}};
+    Made made(test::block_geo("hex", 2, 0.4), 1, request);
+    const kernels::Kernel kernel =
+        kernel_of(made, [](const Point& x) -> Point { return gradient * x + offset; });
+    for (std::size_t g = 0; g < std::size(places); ++g) {
+      Matrix3d axes = (Matrix3d() << 0, 0, 1, 1, 0, 0, 0, 1, 0).finished();
+      if (about) {
+        const Point from = Point(places[g].data()) - through;
+        axes.col(0) = (from - along.dot(from) * along).normalized();
+        axes.col(1) = along.cross(axes.col(0));
+        axes.col(2) = along;
+      }
+      const Eigen::VectorXd exact = stress_along(C, axes, gradient);
+      EXPECT_LT((rows(kernel.gauges[g].stress.shape, 6).col(0) - exact).cwiseAbs().maxCoeff(),
+                1e-10 * exact.cwiseAbs().maxCoeff())
+          << about << g;
+    }
+  }
+}
+
 // Polynomials of degree p + 1 through the nodes: one more than elements of order p hold.
 TEST(Gauge, of_a_field_of_one_degree_more_than_the_elements_is_exact) {
   for (const int order : {1, 2})

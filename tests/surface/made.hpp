@@ -49,6 +49,7 @@ struct Made {
     body.translate = request.body.translate;
     body.scale = request.body.scale;
     body.materials[0].poisson = poisson;
+    if (!request.body.materials.empty()) body.materials = request.body.materials;
     request.body = body;
     mesh::GlobalMesh global;
     const mesh::RequestedGroups wanted = surface::requested_groups(request);

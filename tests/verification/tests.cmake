@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
+add_program_test(verification anisotropic)
 add_program_test(verification box FIRST)
 add_program_test(verification estimates FIRST LONG)
 add_program_test(verification oracle_test)

@@ -16,8 +16,8 @@ from ricochet.studies.workers import Reply, in_parallel
 # Keys that the check of meshes, groups, loads and receivers ignores. Settings that differ only in these are
 # checked once.
 NUMBERS = re.compile(
-    r"(bodies\.[^.]+\.(material(\.[^.]+)?\.(like|young|density|poisson|yield)|damping|velocity|translate|rotate_deg)"
-    r"|time|loads\.gravity|contact\.(gap|scheme|restitution))\b"
+    r"(bodies\.[^.]+\.(material(\.[^.]+)?\.(like|young|shear|density|poisson|stiffness|axes|about|yield)"
+    r"|damping|velocity|translate|rotate_deg)|time|loads\.gravity|contact\.(gap|scheme|restitution))\b"
 )
 
 

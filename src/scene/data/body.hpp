@@ -10,18 +10,9 @@
 
 #include "kernels/damping.hpp"
 #include "ricochet/scene.hpp"
+#include "src/scene/data/material.hpp"
 
 namespace ricochet::scene {
-
-struct Material {
-  std::string group;   ///< physical volume (rods: line) with this material; empty: the whole body
-  double density = 0;  ///< [kg/m³]
-  double young = 0;    ///< [Pa]
-  double poisson = 0;  ///< [1], between −1 and 0.5
-  double area = 0;     ///< cross-section of a rod [m²]; 0: not a rod
-  double yield = 0;    ///< stress at which it yields [Pa]; 0: unknown. Kernels do not depend on it
-  bool operator==(const Material&) const = default;
-};
 
 using Damping = kernels::Damping;
 

@@ -293,7 +293,10 @@ function askedSection() {
 }
 
 function matter([group, m]) {
-  const parts = [`${digits(m.density ?? 0)} kg/m³`, `E ${quantity(m.young ?? 0, "Pa")}`, `ν ${digits(m.poisson ?? 0)}`];
+  const each = (numbers, show) => [numbers ?? 0].flat().map(show).join(" / ");
+  const parts = [`${digits(m.density ?? 0)} kg/m³`];
+  if (m.stiffness) parts.push("21 elastic constants");
+  else parts.push(`E ${each(m.young, (e) => quantity(e, "Pa"))}`, `ν ${each(m.poisson, (n) => digits(n))}`);
   if (m.area) parts.push(`${digits(m.area)} m²`);
   return (group ? `${group}: ` : "") + parts.join(", ");
 }
