@@ -29,10 +29,10 @@ PAGES = programs.ROOT / "docs" / "validation"
 
 # The order of the manual: examples of the paper, vibration, statics, impacts, measurements, and orders of convergence.
 ORDER = """
-kernels rods_analytic rods disks disks_fine disks_middle falling_mass admittance bars driven_rod sphere box nafems
+kernels rods_analytic rods disks disks_fine disks_middle falling_mass admittance bars driven_rod sphere box crystal_classes nafems
 table1 flexibility notches ball_at_rest ball_at_rest_fine hertz_stress two_balls oblique cattaneo belt bouncing_bar bouncing_bar_fine
 dropped_rod housner bar_on_end plate ball_on_beam beam_on_stop unequal_rods alumina_on_glass glass_balls
-ball_materials balls_on_plates polycarbonate_bar struck_bar aluminium_block steel_cylinder fan_blade orders
+ball_materials balls_on_plates polycarbonate_bar struck_bar aluminium_block steel_cylinder mn3ge_crystal fan_blade orders
 """.split()
 
 

@@ -30,7 +30,7 @@ Further experiments were sought. The parts of them that could be read contain no
 - The clapper of a church bell: Woodhouse et al. 2012 (doi 10.1155/2012/681787), only the abstract and captions. They found a
   long series of bounces.
 - Bars of a marimba: Beaton & Scavone 2019, only the abstract. Dimensions and frequencies of wooden bars that makers published
-  lack the shape of the undercut or are those of plain bars; wood is not isotropic, as the bodies here are.
+  lack the shape of the undercut or are those of plain bars, and the constants of their wood.
 - A short steel bar that hits a long one at a measured speed v: records in the repository
   UTEP-Dynamic-Materials-Lab/SHPB_Toolkit. In the one that was read (`DKS_20250102_PULSE_LAB_RT_004`), the strain rises over
   the pulse up to 1.41 times the v/(2c) that momentum gives, so its calibration, or the way in which the striker hit, is not

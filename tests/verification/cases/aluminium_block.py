@@ -81,7 +81,7 @@ def run(bench):
         text.replace("order = 5", f"order = 4\ngeometry = {{ a = {a}, b = {b}, c = {c}, n = 3 }}"),
     )
     ours, usual = (
-        spectra.frequencies(bench, scene, "box", DENSITY, *constants, 42)
+        spectra.frequencies(bench, scene, "box", spectra.isotropic(DENSITY, *constants), 42)
         for constants in ((young, poisson), USUAL)
     )
     figure = spectra.compare(

@@ -89,7 +89,7 @@ def run(bench):
     scene = bench.write("cylinder.toml", SCENE)
     density = MASS / (np.pi / 4 * DIAMETER**2 * HEIGHT)
     ours, usual = (
-        spectra.frequencies(bench, scene, "cylinder", float(density), *constants, COUNT)
+        spectra.frequencies(bench, scene, "cylinder", spectra.isotropic(density, *constants), COUNT)
         for constants in (spectra.engineering(C11, C44), USUAL)
     )
     figure = spectra.compare(
