@@ -15,17 +15,15 @@
 #include <utility>
 
 #include "contact/accuracy/error_report.hpp"
-#include "kernels/expected_modes.hpp"
 #include "src/accuracy/contact_zone.hpp"
 #include "src/accuracy/decision.hpp"
 #include "src/accuracy/mesh_levels.hpp"
 #include "src/accuracy/pilot.hpp"
+#include "src/accuracy/round.hpp"
 #include "src/accuracy/scene_dial.hpp"
 #include "src/accuracy/settings.hpp"
 #include "src/parallel/parallel.hpp"
-#include "src/scene/elastic_law.hpp"
 #include "src/store/body_warnings.hpp"
-#include "src/store/memory.hpp"
 
 namespace ricochet::accuracy {
 namespace {
@@ -58,54 +56,6 @@ std::string text_of(const KernelSettings& settings, const scene::Scene& scene) {
   return text;
 }
 
-/// The impact of one round.
-struct RoundImpact {
-  store::Kernels kernels;  ///< to which the model of `dialled` may refer
-  Dialled dialled;
-  std::vector<BodySize> sizes;
-};
-
-/// Modes of a body in a band. Those of a contact-adapted basis are not known and are estimated.
-double modes_in_band(const scene::Scene& scene, std::size_t k, const kernels::Kernel& kernel, Hertz band) {
-  const auto found = static_cast<double>(kernel.modes.size());
-  const double wave = scene::wave_speeds(scene.bodies[k]).mean;
-  if (scene.modes.basis == scene::Basis::modes || wave == 0) return found;
-  const double omega = RadPerSecond(band).value;
-  return std::max(found, kernels::expected_count(kernel.mass, kernel.inertia, wave)(omega * omega));
-}
-
-/// Smallest side of a box with the inertia of a body [m].
-double width_of(const kernels::Kernel& kernel) {
-  const Eigen::Map<const Eigen::Matrix3d> inertia(kernel.inertia.data());
-  const Eigen::Matrix3d second = inertia.trace() / 2 * Eigen::Matrix3d::Identity() - inertia;  // ∫ ρ x xᵀ dV
-  return std::sqrt(12 * std::max(0.0, second.selfadjointView<Eigen::Lower>().eigenvalues()[0]) / kernel.mass);
-}
-
-/// Runs the impact with the kernels of one round, on one rank.
-RoundImpact impact_of(const scene::Scene& scene, const Settings& settings, const fs::path& folder) {
-  const scene::Scene closed = with_settings(scene, settings.found);
-  store::KernelStore store;
-  store::Kernels kernels = store::read_kernels(closed, folder, store);
-  store::Prepared prepared{store::library_scene(closed, kernels.pointers()), {}};
-  store::in_file(closed.file, [&] { store::read_histories(closed, prepared.scene); });
-  prepared.placement = store.placements.place(closed, kernels.pointers());
-  store::check_impact(closed, kernels.pointers(), prepared.placement);
-  contact::Model model = store::in_file(closed.file, [&] { return store::model_of(closed, prepared); });
-  std::vector<BodySize> sizes;
-  for (std::size_t k = 0; k < closed.bodies.size(); ++k)
-    sizes.push_back({.body = closed.bodies[k].name,
-                     .modes = modes_in_band(closed, k, *kernels.kernel[k], settings.found.up_to),
-                     .vectors = static_cast<double>(kernels.kernel[k]->modes.size()),
-                     .unknowns = static_cast<double>(kernels.kernel[k]->dofs),
-                     .dimension = kernels.kernel[k]->surface.corners() == 1 ? 1 : 3,
-                     .width = width_of(*kernels.kernel[k]),
-                     .candidates = closed.motion.is_finite()
-                                       ? static_cast<double>(kernels.kernel[k]->surface.size())
-                                       : 0});
-  Dialled dialled = dial_of(closed, kernels, prepared, std::move(model), settings.rate, {});
-  return {std::move(kernels), std::move(dialled), std::move(sizes)};
-}
-
 /// The outcome of a round, the same on all ranks.
 struct Outcome {
   Settings settings;             ///< of the round, with the rate
@@ -121,11 +71,13 @@ Settings received(const std::string& text) {
   return std::move(*settings);
 }
 
-Outcome outcome_of_round(const scene::Scene& scene, Settings settings, const fs::path& folder,
+/// @param paired  set on the first rank
+Outcome outcome_of_round(const scene::Scene& scene, Settings settings, std::optional<PairedRound> paired,
                          MPI_Comm comm) {
   std::string found, next, line, turning;
   parallel::on_first_rank(comm, [&] {
-    const auto [kernels, dialled, sizes] = impact_of(scene, settings, folder);
+    const std::vector<BodySize> sizes = sizes_of(*paired, settings.found.up_to);
+    const Dialled dialled = dialled_of(*paired, settings.rate);
     settings.rate = dialled.rate.value_or(Hertz{1 / scene.time.step()});
     if (scene.motion.rotation_open && dialled.quantities)
       if (const auto [body, angle] = dialled.quantities->turn; angle > scene::most_linear_turn) {
@@ -187,9 +139,14 @@ class Search {
       const Clock::time_point start = Clock::now();
       std::optional<Outcome> outcome;
       try {
-        compute(with_settings(scene, settings.found), round);
-        console_.begin(fmt::format("round {}", round));
-        outcome = outcome_of_round(scene, settings, folder_, comm_);
+        const scene::Scene closed = with_settings(scene, settings.found);
+        compute(closed, round);
+        console_.begin(fmt::format("round {}: pairing", round));
+        std::optional<PairedRound> paired;
+        parallel::on_first_rank(comm_, [&] { paired = pair_round(closed, folder_); });
+        console_.end(paired ? paired->memory : "");
+        console_.begin(fmt::format("round {}: estimates", round));
+        outcome = outcome_of_round(scene, settings, std::move(paired), comm_);
         console_.end();
       } catch (const InputError& error) {  // the same on every rank
         if (!last) {
