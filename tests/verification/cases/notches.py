@@ -13,7 +13,7 @@ SOURCE = (
     "NAFEMS, *The Standard NAFEMS Benchmarks*, TNSB rev. 3, 1990, test LE10, as quoted in the manuals of Abaqus (4.2.10) and of "
     "Code_Aster (V3.04.157). Kirsch 1898 and Lamé 1852, as in Timoshenko & Goodier 1970, *Theory of Elasticity*, sections 35 and 28."
 )
-RESTS_ON = "published"
+RESTS_ON = "theory"
 LONG = False
 
 LE10 = """// A quarter of an elliptic plate with an elliptic hole.
@@ -111,8 +111,21 @@ def le10(bench, ax):
         rows.append([f"tetrahedra of {size:g} m"] + [f"{value:.3f}" for value in found])
     rows.append(["published, or a condition of the border"] + [f"{value:g}" for value in exact])
     bench.table(["LE10, stress at D (MPa)", "xx", "yy", "zz", "yz", "xz", "xy"], rows)
-    bench.compare("LE10: σ_yy at D (MPa), 0.07 m", found[1], -5.38, 0.01, "NAFEMS gives three digits")
-    bench.below("LE10: largest error of a component at D (MPa), 0.07 m", errors[-1], 0.054, "1 % of σ_yy")
+    bench.compare(
+        "LE10: σ_yy at D (MPa), 0.07 m",
+        found[1],
+        -5.38,
+        0.01,
+        "NAFEMS gives three digits",
+        rests_on="published",
+    )
+    bench.below(
+        "LE10: largest error of a component at D (MPa), 0.07 m",
+        errors[-1],
+        0.054,
+        "1 % of σ_yy",
+        rests_on="published",
+    )
     ax.loglog(
         sizes, np.array(errors) / 5.38, "o-", color=BLUE, markersize=4, label="LE10, all components at D"
     )
