@@ -16,7 +16,7 @@ from benchmarks import calculix
 from ricochet import errors
 
 # Modules of peers/ with TITLE, run(folder, cache, figure) and, unless CalculiX is the peer, need().
-COMPARISONS = ("oblique", "plate", "bracket", "disks", "boxes")
+COMPARISONS = ("oblique", "plate", "bracket", "disks", "boxes", "stress")
 
 
 def add_arguments(parser):

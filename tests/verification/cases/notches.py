@@ -216,5 +216,5 @@ def run(bench):
     ax.legend()
     bench.save(
         figure,
-        "Errors of the largest stress against the size of the elements. Kirsch's plate has a finite width, which changes the stress by 0.5 %",
+        "Errors of the largest stress against the size of the elements. Kirsch's plate has a finite width",
     )
