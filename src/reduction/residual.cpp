@@ -82,13 +82,12 @@ void respond(const parallel::Teams& teams, Factorisation& factor, const std::vec
     const Index width = columns_at_once * teams.count();
     for (Index from = 0; from < columns; from += width) {
       const Index n = std::min(width, columns - from);
-      value.middleCols(from, n) = field.of * modes::shared_solve(teams, factor, block(from, n));
+      value.middleCols(from, n) = field.times(modes::shared_solve(teams, factor, block(from, n)));
     }
     return value;
   };
   MatrixXd shape = MatrixXd::Zero(rows, kept.inverse.size());
-  for (std::size_t j = 0; j < modes.index.size(); ++j)
-    shape.col(modes.index[j]) = field.of * modes.shape.col(static_cast<Index>(j));
+  shape(Eigen::all, modes.index) = field.times(modes.shape);
   parallel::sum(teams.peers(), shape);
   const MatrixXd by_low = solved(
       kept.load.cols(), [&](Index from, Index n) -> MatrixXd { return kept.load.middleCols(from, n); });

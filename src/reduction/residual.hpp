@@ -6,15 +6,10 @@
 #include <span>
 
 #include "src/modes/modes.hpp"
+#include "src/reduction/rows.hpp"
 #include "src/reduction/static_flexibility.hpp"
 
 namespace ricochet::reduction {
-
-/// Linear functions of a field on the mesh, such as its values at some nodes.
-struct Rows {
-  Eigen::SparseMatrix<double, Eigen::RowMajor> of;  ///< (rows, local rows of the field)
-  Eigen::MatrixXd value;                            ///< (rows, columns of the field) this rank's share
-};
 
 /// Returns Fᵀ K⁺ F − Σ (Fᵀφ)(φᵀF)/ω² of all modes φ in the set: the quasi-static response of the modes
 /// outside the set at the loads themselves. K⁺ is the static flexibility without rigid motion and without the

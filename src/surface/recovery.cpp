@@ -62,11 +62,16 @@ std::vector<std::array<int, 3>> exponents_of(const mesh::Mesh& mesh) {
 
 using Exponents = std::vector<std::array<int, 3>>;
 
+/// @param exponents  by degree
 VectorXd monomials(const Exponents& exponents, const Vector3d& x) {
+  const auto& highest = exponents.back();
+  MatrixXd power = MatrixXd::Ones(3, highest[0] + highest[1] + highest[2] + 1);
+  for (Index degree = 1; degree < power.cols(); ++degree)
+    power.col(degree) = power.col(degree - 1).cwiseProduct(x);
   VectorXd out(std::ssize(exponents));
   for (std::size_t k = 0; k < exponents.size(); ++k) {
     const auto& [i, j, l] = exponents[k];
-    out[static_cast<Index>(k)] = std::pow(x[0], i) * std::pow(x[1], j) * std::pow(x[2], l);
+    out[static_cast<Index>(k)] = power(0, i) * power(1, j) * power(2, l);
   }
   return out;
 }

@@ -13,6 +13,9 @@ namespace ricochet::surface {
 
 namespace {
 
+/// Modes whose values at the nodes of the visualisation surface are computed together.
+constexpr Eigen::Index modes_at_once = 32;
+
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 template <class Derived>
@@ -104,15 +107,21 @@ void gather_view(const parallel::Teams& teams, const mesh::Mesh& mesh, const mod
                  const Sources& sources, kernels::Kernel& kernel) {
   const VisualisationField field(mesh, sources.view_stress);
   const auto gathered = [&](const VisualisationField::Quantity& of, double from) {
-    std::size_t own = 0;
-    return field.gather(of, teams.world(), modes.angular_frequency.size(),
-                        [&](Eigen::Index n) -> std::optional<Eigen::VectorXd> {
-                          if (own == modes.index.size() || modes.index[own] != n) return std::nullopt;
-                          const auto mode = modes.shape.col(static_cast<Eigen::Index>(own++));
-                          if (modes.angular_frequency[static_cast<std::size_t>(n)] < from)
-                            return std::nullopt;
-                          return field.rows.of.middleRows(of.first, of.count()) * mode;
-                        });
+    Eigen::Index own = 0;
+    Eigen::MatrixXd some;  // of the next modes of this rank
+    return field.gather(
+        of, teams.world(), modes.angular_frequency.size(),
+        [&](Eigen::Index n) -> std::optional<Eigen::VectorXd> {
+          if (own == std::ssize(modes.index) || modes.index[static_cast<std::size_t>(own)] != n)
+            return std::nullopt;
+          const Eigen::Index at = own++ % modes_at_once;
+          if (at == 0)
+            some = field.rows.times(
+                modes.shape.middleCols(own - 1, std::min(modes_at_once, modes.shape.cols() - (own - 1))),
+                of.first, of.count());
+          if (modes.angular_frequency[static_cast<std::size_t>(n)] < from) return std::nullopt;
+          return some.col(at);
+        });
   };
   std::vector<float> shape = gathered(field.displacement, 0);
   // Rigid modes have no stress, and a body that flies far would multiply the round-off of one.
@@ -248,7 +257,7 @@ void take_corrections(const VisualisationField& field, Eigen::Index candidates, 
 /// Stores Ψ − ΦΓ on the visualisation surface. Collective on the team.
 void trace_motions(const mesh::Mesh& mesh, const Sources& sources, kernels::Kernel& kernel) {
   VisualisationField field(mesh, sources.view_stress);
-  field.rows.value = field.rows.of * sources.lift.shape;
+  field.rows.value = field.rows.times(sources.lift.shape);
   const auto count = static_cast<std::size_t>(sources.lift.shape.cols());
   const auto take = [&](const VisualisationField::Quantity& of, auto* to) {
     std::vector<float> moved = field.gather(of, 0, sources.lift.shape.cols());
