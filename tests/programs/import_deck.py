@@ -149,12 +149,10 @@ class ImportDeck(ProgramTest):
         path = self.write("cubes.inp", CUBES)
         self.succeed(Command("import", "mesh", path))
         run = self.succeed(Command("surfaces", path.with_suffix(".msh"), "--out", self.folder))
-        found, named = surfaces.read(path.with_suffix(".msh"))
-        side = {tuple(names): corners for tag, names in named.items() for corners in [found[tag]]}
+        found = surfaces.read(path.with_suffix(".msh")).surfaces
         # The head of the upper cube is in the skin too, and in the set of all nodes.
-        (head,) = (corners for names, corners in side.items() if "head" in names)
-        twice = np.cross(head[:, 1] - head[:, 0], head[:, 2] - head[:, 0])
-        self.assertAlmostEqual(np.linalg.norm(twice, axis=1).sum(), 2, delta=1e-12)
+        (head,) = (surface for surface in found if "head" in surface.groups)
+        self.assertAlmostEqual(head.area, 1, delta=1e-12)
         self.assertIn("head", run.out)
 
     def test_a_set_may_have_the_nodes_of_elements(self):
