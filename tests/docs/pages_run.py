@@ -194,8 +194,9 @@ class Surfaces(unittest.TestCase):
             folder = pathlib.Path(name)
             (folder / "sheet.geo").write_text('SetFactory("OpenCASCADE");\nRectangle(1) = {0, 0, 0, 1, 1};\n')
             done = Command("surfaces", folder / "sheet.geo")
-            self.assertEqual(done.out.splitlines()[-1], str(folder / "sheet.geo-surfaces.png"))
-            self.assertTrue((folder / "sheet.geo-surfaces.png").is_file())
+            written = [folder / f"sheet.geo-surfaces.{kind}" for kind in ("png", "html")]
+            self.assertEqual(done.out.splitlines()[-2:], [str(path) for path in written])
+            self.assertTrue(all(path.is_file() for path in written))
 
     def test_of_what_is_no_drawing_are_refused_in_one_line(self):
         done = Command("surfaces", "none.step")

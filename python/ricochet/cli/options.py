@@ -3,6 +3,8 @@
 import argparse
 import contextlib
 import os
+import shutil
+import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -165,7 +167,38 @@ def add_low_pass(parser: Group) -> None:
     parser.add_argument("--low-pass", type=positive, metavar="HZ", help=text)
 
 
+def add_open(parser: argparse.ArgumentParser) -> None:
+    either = parser.add_mutually_exclusive_group()
+    either.add_argument(
+        "--open",
+        action="store_true",
+        default=None,
+        help="open the page in a browser (default: if the output is a terminal and there is a display)",
+    )
+    either.add_argument("--no-open", action="store_false", dest="open", help="only write the page")
+
+
 # ---- Output ----
+
+
+def open_page(page: Path, wanted: bool | None) -> None:
+    """Opens a page in the browser of the desktop and does not wait for it. `wanted` is the option --open: None opens it
+    only for someone who sees it. Prints a warning if it is wanted and cannot be opened."""
+    display = bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+    opener = shutil.which("xdg-open")
+    if wanted is False or (wanted is None and not (display and opener and sys.stdout.isatty())):
+        return
+    if not (display and opener):
+        missing = "there is no display" if not display else "the Debian package xdg-utils is missing"
+        print(f"warning: {page} is not opened: {missing}", file=sys.stderr)
+        return
+    subprocess.Popen(
+        [opener, str(page.resolve())],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,  # otherwise Ctrl-C in the shell would end the browser
+    )
 
 
 class Unprinted(Exception):

@@ -15,6 +15,7 @@ FOLDER = Path(__file__).resolve().parent / "assets"
 SHARED = ["base.js", "charts.js", "surface.js", "motion.js", "film.js", "player.js"]
 REPORT = [*SHARED, "overlay.js", "modes.js", "engine.js", "instrument.js", "page.js"]
 MODAL = [*SHARED, "overlay.js", "modes.js", "modal.js"]
+SURFACES = [*SHARED, "overlay.js", "pick.js", "surfaces.js"]
 INSTRUMENT = [*SHARED, "engine.js", "instrument.js", "play.js"]
 LARGEST_MB = 16
 
@@ -47,14 +48,17 @@ def page_of(run: dict[str, Any], template: str, scripts: Sequence[str]) -> str:
 
 
 def save_page(
-    run: dict[str, Any], path: Path, template: str = "page.html", scripts: Sequence[str] = REPORT
+    run: dict[str, Any],
+    path: Path,
+    template: str = "page.html",
+    scripts: Sequence[str] = REPORT,
+    smaller: str = "A larger output.snapshot_every, no output.view or fewer receivers make it smaller.",
 ) -> None:
-    """Writes the page atomically. Raises InputError."""
+    """Writes the page atomically. `smaller` is the advice if it is too large. Raises InputError."""
     page = page_of(run, template, scripts).encode()
     if len(page) > LARGEST_MB * 2**20:
         raise InputError(
-            f"{path}: the page would have {len(page) / 2**20:.0f} MB, more than {LARGEST_MB}. "
-            "A larger output.snapshot_every, no output.view or fewer receivers make it smaller."
+            f"{path}: the page would have {len(page) / 2**20:.0f} MB, more than {LARGEST_MB}. {smaller}"
         )
     with files.writing(path, "--out"):
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -156,12 +156,17 @@ class Motion {
     for (const thing of [...this.bodies, ...this.obstacles]) {
       gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, thing.buffers.element);
       gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, thing.element, gl.STATIC_DRAW);
-      if (!thing.lines) continue;
-      const edges = thing.edges();
-      thing.wire = {buffer: gl.createBuffer(), count: edges.length};
-      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, thing.wire.buffer);
-      gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, edges, gl.STATIC_DRAW);
+      if (thing.lines) thing.wire = this.linesOf(thing.edges());
+      if (thing.outline) thing.rim = this.linesOf(thing.outline);
     }
+  }
+
+  /** Lines between pairs of nodes, for `send`. */
+  linesOf(pairs) {
+    const gl = this.gl, buffer = gl.createBuffer();
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, buffer);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, pairs, gl.STATIC_DRAW);
+    return {buffer, count: pairs.length};
   }
 
   /** Writes the magnitudes of the chosen measure at snapshot k + f to `body.value`. */
@@ -225,30 +230,38 @@ class Motion {
     this.spikes.element = Uint32Array.from(element);
   }
 
-  send(thing, ink, {lit = true, ramped = false, wire = false} = {}) {
+  /** Draws the triangles of a thing, or `lines` of it after its triangles. */
+  send(thing, ink, {lit = true, ramped = false, lines} = {}) {
     const gl = this.gl;
     for (const [k, [name, width]] of [["place", 3], ["value", 1]].entries()) {
       gl.bindBuffer(gl.ARRAY_BUFFER, thing.buffers[name]);
-      if (!wire) gl.bufferData(gl.ARRAY_BUFFER, thing[name], gl.DYNAMIC_DRAW);
+      if (!lines) gl.bufferData(gl.ARRAY_BUFFER, thing[name], gl.DYNAMIC_DRAW);
       gl.enableVertexAttribArray(this.inputs[k]);
       gl.vertexAttribPointer(this.inputs[k], width, gl.FLOAT, false, 0, 0);
     }
     gl.uniform4fv(this.at("ink"), ink);
     gl.uniform1i(this.at("lit"), lit);
     gl.uniform1i(this.at("ramped"), ramped);
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, wire ? thing.wire.buffer : thing.buffers.element);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, lines ? lines.buffer : thing.buffers.element);
     if (thing === this.spikes) gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, thing.element, gl.DYNAMIC_DRAW);
-    if (wire) gl.drawElements(gl.LINES, thing.wire.count, gl.UNSIGNED_INT, 0);
+    if (lines) gl.drawElements(gl.LINES, lines.count, gl.UNSIGNED_INT, 0);
     else gl.drawElements(gl.TRIANGLES, thing.element.length, gl.UNSIGNED_INT, 0);
   }
 
   /** Draws the moment `time` [s] at the present size of the canvas; of a mode, the share `time` of its period. */
   draw(time) {
-    const gl = this.gl, {canvas, view} = this;
+    const gl = this.gl, {canvas} = this;
     this.shown = time;
     gl.viewport(0, 0, canvas.width, canvas.height);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    this.aim();
+    if (this.mode) this.drawMode(time); else this.drawImpact(...this.find(time));
+  }
+
+  /** Sets the view of all that is drawn next. */
+  aim() {
+    const gl = this.gl, {canvas, view} = this;
     const distance = 4 * this.size, wide = canvas.width / canvas.height;
     const fit = 0.92 * view.zoom * 2 * distance * Math.min(1 / this.spans[0], 1 / (this.spans[1] * wide));
     this.scale = canvas.width * fit / (2 * distance);  // pixels per metre
@@ -257,7 +270,6 @@ class Motion {
     gl.uniform2f(this.at("lens"), fit, fit * wide);
     gl.uniform1f(this.at("distance"), distance);
     gl.uniform1f(this.at("radius"), 3.9 * this.size);
-    if (this.mode) this.drawMode(time); else this.drawImpact(...this.find(time));
   }
 
   drawImpact(k, f, dt) {
@@ -281,9 +293,10 @@ class Motion {
   drawBody(body, ramped) {
     const gl = this.gl;
     gl.enable(gl.POLYGON_OFFSET_FILL);
-    this.send(body, [...cssColour(`--body${Math.max(0, body.number) % 6}`), 1], {ramped});
+    this.send(body, [...(body.ink ?? cssColour(`--body${Math.max(0, body.number) % 6}`)), 1], {ramped});
     gl.disable(gl.POLYGON_OFFSET_FILL);
-    if (this.mesh && body.wire) this.send(body, [0, 0, 0, 0.25], {lit: false, wire: true});
+    if (this.mesh && body.wire) this.send(body, [0, 0, 0, 0.25], {lit: false, lines: body.wire});
+    if (body.rim) this.send(body, [...cssColour("--ink"), 1], {lit: false, lines: body.rim});
   }
 
   /** Draws the planes seen from their front, behind the bodies, or those seen from their back, as glass before the bodies. */

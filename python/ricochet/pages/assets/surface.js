@@ -96,6 +96,7 @@ class MovingSurface {
     this.normal = data.normal;  // of a plane
     this.visible = true;
     this.lines = data.lines;
+    this.outline = data.outline && unpack(data.outline);  // pairs of nodes
     this.fields = this.still ? [] : [...MovingSurface.rows(data.rigid), ...data.bent.map(unpack)];
     this.rigid = this.still ? 0 : data.rigid.shape[0];
     this.amounts = this.still ? [] : [unpack(data.moved), unpack(data.amount)];
