@@ -17,6 +17,7 @@ from ricochet.films.bodies import continuous
 from ricochet.interchange.rotations import angles_of, quaternion_of, rotation_of, turn_between
 from ricochet.modal_table import ModalTable
 from ricochet.pages import motion
+from ricochet.pages import surfaces as surface_pages
 from ricochet.pages.modes import table_of
 from ricochet.pictures import colouring, modes, planes, simplified
 from ricochet.pictures import surfaces as surface_pictures
@@ -169,6 +170,24 @@ class Maps(unittest.TestCase):
         outlines = [colouring.borders(element) for element in (square, beyond)]
         self.assertEqual(outlines[0].tolist(), [[0, 1], [0, 3], [1, 2], [2, 3]])
         self.assertEqual(colouring.neighbours(outlines), [{1}, {0}])
+
+    # The border moves by at most half a cell of the grid, which leaves triangles about as large as itself, 0.06.
+    def test_of_too_many_triangles_are_made_coarser_for_a_page_and_keep_their_form(self):
+        node, corner = grid((0, 0), (1, 1), 0.0, 61), np.arange(61 * 61).reshape(61, 61)
+        a, b, c, d = (
+            part.ravel() for part in (corner[:-1, :-1], corner[:-1, 1:], corner[1:, 1:], corner[1:, :-1])
+        )
+        element = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+        one = drawing.Surface(1, [], "plane", element, 1, X, X, X, None)
+        for share, limit in ((1, 7200), (0.1, 720)):
+            body = surface_pages.body_of(one, node, share)
+            places, ends = unpacked(body["node"]), unpacked(body["outline"])
+            found = areas(places[unpacked(body["element"])])
+            self.assertLessEqual(len(found), limit)
+            self.assertGreater(len(found), 0.3 * limit)
+            self.assertAlmostEqual(found.sum(), 1, delta=0.12)
+            rim = np.linalg.norm(places[ends[:, 1]] - places[ends[:, 0]], axis=1).sum()
+            self.assertAlmostEqual(rim, 4, delta=1e-5)  # single precision
 
     def test_show_what_is_in_front_and_numbers_where_they_have_room(self):
         # From above: a large square below a small one, and a strip that is too narrow for a number.

@@ -5,12 +5,16 @@ from typing import Any
 
 import numpy as np
 
-from ricochet.arrays import Array, Floats
+from ricochet.arrays import Floats
 from ricochet.drawing import Drawing, Surface
 from ricochet.pages.motion import of_rest, packed
 from ricochet.pages.page import SURFACES, save_page
 from ricochet.pictures.colouring import borders, map_colours
+from ricochet.pictures.simplified import coarser
 from ricochet.pictures.viewpoint import View
+
+TRIANGLES = 200_000  # of all surfaces
+FEWEST = 50  # triangles of a surface that is made coarser
 
 
 def lines_of_scene(surface: Surface, members: dict[str, int]) -> list[str]:
@@ -35,15 +39,23 @@ def face_of(surface: Surface, colour: int, scale: float, members: dict[str, int]
     }
 
 
-def body_of(surface: Surface, node: Floats, outline: Array) -> dict[str, Any]:
-    """A surface as a body that does not move."""
+def body_of(surface: Surface, node: Floats, share: float) -> dict[str, Any]:
+    """A surface as a body that does not move, with its borders.
+
+    @param node   (V,3) of the drawing [m]
+    @param share  of its triangles, which may be left
+    """
+    limit = max(FEWEST, int(share * len(surface.element)))
     used, element = np.unique(surface.element, return_inverse=True)
+    kept, element = coarser(node[used], element.reshape(-1, 3), limit)
+    # A coarser surface has gaps where triangles were folded, so the borders keep nodes of their own.
+    ends, outline = np.unique(borders(surface.element), return_inverse=True)
     return {
         "name": f"surface {surface.number}",
-        "node": packed(node[used]),
-        "element": packed(element.reshape(-1, 3), "u4"),
+        "node": packed(np.concatenate([node[used][kept], node[ends]])),
+        "element": packed(element, "u4"),
         "lines": False,
-        "outline": packed(np.searchsorted(used, outline), "u4"),
+        "outline": packed(outline.reshape(-1, 2) + len(kept), "u4"),
     }
 
 
@@ -53,15 +65,15 @@ def write_surfaces_page(drawing: Drawing, title: str, scale: float, path: Path) 
     @param scale  metres per unit of the drawing
     Raises InputError.
     """
-    outlines = [borders(surface.element) for surface in drawing.surfaces]
+    colours = map_colours([borders(surface.element) for surface in drawing.surfaces])
     members: dict[str, int] = {}
     for surface in drawing.surfaces:
         for name in surface.groups:
             members[name] = members.get(name, 0) + 1
-    faces = [
-        face_of(one, colour, scale, members) for one, colour in zip(drawing.surfaces, map_colours(outlines))
-    ]
-    bodies = [body_of(one, drawing.node * scale, outline) for one, outline in zip(drawing.surfaces, outlines)]
+    faces = [face_of(one, colour, scale, members) for one, colour in zip(drawing.surfaces, colours)]
+    share = min(1.0, TRIANGLES / sum(len(surface.element) for surface in drawing.surfaces))
+    node = drawing.node * scale
+    bodies = [body_of(surface, node, share) for surface in drawing.surfaces]
     view = View(np.array([0.0, -1.0, 0.0]), np.array([0.0, 0.0, 1.0]), 0.6, 0.5)
     save_page(
         {
@@ -75,6 +87,6 @@ def write_surfaces_page(drawing: Drawing, title: str, scale: float, path: Path) 
         path,
         "surfaces.html",
         SURFACES,
-        "Give a mesh with larger elements.",
+        "A mesh with fewer surfaces makes it smaller.",
     )
     return path
