@@ -140,6 +140,7 @@ class Page(ProgramTest):
         self.assertEqual((rows["from"], rows["to"]), ("(0, 0, 0) mm", "(40, 0, 20) mm"))
         self.assertEqual((rows["centre of area"], rows["outward normal"]), ("(20, 0, 10) mm", "(0, −1, 0)"))
         self.assertEqual(rows["also"], f'"surface {front}"')
+        self.line_is_copied()
         # Without the front, the back is seen from inside, beside the hole.
         back = self.number(1, 0.03)
         self.pressed("Hide")
@@ -158,6 +159,22 @@ class Page(ProgramTest):
         self.assertEqual(self.picked(), f'contact = ["front", "surface {side}"]')
         self.click(*self.place(), modifiers=SHIFT)
         self.assertEqual(self.picked(), 'contact = "front"')
+
+    def line_is_copied(self):
+        """Pastes what the button Copy has copied into a field of the page."""
+        x, y = self.browser.evaluate(
+            """(() => { const one = [...document.querySelectorAll("#picked button")].find(one => one.textContent === "Copy");
+              const {x, y, width, height} = one.getBoundingClientRect(); return [x + width / 2, y + height / 2]; })()"""
+        )
+        self.click(x, y)
+        self.browser.wait_for("document.querySelector('#picked button').textContent === 'Copied'")
+        self.browser.evaluate(
+            "(() => { const field = document.createElement('textarea'); field.id = 'pasted'; document.body.append(field); field.focus(); })()"
+        )
+        self.browser.call("Input.dispatchKeyEvent", type="keyDown", key="v", commands=["paste"])
+        pasted = self.browser.evaluate("document.getElementById('pasted').value")
+        self.browser.evaluate("document.getElementById('pasted').remove()")
+        self.assertEqual(pasted.strip(), 'contact = "front"')
 
     def pressed(self, text):
         found = self.browser.evaluate(
