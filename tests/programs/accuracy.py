@@ -222,8 +222,9 @@ duration = 3e-4
         self.out = self.folder / "out"
 
     def rounds(self, *sets):
-        output = self.succeed(kernel(self.scene, self.out, *sets, quiet=False)).out
-        return [line for line in output.splitlines() if line.startswith("accuracy, round")]
+        run = self.succeed(kernel(self.scene, self.out, *sets, quiet=False))
+        self.phases = run.err
+        return [line for line in run.out.splitlines() if line.startswith("accuracy, round")]
 
     def run_impact(self, *sets):
         self.succeed(contact(self.scene, self.out, *sets))
@@ -233,6 +234,8 @@ duration = 3e-4
         rounds = self.rounds("accuracy=5e-2")
         self.assertGreaterEqual(len(rounds), 2)
         self.assertIn("refines mesh", rounds[0])
+        for number in range(1, len(rounds) + 1):
+            self.assertRegex(self.phases, rf"round {number}: pairing .*\d MiB needed of \d")
         summary = self.run_impact("accuracy=5e-2")
         self.assertLess(summary["error_estimate"]["total"], 5e-2)
         mass = 7800 * 0.1 * 0.02**2

@@ -30,16 +30,18 @@ def page_of(run: dict[str, Any], template: str, scripts: Sequence[str]) -> str:
     hash, and what the engine of sounds starts: WebAssembly and the audio thread."""
     script = "\n" + "\n".join((FOLDER / name).read_text() for name in scripts)
     data = json.dumps(run, ensure_ascii=False, allow_nan=False, separators=(",", ":"), default=numbers)
+    sounds = "engine.js" in scripts
+    worklet = f'<script type="text/plain" id="worklet">{(FOLDER / "worklet.js").read_text()}</script>\n'
     parts = {
         "title": html.escape(run["title"]),
         "style": (FOLDER / "page.css").read_text(),
         "data": data.replace("<", "\\u003c"),
-        "worklet": (FOLDER / "worklet.js").read_text(),
+        "worklet": worklet if sounds else "",
         "script": script,
         "hash": base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
-        "engine": " 'wasm-unsafe-eval' data:" if "engine.js" in scripts else "",
+        "engine": " 'wasm-unsafe-eval' data:" if sounds else "",
     }
-    page, rest = "", (FOLDER / "head.html").read_text() + (FOLDER / template).read_text()
+    page, rest = "", "".join((FOLDER / name).read_text() for name in ("head.html", template, "tail.html"))
     while "{{" in rest:
         before, _, rest = rest.partition("{{")
         name, _, rest = rest.partition("}}")
