@@ -179,6 +179,26 @@ TEST(Gauge, converges_with_one_order_more_than_the_gradient) {
     }
 }
 
+// One element across cannot determine all monomials, however many elements a patch takes; far ones would only
+// smooth a field that varies along the plate: 8.7 % of error instead of 1.0 %.
+TEST(Gauge, in_a_plate_of_one_element_across_takes_no_far_elements) {
+  Made made(
+      "Point(1) = {0, 0, 0}; line[] = Extrude {1, 0, 0} { Point{1}; Layers{8}; };\n"
+      "face[] = Extrude {0, 1, 0} { Line{line[1]}; Layers{8}; Recombine; };\n"
+      "plate[] = Extrude {0, 0, 1} { Surface{face[1]}; Layers{1}; Recombine; };\n"
+      "Physical Volume(\"body\") = {plate[1]}; Physical Surface(\"top\") = {plate[0]};\n",
+      2, with_gauges());
+  EXPECT_LT(error_of(
+                made,
+                [](const Point& x) -> Point {
+                  return {std::sin(6 * x[0]), std::sin(6 * x[1]), 0};
+                },
+                [](const Point& x) -> Matrix3d {
+                  return Point(6 * std::cos(6 * x[0]), 6 * std::cos(6 * x[1]), 0).asDiagonal();
+                }),
+            0.02);
+}
+
 // ∂u/∂x = 3 x² has the mean 3 (x₀² + L²/12), which is L²/4 more than its value in the middle.
 TEST(Gauge, with_a_length_averages_its_strain) {
   scene::KernelRequest request = request_of({"top"}, {});
