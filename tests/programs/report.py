@@ -13,8 +13,10 @@ from unittest import mock
 import h5py
 import numpy as np
 
+import scenes
 from programs import MESHES, Command, Run, contact, impact, kernel
 from report_test import ReportTest, number, unpacked
+from ricochet import principal_stresses, von_mises
 
 from ricochet.pictures.simplified import coarser
 from ricochet.pictures.viewpoint import clearest
@@ -482,6 +484,68 @@ class Others(ReportTest):
         self.assertNotIn("Strike it", titles)  # sampled responses know no bodies to strike
         self.numbers_agree(found, self.summary(out))
         self.assertIn("know no bodies", found.one(id="motion")[2])
+
+    # NumPy finds the principal stresses from the tensor; the page, from its invariants.
+    def check_stress(self, result, body, wanted):
+        """Compares the measures of the stress in the browser with those of the result at some snapshots."""
+        got = self.browser.evaluate(
+            """(() => { const {motion} = shown, body = motion.bodies[0], found = {start: motion.colour, key: shown.legend.textContent};
+for (motion.colour of motion.measurable().filter(name => measures[name].stress))
+  found[motion.colour] = WANTED.map(k => { motion.measure(body, k, 0); return [...body.value]; });
+return found; })()""".replace(
+                "WANTED", json.dumps(wanted)
+            )
+        )
+        self.assertEqual(got.pop("start"), "von_mises")
+        self.assertIn("von Mises stress", key := got.pop("key"))
+        envelope, ends = result.stress[body], principal_stresses(
+            stress := result.surface_stress(body)[wanted]
+        )
+        value, unit = re.search(r"at most (.*) (.?)Pa", key).groups()
+        peak = envelope.von_mises.max()
+        factor = {"": 1, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}[unit]
+        self.assertAlmostEqual(factor * number(value) / peak, 1, delta=5e-3)
+        exact = {
+            "von_mises": von_mises(stress),
+            "principal": ends[..., 0],
+            "shear": (ends[..., 0] - ends[..., 2]) / 2,
+        }
+        if len(wanted) > 1:
+            exact |= {f"most_{name}": [getattr(envelope, name)] * len(wanted) for name in list(exact)}
+        self.assertEqual(set(got), set(exact))
+        for name, values in exact.items():
+            # 3e-4 root mean square for the few fields in place of all, and roundings to 15 bits.
+            np.testing.assert_allclose(got[name], values, rtol=0, atol=2e-3 * peak, err_msg=name)
+            self.assertGreater(np.abs(values).max(), 0.01 * peak)
+
+    def test_stress_is_a_colour_of_the_motion(self):
+        self.write("block.geo", scenes.skewed_block(0.5))
+        body = """
+material = { density = 2.0, young = 3.0, poisson = 0.3 }
+velocity = [0.002, 0, -0.002]
+rotate_deg = [1, 0, 90]
+"""
+        text = scenes.block_on_floor(
+            "Slide",
+            "count = 20",
+            "gap = 1e-4\nfriction = 0.3",
+            "rate_hz = 400\nduration = 3.0",
+            body,
+            '[output]\nstress = true\nsnapshot_every = 20\n[motion]\nrotation = "finite"\n',
+        )
+        scene = self.write("slide.toml", text)
+        result = impact(scene, self.folder / "out")
+        path, _, run = self.page(result.path)
+        self.opened(path, "stress")
+        during = np.flatnonzero(result.surface_stress("block").any(axis=(1, 2)))
+        self.check_stress(result, "block", [int(during[len(during) // 3]), int(during[-1])])
+        self.assertLess(run["motion"]["stress_missed"], 2e-3)
+        # At rest, there is one moment, whose stress is the envelope.
+        sets = ['contact.scheme="static"', "loads.gravity=[0,0,-0.1]", 'motion.rotation="linear"']
+        result = impact(scene, self.folder / "rest", *sets)
+        path, _, _ = self.page(result.path)
+        self.opened(path, "stress at rest")
+        self.check_stress(result, "block", [0])
 
     def test_bodies_at_rest_have_a_page_with_their_pressure(self):
         scene, out = MESHES / "hertz/resting-ball.toml", self.folder / "out"

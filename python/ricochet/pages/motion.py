@@ -35,6 +35,7 @@ LEFT_OUT = 3e-4  # allowed relative root mean square error of the deformation
 POINTS = 300  # number of contact points whose forces are drawn, those with the largest impulse
 MODES = 20  # maximum number of modes of a body whose shapes are in the page
 MODES_MB = 4  # maximum size of the shapes of modes of all bodies, as text
+STRESSES_MB = 4  # maximum memory of the fields of stress of all bodies
 
 
 def packed(values: Any, kind: str = "f4") -> Packed:
@@ -54,10 +55,44 @@ class Drawn:
     """A body of the page."""
 
     data: dict[str, Any]
+    of: Array  # (V) node of the surface at each of its nodes
     place: Array  # (V,3) nodes at rest [m]
     element: Array  # (T,3)
     missed: float  # largest error of its deformation by the few shapes, at 60 moments [m]
     deformation: Array  # (S) largest displacement by elastic modes at each moment [m]
+
+
+def stress_of(
+    result: LoadedResult, folder: Path, name: str, of: Array, chosen: Array, share: float
+) -> dict[str, Any]:
+    """The stress at the nodes `of` at the snapshots `chosen` by a few fields of xx, yy, zz, yz, xz, xy, its largest error by
+    them as a share of the largest component, and the envelopes of the run.
+
+    @param share  share of this body in the fields that all bodies may have
+    """
+    shape, coordinates = result.stress_fields(name, folder)
+    shape = shape[of].reshape(6 * len(of), -1)
+    modes = result.snapshots[name].shape[1]
+    most = max(2, int(share * STRESSES_MB * 2**20 / (12 * len(of))))
+    local = few_shapes(shape[:, modes:], coordinates[chosen, modes:], most // 2, LEFT_OUT)
+    wide = few_shapes(shape[:, :modes], coordinates[chosen, :modes], most - local[0].shape[1], LEFT_OUT)
+    fields, amount = (np.concatenate(parts, axis=1) for parts in zip(wide, local))
+    missed, largest = 0.0, 0.0
+    for k in np.unique(np.linspace(0, len(chosen) - 1, 60).astype(int)):
+        exact = shape @ coordinates[chosen[k]].astype(shape.dtype)
+        largest = max(largest, float(np.abs(exact).max()))
+        missed = max(missed, float(np.abs(exact - fields @ amount[k]).max()))
+    envelope = result.stress[name]
+    return {
+        "fields": [packed(column, "i2") for column in fields.T],
+        "amount": packed(amount),
+        "missed": missed / largest if largest else 0.0,
+        "envelope": {
+            measure: packed(getattr(envelope, measure)[of], "i2")
+            | {"largest": float(getattr(envelope, measure).max())}
+            for measure in ("von_mises", "principal", "shear")
+        },
+    }
 
 
 def body_of(name: str, surface: MovingSurface, chosen: Array, share: float, scene: dict[str, Any]) -> Drawn:
@@ -99,7 +134,7 @@ def body_of(name: str, surface: MovingSurface, chosen: Array, share: float, scen
     }
     if surface.poses:
         data["poses"] = poses_of(surface.poses, chosen)
-    return Drawn(data, place, element, missed, deformation)
+    return Drawn(data, of, place, element, missed, deformation)
 
 
 def poses_of(poses: Poses, chosen: Array) -> dict[str, Any]:
@@ -232,7 +267,11 @@ def motion_of(result: LoadedResult, folder: Path, scene: dict[str, Any]) -> dict
     surfaces, time = found
     every = -(-len(time) // MOMENTS)
     chosen = np.arange(0, len(time), every)
-    bodies = [body_of(name, surface, chosen, 1 / len(surfaces), scene) for name, surface in surfaces.items()]
+    share = 1 / len(surfaces)
+    bodies = [body_of(name, surface, chosen, share, scene) for name, surface in surfaces.items()]
+    for name, body in zip(surfaces, bodies):
+        if name in result.stress and name in result.snapshots:
+            body.data["stress"] = stress_of(result, folder, name, body.of, chosen, share)
     places = [body.place for body in bodies]
     reaches = [surface.reach() for surface in surfaces.values() if surface.poses]
     everything = np.concatenate([*places, *reaches])
@@ -279,6 +318,9 @@ def motion_of(result: LoadedResult, folder: Path, scene: dict[str, Any]) -> dict
         "static": bool(result.file.names("/static")),
         "coordinates": sum(surface.modes for surface in surfaces.values()),
         "missed": max(body.missed for body in bodies) / largest if largest else 0.0,
+        "stress_missed": max(
+            (body.data["stress"]["missed"] for body in bodies if "stress" in body.data), default=0.0
+        ),
         "points": spikes.data
         | {
             "left_out": int(np.count_nonzero(result.impulse())) - len(points),

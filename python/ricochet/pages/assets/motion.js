@@ -2,9 +2,12 @@
 // Animates the impact in WebGL 2. Deformation is drawn A times as large, and rigid motion as it is: X + F_r c_r + A F_e c_e, then turned
 // by its pose if the body has finite rotations. A mode of a body can take the place of the impact.
 
+const stresses = {von_mises: "von Mises stress", principal: "largest principal stress", shear: "maximum shear stress"};
 const measures = {
   speed: {label: "speed", unit: "m/s"}, displacement: {label: "displacement since the start", unit: "m"},
   deformation: {label: "deformation", unit: "m"}, body: {label: "body"},
+  ...Object.fromEntries(Object.entries(stresses).flatMap(([stress, label]) => [
+    [stress, {label, unit: "Pa", stress}], [`most_${stress}`, {label: `${label}, largest of the run`, unit: "Pa", stress, enveloped: true}]])),
 };
 
 class Motion {
@@ -25,8 +28,9 @@ class Motion {
     for (const body of this.bodies) body.first = body.amplitudes(0, 0);
     this.turning = this.bodies.some(body => body.poses);
     this.most = {};
+    this.stressed = this.bodies.some(body => body.stress);
     // The speed of a body that tumbles is that of its rigid motion nearly everywhere.
-    this.colour = this.time.length === 1 ? "body" : this.turning ? "deformation" : "speed";
+    this.colour = this.stressed ? "von_mises" : this.time.length === 1 ? "body" : this.turning ? "deformation" : "speed";
     this.mesh = false;
     this.arrows = true;
     this.natural = data.amplify?.natural ?? 1;
@@ -169,8 +173,25 @@ class Motion {
     return {buffer, count: pairs.length};
   }
 
-  /** Writes the magnitudes of the chosen measure at snapshot k + f to `body.value`. */
+  /** The names of the measures that colours can show. */
+  measurable() {
+    const moving = this.time.length > 1;
+    return Object.keys(measures).filter(name => {
+      const {stress, enveloped} = measures[name];
+      return stress ? this.stressed && (moving || !enveloped) : moving || name === "body";
+    });
+  }
+
+  /** The largest value of the chosen measure in all steps of the run; no value: it is not known. */
+  largest() {
+    const {stress} = measures[this.colour];
+    return stress && Math.max(...this.bodies.filter(body => body.envelope).map(body => body.envelope[stress].largest));
+  }
+
+  /** Writes the values of the chosen measure at snapshot k + f to `body.value`. */
   measure(body, k, f, dt) {
+    const {stress, enveloped} = measures[this.colour];
+    if (stress) return body.stressAt(stress, k, f, enveloped);
     const moved = this.scratch?.length === body.place.length ? this.scratch : this.scratch = new Float32Array(body.place.length);
     if (this.colour === "speed") body.velocities(moved, k, f, dt);
     else if (this.colour === "displacement" && body.poses) {

@@ -73,7 +73,8 @@ class Player {
     this.loud = range("Amplification", 0, Math.log10(motion.data.amplify.most), 0.02);
     this.times = silent();
     this.part = choice("Part of the run", {contact: "contact", whole: "whole run"});
-    this.colour = choice("Colour", Object.fromEntries(Object.entries(measures).map(([name, {label}]) => [name, label])));
+    const measurable = motion.measurable();
+    this.colour = choice("Colour", Object.fromEntries(measurable.map(name => [name, measures[name].label])));
     const arrows = make("input", {type: "checkbox", checked: ""}), mesh = make("input", {type: "checkbox"});
     const home = pressable("reset", () => { motion.home(); motion.amplify = motion.natural; this.show(); });
     this.speed.value = "1";
@@ -91,7 +92,8 @@ class Player {
     on(mesh, () => { motion.mesh = mesh.checked; });
     this.timed = make("div", {class: "controls"}, this.button, grow(this.slider, this.clock), labelled("speed", this.speed, this.slower));
     this.ofImpact = make("div", {class: "controls"},
-      ...(moving ? [labelled("show", this.part), grow("amplify", this.loud, this.times), labelled("colour", this.colour)] : []),
+      ...(moving ? [labelled("show", this.part), grow("amplify", this.loud, this.times)] : []),
+      ...(measurable.length > 1 ? [labelled("colour", this.colour)] : []),
       labelled(arrows, "forces"),
       make("span", {role: "group", "aria-label": "Bodies shown"},
         ...[...motion.bodies, ...motion.obstacles].map(body => labelled(this.shower(body), body.name))));
@@ -185,7 +187,7 @@ class Player {
     if (motion.mode) return this.legend.replaceChildren(make("b", {}, this.title), make("span", {}, "displacement, relative"), rampKey(0, 1, ""));
     const most = motion.forceMost, force = most > 0 ? `contact force, at most ${quantity(most, "N")} at a point${motion.time.length > 1 ? ", in these moments" : ""}` : "no contact force";
     const names = motion.bodies.map(body => swatch(`c${Math.max(0, body.number) % 6}`, body.name));
-    this.legend.replaceChildren(...(unit ? [make("span", {}, label), rampKey(0, motion.top(), unit)] : names), ...(motion.points.state && most > 0
+    this.legend.replaceChildren(...(unit ? scaleOf(motion, label, unit) : names), ...(motion.points.state && most > 0
       ? [make("span", {}, `${force}:`), swatch("cstick", "sticks"), swatch("cslip", "slips")] : [swatch("cforce", force)]));
   }
 
@@ -223,6 +225,13 @@ class Player {
   }
 }
 
+/** The scale of the colours, and the largest value of all steps where it is known. */
+function scaleOf(motion, label, unit) {
+  const largest = motion.largest();
+  return [make("span", {}, label), rampKey(0, motion.top(), unit),
+          ...(largest === undefined ? [] : [make("span", {}, `at most ${quantity(largest, unit, 3)} in the run`)])];
+}
+
 /** The time at which the force of the drawn points is largest. */
 function peakTime(motion) {
   let best = 0, most = 0;
@@ -250,6 +259,7 @@ function remarks(motion, data) {
       : "One moment, as output.snapshot_every is large;");
     parts.push(`${data.coordinates} modal coordinates drawn by ${data.shapes} shapes, which miss at most`,
                `${digits(100 * data.missed, 2)} % of the largest deformation.`);
+    if (motion.stressed) parts.push(`Stresses are drawn by fewer fields, too, which miss at most ${digits(100 * data.stress_missed, 2)} % of the largest component.`);
   }
   if (data.snapshots && !data.static) parts.push("The result is of an earlier version: the static part of contact is not in the picture.");
   if (motion.forceMost > 0) parts.push(motion.points.state ? "Spikes: normal force at each point, on both bodies, in the colour of stick or slip; red without friction."

@@ -86,6 +86,28 @@ function box() {
   return {low, high, add};
 }
 
+/** The von Mises stress of xx, yy, zz, yz, xz, xy. */
+function vonMises(x, y, z, yz, xz, xy) {
+  return Math.sqrt(((x - y) ** 2 + (y - z) ** 2 + (z - x) ** 2) / 2 + 3 * (yz ** 2 + xz ** 2 + xy ** 2));
+}
+
+/** The principal stresses, the largest first: the mean, and what the angle of Lode adds to it. */
+function principalStresses(x, y, z, yz, xz, xy) {
+  const mean = (x + y + z) / 3, equivalent = vonMises(x, y, z, yz, xz, xy);
+  if (equivalent === 0) return [mean, mean, mean];
+  const [a, b, c] = [x - mean, y - mean, z - mean];
+  const third = a * b * c + 2 * yz * xz * xy - a * yz ** 2 - b * xz ** 2 - c * xy ** 2;
+  const angle = Math.acos(Math.max(-1, Math.min(1, 13.5 * third / equivalent ** 3))) / 3;
+  return [0, 1, 2].map(k => mean + 2 / 3 * equivalent * Math.cos(angle - 2 * Math.PI * k / 3));
+}
+
+/** What stresses amount to, by the names of the envelopes. */
+const stressMeasures = {
+  von_mises: vonMises,
+  principal: (...stress) => principalStresses(...stress)[0],
+  shear: (...stress) => { const [first, , last] = principalStresses(...stress); return (first - last) / 2; },
+};
+
 class MovingSurface {
   constructor(data, number) {
     this.name = data.name;
@@ -104,6 +126,22 @@ class MovingSurface {
     this.place = Float32Array.from(this.node);
     this.value = new Float32Array(this.node.length / 3);
     this.modes = data.modes ?? {};
+    this.stress = data.stress && {fields: data.stress.fields.map(unpack), amount: unpack(data.stress.amount)};
+    this.envelope = data.stress && Object.fromEntries(Object.entries(data.stress.envelope).map(
+      ([measure, values]) => [measure, {value: unpack(values), largest: values.largest}]));
+  }
+  /** Writes a measure of the stress at snapshot k + f to `value`, or its largest value of the run. */
+  stressAt(measure, k, f, enveloped) {
+    if (!this.stress) return void this.value.fill(0);
+    if (enveloped) return void this.value.set(this.envelope[measure].value);
+    const {fields, amount} = this.stress, next = Math.min(k + 1, amount.length / fields.length - 1), stress = new Float32Array(6 * this.value.length);
+    for (const [r, field] of fields.entries()) {
+      const a = amount[k * fields.length + r], weight = a + f * (amount[next * fields.length + r] - a);
+      if (weight !== 0) for (let i = 0; i < stress.length; ++i) stress[i] += weight * field[i];
+    }
+    const of = stressMeasures[measure];
+    for (let v = 0, i = 0; v < this.value.length; ++v, i += 6)
+      this.value[v] = of(stress[i], stress[i + 1], stress[i + 2], stress[i + 3], stress[i + 4], stress[i + 5]);
   }
   /** The shape of a mode, with a largest displacement of 1. */
   mode(number) {
