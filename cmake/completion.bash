@@ -77,7 +77,7 @@ _ricochet() {
         calculix) endings=inp ;;
         matrices) endings='mtx txt' ;;
         surfaces) endings='step stp brep geo msh' ;;
-        materials) COMPREPLY=(); return ;;  # takes names, not files
+        materials|example) COMPREPLY=(); return ;;  # take names, not files
     esac
     mapfile -t COMPREPLY < <(for ending in $endings; do compgen -f -X "!*.$ending" -- "$word"; done; compgen -d -- "$word")
 }

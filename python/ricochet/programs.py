@@ -7,6 +7,7 @@ import re
 import shlex
 import shutil
 import subprocess
+import sys
 import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
@@ -19,17 +20,21 @@ Answer = dict[str, Any]  # an answer of ricochet-contact --batch: status, and su
 Show = Callable[[str], object]
 
 ROOT = Path(__file__).resolve().parents[2]  # the checkout
+WHEEL = Path(__file__).resolve().with_name("bin")  # programs in the package, which only wheels have
 OWN = re.compile(r"\s*ricochet-[a-z]+: ")  # starts an error of a program
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
 
 def folder_of_programs() -> Path:
-    """The folder $RICOCHET_BIN, that of the build of this checkout, or that of the installed programs."""
+    """The folder $RICOCHET_BIN, that of the build of this checkout, that of the wheel, or that of the installed
+    programs."""
     named, built = os.environ.get("RICOCHET_BIN"), ROOT / "build" / "bin"
-    installed = shutil.which("ricochet-contact")
-    if named or built.is_dir() or not installed:
+    if named or built.is_dir():
         return Path(named or built)
-    return Path(installed).parent
+    if WHEEL.is_dir():
+        return WHEEL
+    installed = shutil.which("ricochet-contact")
+    return Path(installed).parent if installed else built
 
 
 BIN = folder_of_programs()
@@ -67,6 +72,8 @@ def find(command: Sequence[Word]) -> None:
     advice = (
         f"RICOCHET_BIN={named} must be the folder of the programs" if named else "run scripts/build first"
     )
+    if BIN == WHEEL:
+        advice = "pip does not install it. Install the Debian package ricochet, or copy kernels from elsewhere"
     if not BIN.is_dir():
         raise InputError(f"{BIN}: no such folder of programs: {advice}")
     for word in map(Path, map(str, command)):
@@ -118,7 +125,7 @@ def wait(process: "subprocess.Popen[str]", show: Show | None = None) -> str:
         return out or ""
     if (signal := -status if status < 0 else status - 128) > 0:
         words = map(Path, cast(list[str], process.args))
-        program = next(word.name for word in words if word.parent == BIN)
+        program = next(word.name for word in words if word.name.startswith("ricochet-"))
         text = f"{program}: ended by signal {signal}: killed, or out of memory? Repeat it to resume the work."
         raise failure(128 + signal, text)
     raise failure(status, complaint("".join(lines)) if process.stderr else "")
@@ -162,6 +169,16 @@ def complaint(err: str) -> str:
     lines = [line.strip() for line in err.splitlines() if line.strip()]
     own = [line.split(": ", 1)[1] for line in lines if OWN.match(line)]
     return (own or lines or ["it gave no reason"])[-1]
+
+
+def main() -> int:
+    """Replaces this process by the program of its name: the entry point of ricochet-contact and ricochet-recast in
+    wheels. Returns 2 if the program is missing."""
+    name = Path(sys.argv[0]).name
+    try:
+        replace_this_process([BIN / name, *sys.argv[1:]])
+    except RicochetError as problem:
+        return problem.report(name)
 
 
 def version() -> str:
@@ -208,8 +225,14 @@ def changes(words: Iterable[str]) -> dict[str, Any]:
 # ---- The two programs ----
 
 
+def kernel_program() -> Path:
+    """ricochet-kernel, which a wheel does not have: then that on the path, if there is one."""
+    elsewhere = shutil.which("ricochet-kernel") if BIN == WHEEL else None
+    return Path(elsewhere) if elsewhere else BIN / "ricochet-kernel"
+
+
 def kernel_command(scene: Word, arguments: Sequence[Word], ranks: int) -> list[Word]:
-    return [*mpirun(ranks), BIN / "ricochet-kernel", scene, *arguments]
+    return [*mpirun(ranks), kernel_program(), scene, *arguments]
 
 
 def kernel(scene: Word, arguments: Sequence[Word], ranks: int) -> None:
@@ -222,9 +245,9 @@ def contact(scene: Word, arguments: Sequence[Word]) -> None:
     call([BIN / "ricochet-contact", scene, *arguments])
 
 
-def resolved(scene: Word, arguments: Sequence[Word], program: str = "ricochet-contact") -> str:
+def resolved(scene: Word, arguments: Sequence[Word], program: Path = BIN / "ricochet-contact") -> str:
     """The scene with overrides and defaults, as TOML."""
-    return call([BIN / program, "--dry-run", scene, *arguments], capture=True)
+    return call([program, "--dry-run", scene, *arguments], capture=True)
 
 
 def slug(title: str) -> str:

@@ -10,7 +10,10 @@ import unittest
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-PACKAGE = "#!/bin/sh\nmkdir -p build/packages && echo binary > build/packages/ricochet_new_amd64.deb\n"
+MADE = ["ricochet_new_amd64.deb", "ricochet-0.2.0-cp311-cp311-linux_x86_64.whl", "ricochet-0.2.0.tar.gz"]
+PACKAGE = (
+    "#!/bin/sh\nmkdir -p build/packages && cd build/packages && for f in %s; do echo binary > $f; done\n"
+)
 
 
 class Release(unittest.TestCase):
@@ -21,7 +24,7 @@ class Release(unittest.TestCase):
         for name in ("scripts/release", "CMakeLists.txt", "CITATION.cff", "docs/results.md"):
             (self.root / name).parent.mkdir(exist_ok=True)
             shutil.copy2(ROOT / name, self.root / name)
-        self.write("scripts/package", PACKAGE).chmod(0o755)
+        self.write("scripts/package", PACKAGE % " ".join(MADE)).chmod(0o755)
         self.write(".gitignore", "/build/\n")
         self.write(
             "CHANGELOG.md", "# Changelog\n\n## Unreleased\n\n### Added\n\n- New.\n\n## [0.1.0]\n\nFirst.\n"
@@ -80,10 +83,10 @@ class Release(unittest.TestCase):
         )
         folder = self.root / "build/release/0.2.0"
         sums = dict(reversed(line.split("  ")) for line in (folder / "SHA256SUMS").read_text().splitlines())
-        self.assertEqual(set(sums), {"notes.md", "ricochet-0.2.0.tar.gz", "ricochet_new_amd64.deb"})
+        self.assertEqual(set(sums), {"notes.md", "ricochet-0.2.0-all.tar.gz", *MADE})
         for name, digest in sums.items():
             self.assertEqual(hashlib.sha256((folder / name).read_bytes()).hexdigest(), digest)
-        with tarfile.open(folder / "ricochet-0.2.0.tar.gz") as sources:
+        with tarfile.open(folder / "ricochet-0.2.0-all.tar.gz") as sources:
             self.assertIn("ricochet-0.2.0/CITATION.cff", sources.getnames())
         # The same command completes a release that was interrupted after its tag.
         shutil.rmtree(folder)

@@ -22,6 +22,7 @@ VERBS = {
     "tradeoff": "compare cost and error of the settings of a scene",
     "surfaces": "list and draw the surfaces of a drawing or mesh",
     "materials": "list the materials that a scene can name",
+    "example": "copy a scene with its kernels, which runs at once",
     "import": "write a mesh or a body file from those of another program",
     "export": "write a body or a run for another program, or as a page to play",
     "batch": "run a study on a SLURM cluster",

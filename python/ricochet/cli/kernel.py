@@ -21,4 +21,4 @@ def add_arguments(parser: Parser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     launcher = programs.mpirun(options.ranks) if options.ranks > 1 else []
-    programs.replace_this_process([*launcher, programs.BIN / "ricochet-kernel", *options.words])
+    programs.replace_this_process([*launcher, programs.kernel_program(), *options.words])

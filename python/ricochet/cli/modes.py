@@ -49,7 +49,7 @@ def verify(options: argparse.Namespace) -> None:
     words = words_for_programs(options)
     print(
         programs.call(
-            [*launcher, programs.BIN / "ricochet-kernel", options.scene, "--verify", *words], capture=True
+            [*launcher, programs.kernel_program(), options.scene, "--verify", *words], capture=True
         ),
         end="",
     )
@@ -73,7 +73,7 @@ def computed(
 ) -> dict[str, Path]:
     """The kernels that ricochet-kernel leaves, by body."""
     launcher = programs.mpirun(options.ranks) if options.ranks > 1 else []
-    report = programs.call([*launcher, programs.BIN / "ricochet-kernel", options.scene, *words], capture=True)
+    report = programs.call([*launcher, programs.kernel_program(), options.scene, *words], capture=True)
     out = programs.out_folder(options.scene, options.out)
     found: dict[str, Path] = {}
     for line in report.splitlines():
@@ -90,7 +90,7 @@ def kernels(options: argparse.Namespace) -> tuple[list[Path], dict[str, Any]]:
     scene."""
     options.set = [*options.set, *(["output.view=true"] if options.plot or options.page else [])]
     words = words_for_programs(options)
-    scene = tomllib.loads(programs.resolved(options.scene, words, "ricochet-kernel"))
+    scene = tomllib.loads(programs.resolved(options.scene, words, programs.kernel_program()))
     bodies = scene.get("bodies", {})
     if not bodies:
         raise InputError(

@@ -132,7 +132,9 @@ def run(options: argparse.Namespace) -> None:
 
     output = asked_output(options)
     surfaces = words_for_surfaces(output)
-    programs.kernel(options.scene, [*words, *surfaces], options.ranks)
+    # Installed by pip, there is no ricochet-kernel: then kernels that are there must do.
+    if programs.kernel_program().is_file() or not stored(options):
+        programs.kernel(options.scene, [*words, *surfaces], options.ranks)
     result = out / f"{slug}.result.h5"
     table = tomllib.loads(programs.resolved(options.scene, words))  # with settings chosen for its accuracy
     if snapshots := words_for_snapshots(options, output, table):

@@ -148,7 +148,7 @@ class Kernels:
             while True:
                 while len(running) < self.jobs and (item := next(waiting, None)):
                     words = [self.study.scene, "--check", *self._words(item[1])]
-                    running.append((item[0], programs.start([programs.BIN / "ricochet-kernel", *words])))
+                    running.append((item[0], programs.start([programs.kernel_program(), *words])))
                 if not running:
                     return
                 meshes, process = running[0]

@@ -88,7 +88,9 @@ class Runner:
         shutil.rmtree(folder, ignore_errors=True)  # a resumed run would take less time
         changes = kernel.changes(self.scene)
         words = self._words(changes, folder)
-        done = timed(programs.kernel_command(self.scene.path, words, self.ranks))
+        command = programs.kernel_command(self.scene.path, words, self.ranks)
+        programs.find(command)
+        done = timed(command)
         row = {"key": key, "kernel": changes, "kernel_s": done.seconds}
         if done.status != 0:
             return self.store.add(row | refusal(done))
