@@ -73,7 +73,9 @@ def find(command: Sequence[Word]) -> None:
         f"RICOCHET_BIN={named} must be the folder of the programs" if named else "run scripts/build first"
     )
     if BIN == WHEEL:
-        advice = "pip does not install it. Install the Debian package ricochet, or copy kernels from elsewhere"
+        advice = (
+            "pip does not install it. Install the Debian package ricochet, or copy kernels from elsewhere"
+        )
     if not BIN.is_dir():
         raise InputError(f"{BIN}: no such folder of programs: {advice}")
     for word in map(Path, map(str, command)):

@@ -35,7 +35,11 @@ COMMANDS = [*PROGRAMS[1:], *(f"ricochet {verb}" for verb in VERBS)]
 # The input of commands that do not read a scene or a study.
 READS = {name: {"b.result.h5"} for name in ("ricochet plot", "ricochet report", "ricochet-recast")}
 READS |= {"ricochet export": {"a.toml", "b.result.h5"}, "ricochet surfaces": {"d.step"}}
-READS |= {"ricochet import": {"mesh", "calculix", "matrices"}, "ricochet materials": set(), "ricochet example": set()}
+READS |= {
+    "ricochet import": {"mesh", "calculix", "matrices"},
+    "ricochet materials": set(),
+    "ricochet example": set(),
+}
 
 
 class Installed(ProgramTest):
@@ -222,7 +226,9 @@ class Installed(ProgramTest):
             options = self.options(name)
             self.assertLessEqual({"--help", "--version"}, options)
             self.assertEqual(self.completed(name, "-"), options)
-            folder = set() if name in ("ricochet import", "ricochet materials", "ricochet example") else {"folder"}
+            folder = (
+                set() if name in ("ricochet import", "ricochet materials", "ricochet example") else {"folder"}
+            )
             self.assertEqual(self.completed(name, '""'), READS.get(name, {"a.toml"}) | folder)
         for name, option in (("sweep", "--out"), ("plot", "--kernels"), ("report", "--kernels")):
             self.assertEqual(self.completed(f"ricochet {name}", f"{option} ''"), {"folder"})

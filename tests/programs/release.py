@@ -21,7 +21,13 @@ class Release(unittest.TestCase):
         scope = tempfile.TemporaryDirectory(prefix="ricochet-release-")
         self.addCleanup(scope.cleanup)
         self.root = Path(scope.name)
-        for name in ("scripts/release", "CMakeLists.txt", "CITATION.cff", "docs/results.md"):
+        for name in (
+            "scripts/release",
+            "CMakeLists.txt",
+            "CITATION.cff",
+            "docs/results.md",
+            "recipe/recipe.yaml",
+        ):
             (self.root / name).parent.mkdir(exist_ok=True)
             shutil.copy2(ROOT / name, self.root / name)
         self.write("scripts/package", PACKAGE % " ".join(MADE)).chmod(0o755)
@@ -71,7 +77,7 @@ class Release(unittest.TestCase):
     def test_a_release_has_its_version_everywhere_a_tag_with_notes_and_files_with_their_sums(self):
         done = self.release("0.2.0")
         self.assertEqual(done.returncode, 0, done.stderr)
-        for name in ("CMakeLists.txt", "CITATION.cff", "docs/results.md"):
+        for name in ("CMakeLists.txt", "CITATION.cff", "docs/results.md", "recipe/recipe.yaml"):
             text = (self.root / name).read_text()
             self.assertEqual(text, (ROOT / name).read_text().replace("0.1.0", "0.2.0"), name)
         changes = (self.root / "CHANGELOG.md").read_text()

@@ -20,6 +20,7 @@ from hygiene import changed_lately, listed, new  # noqa: E402
 PYTHON = SOURCE / "python"
 CHECKED = [
     "python/ricochet/*.py",
+    "python/backend/*.py",
     "benchmarks/*.py",
     "tests/*.py",
     "scripts/coverage",
