@@ -12,6 +12,7 @@ import numpy as np
 from ricochet import programs, runs
 from ricochet.errors import InputError
 from ricochet.interchange.instrument import Blow, Instrument, instrument_of
+from ricochet.interchange.keyboard import OCTAVE, keyboard_of, name_of
 from ricochet.interchange.lv2 import library, write_bundle
 from ricochet.kernel import Kernel
 from ricochet.pages.instrument import module, of_result, run_of_instrument
@@ -27,6 +28,8 @@ def write_instrument(
     form: Literal["web", "lv2"] = "web",
     body: str | None = None,
     spacing: float | None = None,
+    keys: Sequence[int] = (),
+    factor: float | None = None,
     settings: Sequence[str] = (),
     kernels: Path | None = None,
     ranks: int = 2,
@@ -39,6 +42,8 @@ def write_instrument(
     form: a page to play, or a bundle with an LV2 plug-in.
     body: that sounds; default: the one with receivers.
     spacing: between places, for a scene; default: half the size of the mallet [m].
+    keys: numbers of MIDI, ascending without gaps: the body becomes a bar for each of them (ricochet.interchange.keyboard).
+    factor: on all lengths of the bar of the first key; default: such that it is in tune.
     settings: values of scene keys, each as KEY=VALUE.
     kernels: folder of the kernels; default: `out` beside the scene, or the folder of the result.
     ranks: MPI ranks of ricochet-kernel, which computes missing kernels of a scene.
@@ -47,6 +52,18 @@ def write_instrument(
     work if the player that the form needs is not there.
     """
     library() if form == "lv2" else module()
+    if factor is not None and not keys:
+        raise InputError(
+            "--scale-factor: is the size of the first bar of a keyboard. Add --keyboard, such as C4:B5."
+        )
+    if keys and spacing is not None:
+        raise InputError("--spacing: a keyboard is struck at one place of each bar. Leave it out.")
+    if keys and form == "lv2" and len(keys) % OCTAVE:
+        raise InputError(
+            f"--keyboard: has {len(keys)} keys, and a plug-in repeats its keys for the notes beyond. Give whole octaves, "
+            f"such as {name_of(keys[0])}:{name_of(keys[0] + OCTAVE * (len(keys) // OCTAVE + 1) - 1)}."
+        )
+    keyboard = None
     if source.suffix == ".h5":
         if spacing is not None or settings:
             raise InputError(
@@ -54,18 +71,26 @@ def write_instrument(
             )
         folder = kernels or source.parent
         scene, found = of_result(Result(source), folder)
-        instrument = instrument_of(scene, found, body)
+        if keys:
+            instrument, keyboard = keyboard_of(scene, found, keys, factor, body)
+        else:
+            instrument = instrument_of(scene, found, body)
+    elif keys:
+        scene = Scene(source)
+        scene._load(list(settings))
+        folder = kernels or scene.out
+        found = runs.kernels(scene, ranks, folder)
+        instrument, keyboard = keyboard_of(scene, found, keys, factor, body)
     else:
         instrument, scene, found = of_scene(source, body, spacing, settings, kernels, ranks)
         folder = kernels or programs.out_folder(source)
     if form == "lv2":
         bundle = out or folder / f"{scene.slug}.lv2"
-        write_bundle(instrument, scene.title, bundle)
+        write_bundle(instrument, scene.title, bundle, keyboard)
         return bundle
     path = out or folder / f"{scene.slug}.html"
-    save_page(
-        run_of_instrument(instrument, scene, found[instrument.body]), path, "instrument.html", INSTRUMENT
-    )
+    run = run_of_instrument(instrument, scene, found[instrument.body], keyboard)
+    save_page(run, path, "instrument.html", INSTRUMENT)
     return path
 
 

@@ -49,7 +49,8 @@ class Example(ProgramTest):
             advice = "run scripts/examples, and commit what it writes"
             self.assertEqual(there, dict.fromkeys(scene.bodies, True), advice)
             self.refused(Command("example", name, "--out", folder), f"{folder}: is there already")
-        self.refused(Command("example", "gong"), "gong: no such example: choose from bell")
+        choice = ", ".join(names)
+        self.refused(Command("example", "gong"), f"gong: no such example: choose from {choice}")
 
     def test_the_bell_takes_the_momentum_that_the_mallet_loses(self):
         scene = self.bell()

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-2-Clause
 add_program_test(web instrument)
 set_tests_properties(web/instrument PROPERTIES COST 100 PROCESSORS 4)
+add_program_test(web keyboard LONG)
+set_tests_properties(web/keyboard PROPERTIES PROCESSORS 1)
 add_program_test(web module)
 add_program_test(web surfaces)
 set_tests_properties(web/surfaces PROPERTIES PROCESSORS 1)  # most of its time is spent waiting for a browser

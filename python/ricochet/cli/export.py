@@ -6,6 +6,7 @@ output; --web writes a page on which the body is struck and heard, and --lv2 a p
   faust2jaqt bell.dsp
   ricochet export --web meshes/bell/bell.toml -o bell.html
   ricochet export --lv2 meshes/bell/bell.toml -o bell.lv2
+  ricochet export --web bar.toml --keyboard C6:B7 -o keyboard.html
   ricochet export out/two-disks.result.h5 --gltf disks.glb --colour stress
 
 The Faust model turns the force at one place into the velocity of others. A place is the name of a receiver, the number of a
@@ -15,7 +16,8 @@ model.
 
 The page is one file that opens in any browser, without a network (docs/web.md). The plug-in is an LV2 bundle, a folder to be
 copied to ~/.lv2 (docs/lv2.md). From a scene, the body can be struck all over
-its contact surface; missing kernels are computed. From a result, it can be struck where its kernels have contact points.
+its contact surface; missing kernels are computed. From a result, it can be struck where its kernels have contact points. With
+--keyboard, the body becomes a bar for each key, whose size gives it the pitch of the key, struck at the place of the scene.
 
 The film is a binary glTF file, for viewers of 3D models and for Blender: bodies move and deform as in the snapshots of the run,
 contact forces are arrows, and stress, speed or motion (the displacement without the rigid motion) can be their colour. A few shapes
@@ -82,12 +84,34 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     page.add_argument(
         "--spacing", type=positive, metavar="M", help="between places (default: half the size of the mallet)"
     )
+    page.add_argument(
+        "--keyboard",
+        type=keys,
+        default=(),
+        metavar="FIRST:LAST",
+        help="a bar for each key, in tune: the body of the scene in as many sizes, such as C4:B5",
+    )
+    page.add_argument(
+        "--scale-factor",
+        type=positive,
+        metavar="X",
+        help="on all lengths, for the bar of the first key of --keyboard (default: in tune with A4 = 440 Hz)",
+    )
     add_set(page)
     page.add_argument(
         "--kernels", type=Path, metavar="DIR", help="folder of kernels (default: out/, or beside the result)"
     )
     add_ranks(page)
     add_film(parser.add_argument_group("options of --gltf, which also takes --kernels"))
+
+
+def keys(text: str) -> list[int]:
+    from ricochet.interchange.keyboard import notes_of
+
+    try:
+        return notes_of(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def share(text: str) -> float:
@@ -152,6 +176,8 @@ def run(options: argparse.Namespace) -> None:
             form="lv2" if options.lv2 else "web",
             body=options.body,
             spacing=options.spacing,
+            keys=options.keyboard,
+            factor=options.scale_factor,
             settings=options.set,
             kernels=options.kernels,
             ranks=options.ranks,

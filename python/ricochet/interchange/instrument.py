@@ -286,9 +286,8 @@ class Tip:
     def elsewhere(self, kernel: Kernel, most: int) -> list[Place]:
         """Places at the candidates of the body, in front of which the mallet fits."""
         asked = self.striking.blow.bodies[self.striking.blow.body]
-        turned = rotation_of(asked.get("rotate_deg", [0, 0, 0]))
-        points = kernel.node @ turned.T + np.array(asked.get("translate", [0, 0, 0]), float)
-        normals = kernel.normal @ turned.T
+        points = placed(self.striking.blow, kernel.node)
+        normals = kernel.normal @ rotation_of(asked.get("rotate_deg", [0, 0, 0])).T
         out, bar = [], Progress(min(most, len(points)))
         for k in spread(points, most):
             bar.advance("places")
@@ -296,18 +295,29 @@ class Tip:
                 out.append(self.in_front(points[k], normals[k]))
         return out
 
-    def in_front(self, point: Array, normal: Array) -> Place:
-        """The mallet in front of a point of the body. Raises InputError if it does not fit there."""
+    def keys_in_front(self, point: Array, normal: Array) -> dict[str, Any]:
+        """Keys of the mallet that put it in front of a point of the body, and let it fly there at 1 m/s."""
         turned, striking = self.turned, self.striking
         if "direction" not in striking.blow.pair:
             turned = turn_between(self.out, -normal) @ turned
         size = np.linalg.norm(np.ptp(striking.kernels[striking.blow.mallet].node, axis=0))
-        keys = {
+        return {
             "rotate_deg": angles_of(turned),
             "translate": point + CLEARANCE * size * normal - turned @ self.at,
             "velocity": -normal,
         }
-        return striking.place(striking.system(keys, 0.0, []), point, normal, MOST_POINTS)
+
+    def in_front(self, point: Array, normal: Array) -> Place:
+        """The mallet in front of a point of the body. Raises InputError if it does not fit there."""
+        system = self.striking.system(self.keys_in_front(point, normal), 0.0, [])
+        return self.striking.place(system, point, normal, MOST_POINTS)
+
+
+def placed(blow: Blow, points: Array) -> Array:
+    """Points of the body, from its own axes into those of the world."""
+    asked = blow.bodies[blow.body]
+    turned = rotation_of(asked.get("rotate_deg", [0, 0, 0]))
+    return np.asarray(points @ turned.T + np.array(asked.get("translate", [0, 0, 0]), float))
 
 
 def spread(points: Array, most: int) -> Iterator[int]:

@@ -6,6 +6,7 @@ import json
 import re
 import shutil
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,9 @@ import numpy as np
 from ricochet import programs
 from ricochet.errors import InputError
 from ricochet.interchange.instrument import Instrument
+from ricochet.interchange.keyboard import Keyboard
 
+MIDDLE_C = 60  # of MIDI, which strikes the first place (lv2/plugin.cpp)
 INPUT = "a lv2:ControlPort , lv2:InputPort"
 
 # Hosts keep settings by the symbols of the ports and by the URI; a new version must not change them.
@@ -49,9 +52,10 @@ PLUGIN = """\
 """
 
 
-def write_bundle(instrument: Instrument, title: str, bundle: Path) -> None:
+def write_bundle(instrument: Instrument, title: str, bundle: Path, keyboard: Keyboard | None = None) -> None:
     """Writes the bundle of an instrument, a folder with the plug-in, its instrument and its description. An
-    earlier bundle of this name is replaced.
+    earlier bundle of this name is replaced. The places of a keyboard, whole octaves, are put into the order in which the
+    plug-in finds them: middle C first.
 
     Raises InputError, one line, if the name is not NAME.lv2, if something else is there, or if the place
     cannot be written.
@@ -63,6 +67,9 @@ def write_bundle(instrument: Instrument, title: str, bundle: Path) -> None:
     if bundle.exists() and not (bundle / "uri").is_file():
         raise InputError(f"{bundle}: is there and is no bundle of ricochet export. Choose another name.")
     uri = f"urn:ricochet:{bundle.stem}"
+    if keyboard:
+        middle = (MIDDLE_C - keyboard.notes[0]) % len(keyboard.notes)
+        instrument = replace(instrument, places=instrument.places[middle:] + instrument.places[:middle])
     try:
         bundle.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(prefix=f".{bundle.stem}.", dir=bundle.parent) as folder:
@@ -72,7 +79,7 @@ def write_bundle(instrument: Instrument, title: str, bundle: Path) -> None:
             (new / "instrument").write_bytes(instrument.block())
             (new / "uri").write_text(uri)
             (new / "manifest.ttl").write_text(MANIFEST.format(uri=uri))
-            (new / "instrument.ttl").write_text(described(instrument, title, uri), encoding="utf-8")
+            (new / "instrument.ttl").write_text(described(instrument, title, uri, keyboard), encoding="utf-8")
             if bundle.exists():
                 bundle.rename(Path(folder) / "old")
             new.rename(bundle)
@@ -90,7 +97,7 @@ def library() -> Path:
     raise InputError(f"{paths[1]}: there is no such file, which plug-ins need. Run scripts/build.")
 
 
-def described(instrument: Instrument, title: str, uri: str) -> str:
+def described(instrument: Instrument, title: str, uri: str, keyboard: Keyboard | None = None) -> str:
     """The description of the plug-in, in Turtle. The default level lets a blow at the speed of the scene peak at
     a quarter of full scale, as one at 1 m/s does at 0 dB."""
     level = float(np.clip(-20 * np.log10(instrument.speed), -60, 60))
@@ -109,7 +116,7 @@ def described(instrument: Instrument, title: str, uri: str) -> str:
             "atom:supports midi:MidiEvent",
             "lv2:designation lv2:control",
         ],
-        [INPUT, *_named("place", "Place"), *_range(0, 0, last), whole],
+        [INPUT, *_named("place", "Transposition" if keyboard else "Place"), *_range(0, 0, last), whole],
         [INPUT, *_named("mallet", "Mallet"), *_range(0, 0, len(names) - 1), *choice],
         [
             INPUT,
@@ -131,11 +138,14 @@ def described(instrument: Instrument, title: str, uri: str) -> str:
         "[\n    " + " ;\n    ".join([f"lv2:index {index}", *port]) + "\n  ]"
         for index, port in enumerate(ports)
     )
-    comment = (
-        f"{instrument.body}, struck at {last + 1} places; the contact is computed as it happens. Middle C strikes "
-        f"the chosen place, other notes those beside it. Left: velocity of {instrument.channels[0]}, right: of "
-        f"{instrument.channels[1]}."
+    played = (
+        f"{instrument.body}, in {last + 1} sizes for the keys {keyboard.names[0]} to {keyboard.names[-1]}; the contact is computed "
+        "as it happens. Notes beyond sound in an octave that is there. "
+        if keyboard
+        else f"{instrument.body}, struck at {last + 1} places; the contact is computed as it happens. Middle C strikes "
+        "the chosen place, other notes those beside it. "
     )
+    comment = f"{played}Left: velocity of {instrument.channels[0]}, right: of {instrument.channels[1]}."
     return PLUGIN.format(uri=uri, title=_text(title), comment=_text(comment), ports=" , ".join(described))
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from ricochet.arrays import Array
 from ricochet.errors import InputError
 from ricochet.interchange.instrument import Instrument, instrument_of
+from ricochet.interchange.keyboard import Keyboard
 from ricochet.interchange.rotations import rotation_of
 from ricochet.kernel import Kernel
 from ricochet.pages.motion import of_rest, packed
@@ -35,8 +36,8 @@ def module() -> bytes:
     return path.read_bytes()
 
 
-def surface_of(kernel: Kernel) -> tuple[Array, Array]:
-    """Nodes and triangles of a body: its visualisation surface, otherwise its contact surface."""
+def surface_of(kernel: Kernel, most: int = TRIANGLES) -> tuple[Array, Array]:
+    """Nodes and at most about `most` triangles of a body: its visualisation surface, otherwise its contact surface."""
     surface = kernel.visualisation_surface
     node, element = (surface.node, surface.element) if surface else (kernel.node, kernel.element)
     if element.shape[1] == 2 and len(element):
@@ -44,7 +45,7 @@ def surface_of(kernel: Kernel) -> tuple[Array, Array]:
         return node[of] + offset, faces
     if element.shape[1] != 3 or not len(element):
         raise InputError(f"{kernel.path}: has no surface to draw. Set output.view = true in the scene.")
-    kept, element = coarser(node, element, TRIANGLES)
+    kept, element = coarser(node, element, most)
     return node[kept], element
 
 
@@ -54,19 +55,37 @@ def views() -> list[View]:
     return [View(np.array([x, y, 0]) / np.sqrt(2), np.array([0.0, 0.0, 1.0]), 0.0, up) for x, y, up in sides]
 
 
-def picture_of(instrument: Instrument, scene: Scene, kernel: Kernel) -> dict[str, Any]:
-    """The body at rest, in the form of a motion of one moment."""
+def bars(node: Array, element: Array, origin: Array, keyboard: Keyboard) -> tuple[Array, Array]:
+    """Nodes and triangles of all bars of a keyboard, from those of the bar of the scene, whose origin stays where it is."""
+    nodes = [origin + s * (node - origin) + moved for s, moved in zip(keyboard.scale, keyboard.offset)]
+    return np.concatenate(nodes), np.concatenate([element + k * len(node) for k in range(len(nodes))])
+
+
+def picture_of(
+    instrument: Instrument, scene: Scene, kernel: Kernel, keyboard: Keyboard | None = None
+) -> dict[str, Any]:
+    """The body, or the bars of a keyboard, at rest, in the form of a motion of one moment."""
     asked = scene.resolved["bodies"][instrument.body]
-    node, element = surface_of(kernel)
-    place = node @ rotation_of(asked.get("rotate_deg", [0, 0, 0])).T + np.array(
-        asked.get("translate", [0, 0, 0]), float
-    )
-    view = max(views(), key=lambda view: float(view.turn()[2] @ instrument.places[0].normal))
+    node, element = surface_of(kernel, TRIANGLES // len(keyboard.notes) if keyboard else TRIANGLES)
+    origin = np.array(asked.get("translate", [0, 0, 0]), float)
+    place = node @ rotation_of(asked.get("rotate_deg", [0, 0, 0])).T + origin
+    if keyboard:
+        place, element = bars(place, element, origin, keyboard)
+    aside = keyboard.offset[-1] - keyboard.offset[0] if keyboard else np.zeros(3)
+
+    def merit(view: View) -> tuple[float, float]:
+        """The place of the scene is in front, and keys rise from left to right."""
+        turn = view.turn()
+        return round(float(turn[2] @ instrument.places[0].normal), 6), float(turn[0] @ aside)
+
+    view = max(views(), key=merit)
     body = {"name": instrument.body, "node": packed(place), "element": packed(element, "u4"), "lines": False}
     return of_rest([body], view)
 
 
-def played(instrument: Instrument, scene: Scene, kernel: Kernel) -> dict[str, Any]:
+def played(
+    instrument: Instrument, scene: Scene, kernel: Kernel, keyboard: Keyboard | None = None
+) -> dict[str, Any]:
     """What instrument.js needs."""
     left, right = instrument.channels
     heard = f"You hear the velocity of {left}" + (f" and {right}" if right != left else "")
@@ -74,7 +93,8 @@ def played(instrument: Instrument, scene: Scene, kernel: Kernel) -> dict[str, An
         "body": instrument.body,
         "wasm": base64.b64encode(module()).decode(),
         "block": base64.b64encode(instrument.block()).decode(),
-        "picture": picture_of(instrument, scene, kernel),
+        "picture": picture_of(instrument, scene, kernel, keyboard),
+        "keys": keyboard.names if keyboard else [],
         "points": packed([place.point for place in instrument.places]),
         "normals": packed([place.normal for place in instrument.places]),
         "frequency": packed(instrument.omega / (2 * np.pi)),
@@ -86,13 +106,15 @@ def played(instrument: Instrument, scene: Scene, kernel: Kernel) -> dict[str, An
     }
 
 
-def run_of_instrument(instrument: Instrument, scene: Scene, kernel: Kernel) -> dict[str, Any]:
+def run_of_instrument(
+    instrument: Instrument, scene: Scene, kernel: Kernel, keyboard: Keyboard | None = None
+) -> dict[str, Any]:
     """The content of a page that has nothing but the instrument."""
     return {
         "title": scene.title,
         "bodies": [{"name": instrument.body}],
         "episodes": [],
-        "instrument": played(instrument, scene, kernel),
+        "instrument": played(instrument, scene, kernel, keyboard),
     }
 
 

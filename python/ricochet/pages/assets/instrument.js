@@ -98,7 +98,7 @@ class Instrument {
     this.volume = slider(0, 2, 0.01, 1);
     this.outputs = new Map([this.chooser, this.speed, this.damping, this.volume].map(input => [input, make("output", {"aria-hidden": "true"})]));
     const field = (text, input) => make("label", {}, text, input, ...(this.outputs.has(input) ? [this.outputs.get(input)] : []));
-    const form = make("form", {class: "controls instrument"}, this.button, field("Place", this.chooser), field("Mallet", this.mallet),
+    const form = make("form", {class: "controls instrument"}, this.button, field(data.keys.length ? "Key" : "Place", this.chooser), field("Mallet", this.mallet),
       field("Speed", this.speed), field("Damping", this.damping), field("Volume", this.volume));
     form.addEventListener("submit", event => { event.preventDefault(); this.strike(); });
     this.chooser.addEventListener("input", () => this.choose(Number(this.chooser.value) - 1));
@@ -119,6 +119,14 @@ class Instrument {
       if (!still) return;
       const box = canvas.getBoundingClientRect(), ratio = canvas.width / box.width;
       this.choose(this.nearest((event.clientX - box.left) * ratio, (event.clientY - box.top) * ratio));
+      this.strike();
+    });
+    // Letters in the order of piano keys, from the first C on, or from the first key. Words typed into a control are its own.
+    const letters = "awsedftgyhujkolp;'", first = Math.max(0, this.data.keys.findIndex(name => name.startsWith("C") && name[1] !== "#"));
+    if (this.data.keys.length) document.addEventListener("keydown", event => {
+      const key = first + letters.indexOf(event.key), other = event.ctrlKey || event.altKey || event.metaKey || event.repeat;
+      if (other || key < first || key >= this.data.keys.length || event.target instanceof HTMLSelectElement) return;
+      this.choose(key);
       this.strike();
     });
     canvas.addEventListener("pointercancel", () => { down = null; });
@@ -207,7 +215,8 @@ class Instrument {
     const duration = quantity((forces.length - 1 - first) / rate, "s", 3), loud = this.partials(amplitudes);
     const tones = loud.length ? `Strongest partials after 0.5 s: ${loud.map(f => `${digits(f, 4)} Hz`).join(", ")}.` : "";
     const force = `at most ${quantity(peak, "N", 3)}, over ${duration}`;
-    this.status.textContent = `Struck at place ${this.struck.place + 1} with ${this.data.mallets[this.struck.mallet]} at ` +
+    const where = this.data.keys.length ? `Struck: ${this.data.keys[this.struck.place]}` : `Struck at place ${this.struck.place + 1}`;
+    this.status.textContent = `${where} with ${this.data.mallets[this.struck.mallet]} at ` +
       `${quantity(this.struck.speed, "m/s", 3)}: ${force}. ${tones}`;
     this.forcePlot.setAttribute("aria-label", `Contact force: ${force}.`);
     this.spectrumPlot.setAttribute("aria-label", `Spectrum. ${tones}`);
@@ -245,7 +254,7 @@ class Instrument {
 
   show() {
     const set = (input, text) => { this.outputs.get(input).textContent = text; input.setAttribute("aria-valuetext", text); };
-    set(this.chooser, `${this.place + 1} of ${this.points.length / 3}`);
+    set(this.chooser, this.data.keys[this.place] ?? `${this.place + 1} of ${this.points.length / 3}`);
     set(this.speed, quantity(10 ** this.speed.value, "m/s", 2));
     set(this.damping, `× ${digits(10 ** this.damping.value, 2)}`);
     set(this.volume, `${Math.round(100 * this.volume.value)} %`);
