@@ -470,6 +470,20 @@ class Snapshots(HistoryTest):
         self.assertIn(words, why_unseen(history, time))
         self.assertEqual(why_unseen(self.history(touches=0)[0], time), "nothing touched")
 
+    def test_have_labels_that_are_not_wider_than_the_narrowest_panel(self):
+        history, _ = self.history()
+        order, where, _ = history.positions()
+        figure = Figure((snapshots.WIDTH / 6, 2))  # three moments in a row, each beside its forces
+        ax = figure.add_axes((0, 0.5, 1, 0.5))
+        for what in ("distance from the first touch", "position along the contact"):
+            with mock.patch.object(history, "positions", return_value=(order, where, what)):
+                forces = snapshots.Forces(history, [0])
+            with matplotlib.rc_context(STYLE):
+                forces.draw(ax, 0, (True, True))
+            figure.draw_without_rendering()
+            self.assertRegex(ax.get_xlabel().replace("\n", " "), rf"^{what} \(.?m\)$")
+            self.assertLess(ax.xaxis.label.get_window_extent().width, figure.bbox.width)
+
     def test_of_bodies_that_turn_and_touch_several_times_show_the_motion(self):
         history, _, surfaces, time = self.surfaces(touches=3)
         for surface in surfaces.values():

@@ -12,7 +12,7 @@ from ricochet.pictures.loaded_result import LoadedResult
 def energy_picture(result: LoadedResult) -> Figure:
     """All terms of the energy ledger with their sum, and the deviation of the sum from its first value."""
     terms, ledger = result.terms, result.ledger
-    scale_name, reference = "first value", abs(ledger[0])
+    scale_name, reference = "first sum", abs(ledger[0])
     if reference <= 1e-12 * largest_of(*terms.values()):  # bodies at rest have no energy at first
         scale_name, reference = "largest term", largest_of(*terms.values())
     ms, time_unit = prefixed(result.time[-1], "s")
@@ -36,7 +36,7 @@ def energy_picture(result: LoadedResult) -> Figure:
     else:
         low.text(0.5, 0.5, "nothing: the sum never changes", transform=low.transAxes, ha="center", color=GREY)
     low.set(
-        ylabel=f"|change of sum| /\n{scale_name}",
+        ylabel=f"change of the sum,\nrelative to {scale_name}",
         title="What the ledger fails to account for",
         xlabel=f"time ({time_unit})",
         xlim=(t[0], t[-1]),

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The picture of a contact at several moments: the forces, and the bodies from the viewpoint with the best
 view of the contact."""
+import textwrap
+
 import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
@@ -319,7 +321,7 @@ class Forces:
         ax.set_ylim(0, self.top)
         ax.grid(axis="x", visible=False)
         if labelled[0]:
-            ax.set_xlabel(self.label)
+            ax.set_xlabel(textwrap.fill(self.label, 18))  # a panel is not wider
         if labelled[1]:
             ax.set_ylabel(f"force ({self.unit})")
         else:
