@@ -11,7 +11,7 @@ import numpy as np
 
 from programs import BIN, MESHES, Command, Forked, ProgramTest, Run
 
-VERBS = "run modes kernel impact plot report sweep tradeoff surfaces materials import export batch".split()
+VERBS = "run modes kernel impact plot report sweep tradeoff surfaces materials example import export batch".split()
 # A free bar of 300 x 50 x 20 mm without contact and time.
 BAR = """[bodies.bar]
 mesh = "bar.geo"
