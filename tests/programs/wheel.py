@@ -4,6 +4,7 @@ PETSc or gmsh, and says what to install for kernels. The source distribution con
 
 import csv
 import os
+import re
 import subprocess
 import sys
 import tarfile
@@ -66,7 +67,7 @@ class Wheel(ProgramTest):
         self.assertEqual({path.name for path in out.glob("*.kernel.h5")}, kernels)  # none was missing
         page = self.where / "bell.html"
         self.succeed(self.call("ricochet", "export", "--web", "bell/bell.toml", "-o", page))
-        self.assertIn('"wasm": "AGFzb', page.read_text())
+        self.assertTrue(re.search('"wasm": ?"AGFzb', page.read_text()), "there is no player in the page")
         self.succeed(
             self.call("ricochet", "export", "--lv2", "bell/bell.toml", "-o", self.where / "bell.lv2")
         )
