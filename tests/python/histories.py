@@ -527,7 +527,7 @@ class Snapshots(HistoryTest):
         factor, unit = prefixed(history.force[row].max(), "N")
         np.testing.assert_allclose([bar.get_height() for bar in ax.patches], factor * history.force[row])
         self.assertEqual(
-            (ax.get_xlabel(), ax.get_ylabel()), ("number of the contact position", f"force ({unit})")
+            (ax.get_xlabel(), ax.get_ylabel()), ("number of the\ncontact position", f"force ({unit})")
         )
         history, drag = self.history()
         panel = snapshots.Forces(history, [row])
