@@ -48,6 +48,8 @@ class Reserved {
     assert(size <= capacity_);
     size_ = size;
   }
+  std::size_t size() const { return size_; }
+  std::size_t capacity() const { return capacity_; }
   T* data() { return entries_.get(); }
   const T* data() const { return entries_.get(); }
   T& operator[](std::size_t k) { return entries_[k]; }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include <algorithm>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <utility>
 
@@ -359,6 +360,17 @@ int ricochet_simulation_push(ricochet_simulation* simulation, size_t body, const
   return RICOCHET_REFUSED;
 }
 
+int ricochet_simulation_push_at(ricochet_simulation* simulation, size_t body, const char* receiver,
+                                size_t candidate, const double* force) {
+  if (simulation->simulation.push_at(body, {receiver ? receiver : "", candidate}, vector_or_zero(force)))
+    return RICOCHET_OK;
+  std::snprintf(
+      last_error, sizeof last_error,
+      "push_at: the body or the point is not there, its kernel does not hold the motion along the force, "
+      "or too many forces act. Name a receiver or a candidate of the kernel.");
+  return RICOCHET_REFUSED;
+}
+
 int ricochet_simulation_add(ricochet_simulation* simulation, const char* name, const ricochet_kernel* kernel,
                             const ricochet_motion* motion, const double* friction, size_t* body) {
   return checked([&] {
@@ -405,8 +417,25 @@ ricochet_state* ricochet_simulation_save(const ricochet_simulation* simulation) 
 
 int ricochet_simulation_restore(ricochet_simulation* simulation, const ricochet_state* state) {
   if (state && simulation->simulation.restore(state->state)) return RICOCHET_OK;
-  std::snprintf(last_error, sizeof last_error,
-                "state: is not one of this simulation. Restore what it saved.");
+  std::snprintf(
+      last_error, sizeof last_error,
+      "state: is not one of this system. Restore it in a simulation of the same kernels and scene.");
   return RICOCHET_REFUSED;
 }
+
+size_t ricochet_state_bytes(const ricochet_state* state, void* out, size_t count) {
+  return guarded<size_t>(0, [&] {
+    const std::vector<std::byte> bytes = given(state, "state").state.bytes();
+    if (out && bytes.size() <= count) std::memcpy(out, bytes.data(), bytes.size());
+    return bytes.size();
+  });
+}
+
+ricochet_state* ricochet_state_read(const ricochet_simulation* simulation, const void* bytes, size_t count) {
+  return guarded<ricochet_state*>(nullptr, [&] {
+    const auto* const from = static_cast<const std::byte*>(bytes);
+    return new ricochet_state{given(simulation, "simulation").simulation.state({from, from ? count : 0})};
+  });
+}
+
 void ricochet_state_free(ricochet_state* state) { delete state; }

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: BSD-2-Clause
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cstring>
 #include <limits>
 #include <utility>
 
+#include "base/archive.hpp"
 #include "contact/api/simulation_impl.hpp"
 #include "kernels/read.hpp"
 #include "kernels/write.hpp"
+#include "ricochet/ricochet.h"
 
 namespace ricochet {
 namespace {
@@ -18,6 +23,19 @@ std::span<const double> span_of(const contact::Vector& v) noexcept {
 constexpr Vector3 missing{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN(),
                           std::numeric_limits<double>::quiet_NaN()};
 
+/// What precedes the arrays of a state, and the digest that follows them.
+struct StateHeader {
+  std::array<char, 8> format{'r', 'i', 'c', 'o', 's', 't', 'a', 't'};
+  std::int64_t version = RICOCHET_VERSION_NUMBER;
+  base::Digest::Value system{};
+};
+
+base::Digest::Value digest_of(std::span<const std::byte> bytes) {
+  base::Digest digest;
+  digest.add(bytes.data(), bytes.size());
+  return digest.value();
+}
+
 }  // namespace
 
 SharedKernel load_kernel(const std::filesystem::path& path) {
@@ -29,9 +47,17 @@ void save_kernel(const kernels::Kernel& kernel, const std::filesystem::path& pat
 }
 
 struct Simulation::State::Impl {
-  std::uint64_t identity;
+  base::Digest::Value system;
+  std::shared_ptr<const contact::Model> model;  ///< to whose data the stepper refers
   std::unique_ptr<contact::Stepper> stepper;
   contact::Vector force, rubbing;
+  bool begins_sample;
+
+  void archive(base::Archive& a) const {
+    Impl& own = const_cast<Impl&>(*this);  // a writer changes nothing
+    a(own.force, own.rubbing, own.begins_sample);
+    stepper->archive(a);
+  }
 };
 
 Simulation::Simulation(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}
@@ -149,6 +175,19 @@ bool Simulation::push(std::size_t number, const Vector3& force, const Vector3& t
          impl_->stepper->push(body, {force[0], force[1], force[2]}, {torque[0], torque[1], torque[2]});
 }
 
+bool Simulation::push_at(std::size_t number, const BodyPoint& point, const Vector3& force) noexcept {
+  const int body = impl_->body_of(number);
+  if (body < 0) return false;
+  const auto& receivers = impl_->kernels[static_cast<std::size_t>(body)]->receivers;
+  contact::BodyPlace place{.is_receiver = !point.receiver.empty()};
+  if (place.is_receiver)
+    place.number = static_cast<int>(std::ranges::find(receivers, point.receiver, &kernels::Receiver::name) -
+                                    receivers.begin());
+  else
+    place.number = static_cast<int>(std::min<std::size_t>(point.candidate, std::numeric_limits<int>::max()));
+  return impl_->stepper->push_at(body, place, {force[0], force[1], force[2]});
+}
+
 void Simulation::watch(std::span<const MaterialLimits> limits, double slowest_wave) {
   impl_->begin_watch({limits.begin(), limits.end()}, slowest_wave);
 }
@@ -160,22 +199,72 @@ Energy Simulation::energy() const noexcept { return impl_->stepper->modal()->ene
 int Simulation::quasi_static_modes() const noexcept { return impl_->stepper->modal()->modes_in_residual(); }
 
 Simulation::State Simulation::save() const {
-  return State(std::make_unique<const State::Impl>(
-      State::Impl{impl_->identity, impl_->stepper->clone(), impl_->force, impl_->rubbing}));
+  return State(
+      std::make_unique<const State::Impl>(State::Impl{impl_->system, impl_->shared, impl_->stepper->clone(),
+                                                      impl_->force, impl_->rubbing, impl_->begins_sample}));
 }
 
-// Assigns to the stepper instead of replacing it, so that its arrays keep their memory and capacity.
+// Assigns to the stepper instead of replacing it, so that its arrays keep their memory and capacity. The
+// stepper of another simulation refers to kernels of that one, so that its state is taken as bytes.
 bool Simulation::restore(const State& state) noexcept {
-  if (!state.impl_ || state.impl_->identity != impl_->identity) return false;
+  if (!state.impl_ || state.impl_->system != impl_->system) return false;
+  if (state.impl_->model != impl_->shared) {
+    try {
+      return restore(this->state(state.bytes()));
+    } catch (...) {  // without memory
+      return false;
+    }
+  }
   impl_->stepper->assign(*state.impl_->stepper);
   impl_->force = state.impl_->force;
   impl_->rubbing = state.impl_->rubbing;
   impl_->list_forced();
   impl_->tangential_force.setZero();
   impl_->turn_to_world();
-  impl_->begins_sample = true;
+  impl_->begins_sample = state.impl_->begins_sample;
   impl_->touched = !impl_->find_touching().empty();
   return true;
+}
+
+Simulation::State Simulation::state(std::span<const std::byte> bytes) const {
+  StateHeader header;
+  base::Digest::Value digest{};
+  constexpr std::size_t fewest = sizeof header + sizeof digest;
+  if (bytes.size() < fewest || std::memcmp(bytes.data(), header.format.data(), sizeof header.format) != 0)
+    throw InputError("state: is not a saved state. Give the bytes of one.");
+  std::memcpy(&header, bytes.data(), sizeof header);
+  std::memcpy(&digest, bytes.last(sizeof digest).data(), sizeof digest);
+  if (digest != digest_of(bytes.first(bytes.size() - sizeof digest)))
+    throw InputError("state: its bytes are damaged. Save it again.");
+  if (header.version != RICOCHET_VERSION_NUMBER)
+    throw InputError(
+        fmt::format("state: version {} of the library saved it, and this is version {}. Save it again.",
+                    header.version, RICOCHET_VERSION_NUMBER));
+  if (header.system != impl_->system)
+    throw InputError(
+        "state: is of another system: its kernels, its scene, or the bodies that were added or removed "
+        "differ. "
+        "Restore it in a simulation of the same.");
+  auto out = std::make_unique<State::Impl>(
+      State::Impl{impl_->system, impl_->shared, impl_->stepper->clone(), impl_->force, impl_->rubbing, true});
+  base::Archive archive(bytes.subspan(sizeof header, bytes.size() - fewest));
+  out->archive(archive);
+  if (!archive.complete())
+    throw InputError(
+        "state: its arrays do not fit this simulation, because another build saved it. Save it again.");
+  return State(std::move(out));
+}
+
+std::vector<std::byte> Simulation::State::bytes() const {
+  std::vector<std::byte> out(sizeof(StateHeader));
+  const StateHeader header{.system = impl_->system};
+  std::memcpy(out.data(), &header, sizeof header);
+  base::Archive archive(out);
+  impl_->archive(archive);
+  const base::Digest::Value digest = digest_of(out);
+  const auto* const at = reinterpret_cast<const std::byte*>(&digest);
+  out.insert(out.end(), at, at + sizeof digest);
+  return out;
 }
 
 Simulation::State::State(std::unique_ptr<const Impl> impl) : impl_(std::move(impl)) {}

@@ -100,7 +100,10 @@ std::unique_ptr<Simulation::Impl> Simulation::Impl::changed(const std::vector<in
     return body < 0 || found == change.from.body.end() ? -1
                                                        : static_cast<int>(found - change.from.body.begin());
   };
-  for (const int body : kept) out->kernels.push_back(kernels[static_cast<std::size_t>(body)]);
+  for (const int body : kept) {
+    out->kernels.push_back(kernels[static_cast<std::size_t>(body)]);
+    out->kernel_digests.push_back(kernel_digests[static_cast<std::size_t>(body)]);
+  }
   for (const Entry& entry : entries)
     if (const int body = now(entry.body); body >= 0) {
       out->entries.push_back({entry.number, entry.name, body});
@@ -154,10 +157,22 @@ std::size_t Simulation::add(const std::string& name, const SharedKernel& kernel,
   const auto rubs = friction_of(impl_->scene, friction, "bodies." + name);
   if (rubs && is_rod(kernel->surface)) throw InputError(friction_on_rod(name));
   int body = impl_->find_place(kernel, rubs);
+  base::Digest system;
+  system.add(impl_->system);
+  system.add(body);
+  system.add(name);
   if (body >= 0) {
     impl_->take_place(body, added, rubs);
-    impl_->identity = next_identity();
   } else {
+    const base::Digest::Value of_kernel = impl_->digest_of_kernel(kernel);
+    system.add(of_kernel);
+    for (const Vector3& vector : {motion.position, motion.velocity, motion.spin})
+      system.add(vector.data(), sizeof vector);
+    system.add(motion.attitude.data(), sizeof motion.attitude);
+    if (rubs)
+      for (const double x : {rubs->static_coefficient, rubs->dynamic_coefficient, rubs->stribeck_velocity})
+        system.add(x);
+
     const std::vector<int> kept = impl_->present();
     std::vector<contact::PlacedBody> there;
     for (const int k : kept) there.push_back(impl_->placed(k));
@@ -165,7 +180,9 @@ std::size_t Simulation::add(const std::string& name, const SharedKernel& kernel,
     body = static_cast<int>(kept.size());
     impl_ = impl_->changed(kept, &placement);
     impl_->kernels.push_back(kernel);
+    impl_->kernel_digests.push_back(of_kernel);
   }
+  impl_->system = system.value();
   const std::size_t number = impl_->next_number++;
   impl_->entries.push_back({number, name, body});
   impl_->body_numbers.push_back(number);
@@ -184,17 +201,20 @@ void Simulation::remove(std::size_t number) {
   if (body < 0)
     throw InputError(
         fmt::format("remove: there is no body {}. bodies() lists those that are there.", number));
+  base::Digest system;
+  system.add(impl_->system);
+  system.add(number);
   const bool stays = !impl_->model.bodies[static_cast<std::size_t>(body)].supported &&
                      std::ranges::count(impl_->model.forcing, body, &contact::Model::Forcing::body) == 0;
   if (stays) {
     impl_->floating->take_out(body);
     impl_->silence(body);
-    impl_->identity = next_identity();
     std::erase(impl_->body_numbers, number);
     std::erase_if(impl_->entries, [&](const Impl::Entry& entry) { return entry.number == number; });
   } else {
     impl_ = impl_->changed(impl_->present(body), nullptr);
   }
+  impl_->system = system.value();
 }
 
 std::span<const std::size_t> Simulation::bodies() const noexcept { return impl_->body_numbers; }

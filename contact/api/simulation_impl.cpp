@@ -2,9 +2,10 @@
 #include "contact/api/simulation_impl.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <numeric>
 #include <utility>
+
+#include "contact/api/system_digest.hpp"
 
 namespace ricochet {
 namespace {
@@ -31,11 +32,6 @@ std::vector<std::size_t> numbers(std::size_t count) {
 
 }  // namespace
 
-std::uint64_t next_identity() {
-  static std::atomic<std::uint64_t> last{0};
-  return ++last;
-}
-
 Simulation::Impl::Impl(const Scene& scene)
     : Impl(scene, contact::fold(std::make_shared<const contact::Model>(model_of(scene)), step_options(scene)),
            nullptr, numbers(scene.pairs.size())) {
@@ -43,8 +39,10 @@ Simulation::Impl::Impl(const Scene& scene)
   turning = turning_pickups_of(scene, model);
   for (const Body& body : scene.bodies) {
     entries.push_back({entries.size(), body.name, static_cast<int>(entries.size())});
+    kernel_digests.push_back(digest_of_kernel(body.kernel));
     kernels.push_back(body.kernel);
   }
+  system = digest_of(scene, kernel_digests);
   body_numbers = numbers(entries.size());
   next_number = entries.size();
   for (const TurningPickup& pickup : turning) pickups_at_start.push_back(place_of(pickup));
@@ -69,6 +67,12 @@ Simulation::Impl::Impl(const Scene& of, std::shared_ptr<const contact::Model> of
   scene.forcing.clear();
   forced.reserve(is_forced.size());
   touching.reserve(points.size());
+}
+
+base::Digest::Value Simulation::Impl::digest_of_kernel(const SharedKernel& kernel) const {
+  const auto found = std::ranges::find(kernels, kernel);
+  return found == kernels.end() ? digest_of(*kernel)
+                                : kernel_digests[static_cast<std::size_t>(found - kernels.begin())];
 }
 
 void Simulation::Impl::add_force() noexcept {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/digest.hpp"
 #include "contact/api/scene_model.hpp"
 #include "contact/figures/rigid_motion.hpp"
 #include "contact/figures/summary_observer.hpp"
@@ -17,9 +18,6 @@
 #include "ricochet/ricochet.hpp"
 
 namespace ricochet {
-
-/// Different from all others so far.
-std::uint64_t next_identity();
 
 inline Vector3 array(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -96,12 +94,17 @@ struct Simulation::Impl {
   std::unique_ptr<Impl> changed(const std::vector<int>& kept, const contact::Placement* added) const;
   void silence(int body) noexcept;
 
-  std::uint64_t identity = next_identity();
+  /// Of a kernel that may belong to a body.
+  base::Digest::Value digest_of_kernel(const SharedKernel& kernel) const;
+
+  /// Of the scene, and of the bodies that were added and removed since.
+  base::Digest::Value system{};
   Scene scene;                              ///< without bodies, pairs and loads
   std::vector<Entry> entries{};             ///< of bodies that are there, by ascending number
   std::vector<std::size_t> body_numbers{};  ///< theirs
   std::size_t next_number = 0;
   std::vector<SharedKernel> kernels{};  ///< by body of the model, which contains pointers to them
+  std::vector<base::Digest::Value> kernel_digests{};  ///< likewise
   std::shared_ptr<const contact::Model> shared;
   const contact::Model& model = *shared;
   std::unique_ptr<contact::Stepper> stepper;

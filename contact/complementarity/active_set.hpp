@@ -51,6 +51,8 @@ class ActiveSet {
 
   const std::vector<double>& null_direction() const { return d_; }  ///< (p) d_P
 
+  void archive(auto& a) { a(count_, active_, is_active_, factor_, reciprocal_, row_, d_); }
+
  private:
   using Factor = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
   Factor factor() const { return {factor_.data(), count_, count_, Eigen::OuterStride<>(stride_)}; }

@@ -49,6 +49,8 @@ class BorderedFactor {
     return border_ > 0 ? factor_.sign(least) * small_.sign(least) : factor_.sign(least);
   }
 
+  void archive(auto& a) { a(size_, border_, factor_, small_, columns_, rows_, schur_); }
+
  private:
   std::ptrdiff_t stride_;
   int most_, size_ = 0, border_ = 0;

@@ -38,6 +38,8 @@ struct SolveResidual {
   double violation = 0;  ///< max −w_i, in units of r
   double scale = 0;      ///< |r|_∞ + ‖S_·P‖_∞ |λ|_∞, to which the tolerance of w is relative
   double work = 0;       ///< |λᵀw|, which is round-off
+
+  void archive(auto& a) { a(violation, scale, work); }
 };
 
 /// Statistics since construction. They do not influence the solver.
@@ -49,6 +51,8 @@ struct SolveStatistics {
   std::int64_t renewals = 0;   ///< factors recomputed for another matrix, O(p³) each
   std::int64_t limited = 0;    ///< stopped by max_pivots
   int max_active = 0;
+
+  void archive(auto& a) { a(problems, warm_hits, pivots, fallbacks, renewals, limited, max_active); }
 };
 
 SolveStatistics operator+(const SolveStatistics& a, const SolveStatistics& b);
@@ -81,6 +85,12 @@ class ComplementaritySolver {
   const SolveStatistics& statistics() const { return statistics_; }
   const SolveResidual& residual() const { return residual_; }
 
+  /// The warm start, which the forces of later problems depend on to the last bit.
+  void archive(auto& a) {
+    a(statistics_, residual_, active_set_, known_, warm_, stopped_, descending_, entered_, changed_, budget_);
+    a(refused_, z_, x_, leaving_, entering_, rows_, w_, weight_, root_, seen_, heaviest_, tolerance_, best_);
+  }
+
  private:
   using Right = Eigen::Ref<const Eigen::VectorXd>;
 
@@ -103,6 +113,7 @@ class ComplementaritySolver {
   struct Seen {
     Eigen::VectorXd push;                       ///< (n) f
     double sum = 0, square = 0, tolerance = 0;  ///< |μ|_1, μᵀf, tolerance of f
+    void archive(auto& a) { a(push, sum, square, tolerance); }
   };
 
   /// The best feasible λ so far.
@@ -111,11 +122,13 @@ class ComplementaritySolver {
     int count = 0;
     std::vector<int> index;
     std::vector<double> value;
+    void archive(auto& a) { a(objective, count, index, value); }
   };
   /// What a solve may still do.
   struct Budget {
     int pivots = 0;
     int fewest = 0, rounds = 0;  ///< least number of infeasible indices; remaining rounds to reduce it
+    void archive(auto& a) { a(pivots, fewest, rounds); }
   };
 
   SolveOptions options_;

@@ -89,6 +89,8 @@ class ContactSolver {
            SolveStatistics{.limited = newton_.stopped()};
   }
 
+  void archive(auto& a) { a(frictionless_, friction_, newton_, stopped_, with_friction_); }
+
  private:
   ComplementaritySolver frictionless_;
   FrictionSolver friction_;

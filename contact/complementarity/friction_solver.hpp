@@ -75,6 +75,12 @@ class FrictionSolver {
   /// of a point with S_nn ≤ μ |S_nt|.
   bool several() const { return several_; }
 
+  void archive(auto& a) {
+    a(statistics_, residual_, several_, frictionless_, system_, known_, point_count_, contact_count_,
+      changed_);
+    a(gathered_, largest_r_, largest_normal_r_, points_, touching_, runs_, states_, slips_, root_, forces_);
+  }
+
  private:
   using Right = Eigen::Ref<const Eigen::VectorXd>;
   using Forces = Eigen::Ref<Eigen::VectorXd>;
@@ -84,6 +90,7 @@ class FrictionSolver {
     double coefficient = 0;
     bool touches = false;
     int row(int k) const { return k == 0 ? normal : tangential + k - 1; }
+    void archive(auto& a) { a(normal, tangential, contact, coefficient, touches); }
   };
 
   bool know(const Symmetric& S, std::span<const FrictionContact> contacts) noexcept;
@@ -100,6 +107,7 @@ class FrictionSolver {
   /// Consecutive rows of the problem that are consecutive in the system.
   struct Run {
     int row, of_system, size;
+    void archive(auto& a) { a(row, of_system, size); }
   };
 
   FrictionOptions options_;

@@ -37,6 +37,7 @@ class FrictionSystem {
     Eigen::Vector2d direction = Eigen::Vector2d::Zero();  ///< t of slip
     double slip = 0;                                      ///< |w_t| of slip
     int rows() const { return coefficient > 0 ? 3 : 1; }
+    void archive(auto& a) { a(row, coefficient, state, direction, slip); }
   };
 
   explicit FrictionSystem(int capacity);
@@ -79,6 +80,11 @@ class FrictionSystem {
   double tolerance() const { return sizes_.tolerance; }          ///< of w
   double normal_tolerance() const { return sizes_.of_normals; }  ///< of w in normal rows
   double scale() const;  ///< |r|_∞ + ‖A‖_∞ |p|_∞ of the last p
+
+  void archive(auto& a) {
+    a(count_, rows_, touch_, best_, answer_, held_, entries_, kept_, changed_, has_factor_, factor_, steps_);
+    a(exact_, A_, p_, w_, r_, multiplied_, product_, multiplied_rows_, cautious_, contradicted_, sizes_);
+  }
 
  private:
   void evaluate() noexcept;
@@ -125,6 +131,7 @@ class FrictionSystem {
     int at = 0;                                           ///< first unknown in the factor
     Eigen::Vector2d direction = Eigen::Vector2d::Zero();  ///< t when it was factored
     double turning = 0;                                   ///< entry of C of a slipping point then
+    void archive(auto& a) { a(factored, state, at, direction, turning); }
   };
   /// A row and column of the border: of an unknown with its equation, or a multiplier.
   struct Entry {
@@ -132,12 +139,14 @@ class FrictionSystem {
     bool is_unknown = false, turns = false;  ///< turns: an unknown with an entry of C
     Eigen::Vector3d move = Eigen::Vector3d::Zero(), equation = move;  ///< of an unknown
     double sign = 1;  ///< of the determinant without it over that with it
+    void archive(auto& a) { a(point, is_unknown, turns, move, equation, sign); }
   };
   /// Points and forces to which the solver may return.
   struct Iterate {
     std::vector<Touch> touch;
     std::vector<double> p;
     double error = 0;
+    void archive(auto& a) { a(touch, p, error); }
   };
   /// Steps of Broyden's method since the factor or its border has changed.
   struct Steps {
@@ -146,12 +155,14 @@ class FrictionSystem {
     std::array<double, most> squares{};
     std::ptrdiff_t stride = 0;
     int count = 0;
+    void archive(auto& a) { a(step, squares, stride, count); }
   };
   /// Sizes of the problem, to which tolerances are relative.
   struct Sizes {
     double norm = 0, diagonal = 0;         ///< ‖A‖_∞, max A_ii
     double r = 0, normal_r = 0;            ///< largest |r|, over all rows and over normal rows
     double tolerance = 0, of_normals = 0;  ///< of w
+    void archive(auto& a) { a(norm, diagonal, r, normal_r, tolerance, of_normals); }
   };
   /// The problem without the ridge of a regularised one.
   struct Plain {

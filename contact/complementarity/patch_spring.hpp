@@ -48,6 +48,7 @@ struct PatchSpring {
     const double x = force < limit ? force / limit : 1, root = std::cbrt(x);
     return bulge * limit * x * (1.2 * root * root - x);
   }
+  void archive(auto& a) { a(bulge, limit); }
 };
 
 /// u −= s(λ). @param springs  of the first rows

@@ -25,6 +25,8 @@ class PivotedFactor {
   /// Sign of det A; 0 if a pivot is below `least`.
   int sign(double least) const { return least_pivot_ < least ? 0 : sign_; }
 
+  void archive(auto& a) { a(matrix_, exchange_, reciprocal_, work_, size_, sign_, least_pivot_); }
+
  private:
   void factor_columns(int first, int last) noexcept;
   void factor_one_by_one(int first, int last) noexcept;

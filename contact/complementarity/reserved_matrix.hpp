@@ -31,6 +31,8 @@ class ReservedMatrix {
   const double* column(Eigen::Index j) const noexcept { return entries_.data() + j * stride_; }
   Eigen::Index stride() const { return stride_; }  ///< distance of columns
 
+  void archive(auto& a) { a(rows_, stride_, entries_); }
+
  private:
   static Eigen::Index padded(Eigen::Index rows) {
     constexpr Eigen::Index line = 8;  // numbers

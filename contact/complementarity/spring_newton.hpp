@@ -72,6 +72,13 @@ class SpringNewton {
   std::int64_t stopped() const { return stopped_; }
   double misfit() const { return misfit_; }  ///< of the last answer: largest error of s(λ) [m]
 
+  void archive(auto& a) {
+    a(known_, rows_, slope_, at_, right_, renewed_, largest_r_, misfit_, error_, before_, closed_, stopped_);
+    if (known_ > matrix_.cols()) return a.fail();
+    for (Eigen::Index j = 0; j < known_; ++j)
+      a.entries(matrix_.col(j).data(), static_cast<std::size_t>(known_));
+  }
+
  private:
   void begin(const Symmetric& S, const Right& r, std::span<const PatchSpring> springs,
              const Forces& p) noexcept;

@@ -96,6 +96,11 @@ class ContactLaw {
   SolveStatistics statistics() const { return euler_.statistics() + mean_.statistics(); }
   ContactSolver& solver() { return euler_; }
 
+  void archive(auto& a) {
+    a(free, start, gap_, springs_, euler_, mean_, rows_, position_, knows_products_, now_, before_, after_);
+    a(force_, end_, u_, yielded_, next_, problem_);
+  }
+
  private:
   /// The rows of one island.
   struct Island {
@@ -108,6 +113,8 @@ class ContactLaw {
     std::vector<PatchSpring> springs;
     std::vector<FrictionContact> contacts;
     ReservedMatrix R, S, S_mean;  ///< of an island that does not hold all rows; S also if it is computed
+    /// The others are those of the step that is solved.
+    void archive(auto& a) { a(size, held, last, has_matrices, R, S, S_mean); }
   };
 
   ContactLaw(Eigen::Index rows, Eigen::Index capacity, const SolveOptions& solver, bool springs);
@@ -138,6 +145,7 @@ class ContactLaw {
   /// Displacements by the forces at an instant, by position [m].
   struct Products {
     Vector R, M;  ///< R p, M p
+    void archive(auto& a) { a(R, M); }
   };
   bool knows_products_ = false;
   Products now_, before_, after_;  ///< of before, R p is not used

@@ -54,6 +54,7 @@ namespace ricochet::contact {
 struct MeanWeights {
   double end, start, before;  ///< a, b, c
   bool operator==(const MeanWeights&) const = default;
+  void archive(auto& a) { a(end, start, before); }
 };
 inline constexpr MeanWeights conserving_mean{0.625, 0.25, 0.125}, backward_euler{1, 0, 0};
 
@@ -71,6 +72,7 @@ class MeanForce {
     /// [J].
     double reserve = 0;
     double bank = 0;  ///< its part of the bank of its island, ≥ 0; 0 unless it carries [J]
+    void archive(auto& a) { a(weights, carries, shock, restarts, asleep, reserve, bank); }
   };
 
   /// State of one pair with n rows. @param conserving  whether steps use the mean, and not backward Euler
@@ -107,6 +109,8 @@ class MeanForce {
   void take(const MeanForce& earlier, const Correspondence& from);
   /// Forgets all forces.
   void clear() noexcept;
+
+  void archive(auto& a) { a(pairs_, carries_, end_, before_); }
 
  private:
   /// Consecutive rows of one pair.

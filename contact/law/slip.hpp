@@ -62,6 +62,10 @@ class Slip {
   double speed(Eigen::Index f) const { return speed_(f); }         ///< |d|/Δ of a closed point [m/s]
   std::span<const ContactState> states() const { return state_; }  ///< (f) at the end of the last step
 
+  void archive(auto& a) {
+    a(belt_, speed_, heat_, next_speed_, next_heat_, state_, next_state_, list_, next_list_, is_next_listed_);
+  }
+
  private:
   double step_ = 0;
   Vector belt_;                    ///< (n)
@@ -72,6 +76,7 @@ class Slip {
   struct List {
     std::vector<int> point;  ///< (f), the first `count` of them
     std::size_t count = 0;
+    void archive(auto& a) { a(point, count); }
   };
   List list_, next_list_;
   std::vector<char> is_next_listed_;  ///< (f)

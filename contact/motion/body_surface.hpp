@@ -20,6 +20,7 @@ struct Foot {
   Eigen::Vector3d point{0, 0, 0};   ///< on the curved element [m]
   Eigen::Vector3d normal{0, 0, 0};  ///< unit, out of the surface, towards the point
   double distance = 0;              ///< along the normal [m]; negative inside
+  void archive(auto& a) { a(element, weight, point, normal, distance); }
 };
 
 class BodySurface {

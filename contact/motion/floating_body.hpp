@@ -90,6 +90,13 @@ struct FloatingBody {
   /// Sets the rates of the rigid modes to those of the present velocity and spin in world axes, as if the
   /// body had its initial attitude, which is how momenta and velocities are computed from them.
   void write_rates(Vector& rates) const noexcept;
+
+  /// The state, and what of the constants a removal changes.
+  void archive(auto& a) {
+    a(present, asleep, inverse_mass, gravity, start, position, velocity, momentum, attitude, axes, push,
+      torque);
+    a(load, load_torque, lag, position_carry, velocity_carry);
+  }
 };
 
 /// The bodies of a model at t = 0. Throws InputError as the constructor does.

@@ -17,6 +17,7 @@ struct Pose {
   Eigen::Vector3d velocity_at(const Eigen::Vector3d& arm, const Eigen::Vector3d& rate) const {
     return velocity + spin.cross(attitude * arm) + attitude * rate;
   }
+  void archive(auto& a) { a(position, attitude, velocity, spin); }
 };
 
 /// The matrix X with X y = x × y.

@@ -19,10 +19,15 @@ struct Turning {
   /// What acts on a body from outside besides loads, about its centre, world axes.
   struct Wrench {
     Eigen::Vector3d force{0, 0, 0}, torque{0, 0, 0};  ///< [N], [N m]
+    void archive(auto& a) { a(force, torque); }
   };
   std::vector<Wrench> pushed;           ///< by body
   std::vector<Vector> candidate_force;  ///< by body (3M), in its axes, at the end of the last step [N]
   Vector rates{};  ///< (N) q̇ of the elastic modes, in body axes: v, and the turn of nearly equal modes
+
+  void archive(auto& a) {
+    a(poses, frames.point_a, frames.point_b, frames.normal, frames.tangent, pushed, candidate_force, rates);
+  }
 };
 
 /// At t = 0, with finite rotations; otherwise no value. Throws InputError as FloatingBody's constructor does.

@@ -13,12 +13,15 @@ BlockForcing::BlockForcing(const BlockSystem<T>& system, bool any)
       rest_v(rest_q),
       modes_(system.modes),
       response_(any ? 2 * static_cast<std::size_t>(system.length) * modes_ : 0),
-      s_(Matrix::Zero(any ? system.length + 1 : 1, system.points)) {}
+      s_(Matrix::Zero(any ? system.length + 1 : 2, system.points)) {}
 
-void BlockForcing::set(const ForcedResponse::Piece& piece, double end, const Vector& gravity) noexcept {
+void BlockForcing::set(const ForcedResponse::Piece& piece, double end, const Vector& gravity,
+                       const Vector& s) noexcept {
   has_knot = piece.to <= end;
   forced = has_knot || !piece.steady;
-  s_.row(0) = piece.s.transpose();
+  s_.row(0) = s.transpose();
+  s_.row(1) = piece.s.transpose();
+  jumps = !forced && s != piece.s;
   load = forced ? gravity : piece.load;
   highest_rest = piece.rest;
   if (!forced) return;

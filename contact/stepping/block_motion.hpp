@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -19,8 +20,9 @@ struct BlockForcing {
   BlockForcing(const BlockSystem<T>& system, bool any);
 
   /// Sets a block from piece.at or later to `end` [s]. If it is forced afterwards, `set_response` must be
-  /// called for all its steps. @param gravity  (N) constant modal force without loads
-  void set(const ForcedResponse::Piece& piece, double end, const Vector& gravity) noexcept;
+  /// called for all its steps. @param gravity  (N) constant modal force without loads  @param s  (n) at the
+  /// start; it jumps within the first step if a push from outside has changed since
+  void set(const ForcedResponse::Piece& piece, double end, const Vector& gravity, const Vector& s) noexcept;
   /// Sets the response of q, q̇ (N) to the forcing in step l = 1…L, and s (n) at the end of that step.
   void set_response(int l, const Vector& q, const Vector& v, const Vector& s) noexcept;
 
@@ -30,18 +32,21 @@ struct BlockForcing {
   double of_q(int l, std::size_t n) const { return response_[2 * (l - 1) * modes_ + n]; }
   double of_v(int l, std::size_t n) const { return response_[(2 * (l - 1) + 1) * modes_ + n]; }
   /// s of a row at the end of step l, 0…L [m].
-  double s(int l, int row) const { return s_(forced ? l : 0, row); }
+  double s(int l, int row) const { return s_(forced ? l : std::min(l, 1), row); }
 
   bool forced = false;    ///< whether the forcing changes in this block
   bool has_knot = false;  ///< whether a history has a knot in it
+  bool jumps = false;     ///< whether s jumps in the first step, and nothing else changes
   Vector load;            ///< (N) constant modal force; forced: of gravity alone
   Vector highest_rest;    ///< (n) bound on u with elastic modes at rest
   Vector rest_q, rest_v;  ///< (N) forced: of the rest position under loads
 
+  void archive(auto& a) { a(forced, has_knot, jumps, load, highest_rest, rest_q, rest_v, response_, s_); }
+
  private:
   std::size_t modes_;
   base::AlignedVector<double> response_;
-  Matrix s_;  ///< (1, n); with forcing (L + 1, n)
+  Matrix s_;  ///< (2, n): at the start, then; with forcing (L + 1, n)
 };
 
 /// The mean force λ̂ of the step before a block, which the block holds.
@@ -57,6 +62,16 @@ struct BlockForce {
   base::AlignedVector<double> on_modes;  ///< (modes) Bᵀ λ̂ on elastic modes
   std::vector<double> on_rigid;          ///< (rigid) the same on rigid modes
   std::vector<int> rows, places;         ///< with λ̂ ≠ 0; of them in the matrices
+
+  void archive(auto& a, const BlockSystem<T>& system) {
+    a(force, yielded, on_modes, on_rigid, rows);
+    if (!a.reads() || a.failed()) return;
+    places.clear();
+    for (const int row : rows) {
+      system.matrices->need(row);
+      places.push_back(system.matrices->place(row));
+    }
+  }
 
  private:
   std::vector<T> factor_;  ///< scratch
@@ -76,6 +91,8 @@ class ForceChanges {
   std::span<const int> rows() const { return rows_; }  ///< that have any
   /// (L) of a row.
   const T* of(int row) const { return &change_[static_cast<std::size_t>(row) * length_]; }
+  void archive(auto& a) { a(change_, rows_, has_); }
+
   /// Of the rows (·, L), from a step on.
   simd::Pushes<T> pushes(const T* B, int from) const {
     return {B, rows_.data(), rows_.size(), change_.data() + from, length_};
@@ -110,6 +127,9 @@ class BlockMotion {
   const double* load() const { return load_.data(); }
   const T* predicted() const { return predicted_.data(); }
   const Matrix& rigid() const { return rigid_; }  ///< (L, rigid) q of the rigid modes, likewise
+
+  /// Without the rates, which only the block of steps records that asks for them.
+  void archive(auto& a) { a(q_, v_, load_, rigid_v_, predicted_, rigid_); }
 
  private:
   simd::Modes modes(const BlockSystem<T>& system, const BlockForce<T>& held) const noexcept;

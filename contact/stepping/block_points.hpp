@@ -25,6 +25,8 @@ class PointPrediction {
   double u(int row, int l) const { return u_[(l - 1) * width_ + row]; }  ///< after step l = 1…L
   double largest(int row) const noexcept;                                ///< NaN if one of them is
 
+  void archive(auto& a) { a(u_, has_); }
+
  private:
   int length_;
   std::size_t width_;
@@ -63,6 +65,14 @@ class KeptPoints {
   /// u from step l on, minus M times changes of force in step l. @param positions, changes  of these changes
   void push(const BlockSystem<T>& system, int l, std::span<const int> positions,
             std::span<const T> changes) noexcept;
+
+  void archive(auto& a, const BlockSystem<T>& system) {
+    a(rows_, position_, u_, was_kept_, ended_, gathered_, near_width_, S_, S_mean_, R_, lag_, has_lags_);
+    a(pushed_, yielded_);
+    if (!a.reads() || a.failed()) return;
+    for (const std::vector<int>* rows : {&rows_, &gathered_})
+      for (const int row : *rows) system.matrices->need(row);
+  }
 
  private:
   void need_lags(const BlockSystem<T>& system, int position) noexcept;

@@ -51,6 +51,8 @@ class CandidateScreening {
   bool raise_budgets(const BlockSystem<T>& system, std::span<const int> points,
                      const Vector& change) noexcept;
 
+  void archive(auto& a) { a(margin_, could_, spent_, budget_); }
+
  private:
   void combine(const BlockSystem<T>& system, const float* rows, std::span<const int> of) noexcept;
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/stepping/compliant_stepper.hpp"
 
+#include "base/archive.hpp"
+
 namespace ricochet::contact {
 
 CompliantStepper::CompliantStepper(std::shared_ptr<const Model> model, const StepOptions& options)
@@ -43,6 +45,11 @@ const Vector& CompliantStepper::displacement() const noexcept {
   if (!u_is_current_) state_.displacement(contact_.mean.end(), u_);
   u_is_current_ = true;
   return u_;
+}
+
+void CompliantStepper::archive(base::Archive& a) {
+  archive_contact(a);
+  a(state_, u_is_current_);
 }
 
 }  // namespace ricochet::contact

@@ -17,6 +17,10 @@ class CompliantStepper final : public Stepper {
   std::unique_ptr<Stepper> clone() const override { return std::make_unique<CompliantStepper>(*this); }
   void assign(const Stepper& clone) noexcept override { *this = static_cast<const CompliantStepper&>(clone); }
   const ModalState* modal() const noexcept override { return &state_; }
+  bool push_at(int body, const BodyPlace& place, const Eigen::Vector3d& force) noexcept override {
+    return state_.push_at(body, place, force) != PushStatus::refused;
+  }
+  void archive(base::Archive& a) override;
   const Vector& displacement() const noexcept override;
 
  private:

@@ -15,6 +15,8 @@ struct Work {
   // points.
   double friction = 0;  ///< τ̄ᵀ d, the heat: part of `contact`
   double belts = 0;     ///< τ̄ᵀ × displacement of moving half-spaces: part of `contact`, done by them
+
+  void archive(auto& a) { a(damping, forcing, contact, friction, belts); }
 };
 
 class EnergyLedger {
@@ -32,12 +34,19 @@ class EnergyLedger {
   /// @param now  as `end` above, of the bodies that are there now
   void exchange(const Energy& now) noexcept;
 
+  void archive(auto& a) {
+    Energy& e = energy_;
+    a(e.kinetic, e.strain, e.residual, e.loads, e.added, e.damping, e.contact, e.friction);
+    a(damping_, contact_, friction_, forcing_, bodies_);
+  }
+
  private:
   /// A compensated sum (Neumaier), for ledgers of millions of steps.
   struct Sum {
     double value = 0, carry = 0;
     void add(double x) noexcept;
     double total() const { return value + carry; }
+    void archive(auto& a) { a(value, carry); }
   };
 
   Energy energy_;

@@ -31,6 +31,8 @@ class EventLocation {
   /// (next_q, next_v), or `to` if there is none.
   double first_closing(double from, double to, const ModalState& state) noexcept;
 
+  void archive(auto& a) { a(open_); }
+
  private:
   double safe_time(double passed, const ModalState& state) noexcept;
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/stepping/event_stepper.hpp"
 
+#include "base/archive.hpp"
+
 namespace ricochet::contact {
 
 EventStepper::EventStepper(std::shared_ptr<const Model> model, const StepOptions& options)
@@ -47,6 +49,11 @@ StepStatus EventStepper::step() noexcept {
   if (!state_.commit(work, 0)) return StepStatus::not_finite;
   next_force_ = impulse_ / options_.step;
   return complete(static_cast<int>((next_force_.array() > 0).count()), -work.contact / options_.step, {});
+}
+
+void EventStepper::archive(base::Archive& a) {
+  archive_contact(a);
+  a(state_, problem_, events_, impulse_);
 }
 
 }  // namespace ricochet::contact

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/archive.hpp"
 #include "base/format.hpp"
 #include "contact/simd/dense.hpp"
 #include "ricochet/error.hpp"
@@ -464,6 +465,22 @@ bool FloatingStepper::push(int number, const Vector3d& force, const Vector3d& to
   wake(number);
   search_anew();
   return true;
+}
+
+bool FloatingStepper::push_at(int number, const BodyPlace& place, const Vector3d& force) noexcept {
+  const PushStatus status = loads_.push_at(number, place, force);
+  if (status == PushStatus::changed) {
+    wake(number);
+    search_anew();
+  }
+  return status != PushStatus::refused;
+}
+
+/// Without what each step computes before it is used, and without the constants of flights.
+void FloatingStepper::archive(base::Archive& a) {
+  archive_contact(a);
+  a(state_, bodies_, turning_, points_, loads_, travels_, search_at_, clear_until_, look_at_, slow_since_);
+  a(stored_, written_, next_written_, sleeping_, sleeping_active_);
 }
 
 /// What was known of the motion of the bodies no longer holds.

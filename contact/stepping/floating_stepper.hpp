@@ -62,6 +62,8 @@ class FloatingStepper final : public Stepper {
   const Turning* turning() const noexcept override { return &turning_; }
   const Vector& displacement() const noexcept override;
   bool push(int body, const Eigen::Vector3d& force, const Eigen::Vector3d& torque) noexcept override;
+  bool push_at(int body, const BodyPlace& place, const Eigen::Vector3d& force) noexcept override;
+  void archive(base::Archive& a) override;
 
  private:
   FloatingStepper(std::shared_ptr<const Model> model, const StepOptions& options,

@@ -55,6 +55,7 @@ FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepO
     }
   for (int p = 0; p < islands_.pairs(); ++p) contact_.mean.let_sleep(p, false);
   points_.take(earlier.points_, from);
+  loads_.take(earlier.loads_, from.body);
   state_.forcing.piece(time());
   state_.ledger = earlier.state_.ledger;
   exchange();
@@ -96,6 +97,7 @@ void FloatingStepper::take_out(int number) noexcept {
   turning_.pushed[k] = {};
   turning_.candidate_force[k].setZero();
   points_.forget(number);
+  loads_.forget(number);
   exchange();
   if (touched) search_anew();
 }

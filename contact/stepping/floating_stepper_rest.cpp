@@ -43,7 +43,8 @@ void FloatingStepper::look_for_rest() noexcept {
     const double size = points_.radius(static_cast<int>(k)),
                  kinetic = body.kinetic() +
                            0.5 * state_.v.segment(body.first_elastic(), body.elastic()).squaredNorm();
-    if (!may_rest || !body.torque.isZero(0) || !(kinetic <= resting * resting * body.mass * g * size))
+    if (!may_rest || !body.torque.isZero(0) || loads_.pushes(static_cast<int>(k)) ||
+        !(kinetic <= resting * resting * body.mass * g * size))
       slow_since_[k] = time();
     rests(k) = rests(k) && time() - slow_since_[k] >= std::sqrt(2 * size / g);
   }

@@ -36,6 +36,14 @@ ForcedResponse::ForcedResponse(const Model& model, double step)
     rests_.push_back(
         {one.displacement + B * flexed, B * (2 * decay.cwiseProduct(soft)).cwiseProduct(flexed)});
   }
+  forcing_.push_back({.name = {},
+                      .support = false,
+                      .history = dead_load,
+                      .force = Vector::Zero(N),
+                      .lift = Vector::Zero(N),
+                      .displacement = Vector::Zero(s_.size()),
+                      .displacement_a = {}});
+  rests_.push_back({Vector::Zero(s_.size()), Vector::Zero(s_.size())});
   for (Vector* x : {&value_, &slope_, &lift_, &piece_.applied, &piece_.slope, &piece_.rest_q, &piece_.rest_v})
     x->setZero(N);
   piece_.load = gravity_;
@@ -59,9 +67,20 @@ void ForcedResponse::turn(std::size_t load, const Vector& force) noexcept {
   piece_.at = std::numeric_limits<double>::quiet_NaN();
 }
 
+void ForcedResponse::push(const Model& model, const Vector& force, const Vector& displacement) noexcept {
+  pushes_ = true;
+  forcing_.back().force = force;
+  piece_.at = std::numeric_limits<double>::quiet_NaN();
+  if (model.turns) return;
+  forcing_.back().displacement = displacement;
+  value_ = softness_.cwiseProduct(force);
+  rests_.back().at = displacement;
+  rests_.back().at.noalias() += model.B * value_;
+}
+
 const ForcedResponse::Piece& ForcedResponse::piece(double t) noexcept {
   Piece& p = piece_;
-  if (forcing_.empty() || t == p.at || (p.steady && t > p.at && t < p.to)) return p;
+  if (!any() || t == p.at || (p.steady && t > p.at && t < p.to)) return p;
   p.at = t;
   p.to = next_knot(t);
   force(t, p.applied, p.slope);
@@ -73,7 +92,7 @@ const ForcedResponse::Piece& ForcedResponse::piece(double t) noexcept {
   p.s = s_;
   p.rest = rest_;
   p.drift.setZero();
-  for (std::size_t d = 0; d < forcing_.size(); ++d) {
+  for (std::size_t d = 0; d < acting().size(); ++d) {
     const double value = forcing_[d].history.at(t), slope = forcing_[d].history.slope(t);
     p.steady = p.steady && slope == 0;
     p.s += value * forcing_[d].displacement;
@@ -126,7 +145,7 @@ void ForcedResponse::fill(Interval& out) noexcept {
   out.forced = true;
   points(out.to, out.s, out.rate);
   for (Vector* x : {&out.q, &out.v, &out.lift}) x->setZero();
-  for (const Model::Forcing& forcing : forcing_) {
+  for (const Model::Forcing& forcing : acting()) {
     const History& h = forcing.history;
     if (forcing.support) {
       out.lift.segment(forcing.first_mode, forcing.lift.size()) += h.slope(out.to) * forcing.lift;
@@ -155,7 +174,7 @@ void ForcedResponse::fill(Interval& out) noexcept {
 void ForcedResponse::force(double t, Vector& value, Vector& slope) const noexcept {
   value.setZero();
   slope.setZero();
-  for (const Model::Forcing& forcing : forcing_)
+  for (const Model::Forcing& forcing : acting())
     if (!forcing.support) {
       value.segment(forcing.first_mode, forcing.lift.size()) += forcing.history.at(t) * forcing.force;
       slope.segment(forcing.first_mode, forcing.lift.size()) += forcing.history.slope(t) * forcing.force;
@@ -165,7 +184,7 @@ void ForcedResponse::force(double t, Vector& value, Vector& slope) const noexcep
 void ForcedResponse::points(double t, Vector& s, Vector& rate) const noexcept {
   s = s_;
   rate.setZero();
-  for (const Model::Forcing& forcing : forcing_) {
+  for (const Model::Forcing& forcing : acting()) {
     s += forcing.history.at(t) * forcing.displacement;
     rate += forcing.history.slope(t) * forcing.displacement;
   }
@@ -191,7 +210,7 @@ void ForcedResponse::bound(double time, const Vector& force, const Vector& slope
 
 double ForcedResponse::next_knot(double t) const noexcept {
   double next = std::numeric_limits<double>::infinity();
-  for (const Model::Forcing& forcing : forcing_) {
+  for (const Model::Forcing& forcing : acting()) {
     const std::size_t knot = forcing.history.passed(t);
     if (knot < forcing.history.time.size()) next = std::min(next, forcing.history.time[knot]);
   }
@@ -199,7 +218,7 @@ double ForcedResponse::next_knot(double t) const noexcept {
 }
 
 void ForcedResponse::velocity_jump(double knot, Vector& v) const noexcept {
-  for (const Model::Forcing& forcing : forcing_) {
+  for (const Model::Forcing& forcing : acting()) {
     if (!forcing.support) continue;
     const std::size_t next = forcing.history.passed(knot);
     if (next > 0 && forcing.history.time[next - 1] == knot)
@@ -216,7 +235,7 @@ Work ForcedResponse::advance(const Interval& over, const Vector& constant, Vecto
     const bool whole = over.whole && t == over.from && knot >= over.to;
     force(t, value_, slope_);
     lift_.setZero();
-    for (const Model::Forcing& forcing : forcing_)
+    for (const Model::Forcing& forcing : acting())
       if (forcing.support)
         lift_.segment(forcing.first_mode, forcing.lift.size()) += forcing.history.slope(t) * forcing.lift;
     for (Eigen::Index n = 0; n < q.size(); ++n) {

@@ -15,6 +15,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "contact/model/model.hpp"
@@ -33,6 +34,7 @@ class ForcedResponse {
     Vector q, v;          ///< (N) response of a mode at rest to the forcing alone
     Vector s, rate;       ///< (n) quasi-static displacement of the contact points and its rate, [m], [m/s]
     Vector lift;          ///< (N) Γ dū/dt [kg^1/2 m/s]
+    void archive(auto& a) { a(from, to, whole, forced, q, v, s, rate, lift); }
   };
   /// The forcing at an instant, and its change up to the next knot.
   struct Piece {
@@ -46,17 +48,22 @@ class ForcedResponse {
     Vector rest_q, rest_v;
     Vector s;            ///< (n) as in Interval, at `at` [m]
     Vector rest, drift;  ///< (n) u with elastic modes at q_r, at `at`, and its rate, [m], [m/s]
+    void archive(auto& a) { a(at, to, steady, loaded, load, applied, slope, rest_q, rest_v, s, rest, drift); }
   };
 
   /// Of a folded model.
   ForcedResponse(const Model& model, double step);
 
-  bool any() const { return !forcing_.empty(); }
+  /// Whether there is any forcing, or something has pushed.
+  bool any() const { return !acting().empty(); }
   /// Returns an interval at t = 0 whose vectors are allocated.
   Interval start();
 
   /// Sets the modal force of a load on a body that has turned, for a history of value 1.
   void turn(std::size_t load, const Vector& force) noexcept;
+  /// Sets what pushes from outside until it is set again: modal forces (N) [kg^1/2 m/s²] and the displacement
+  /// of the contact points at once (n) [m]; of bodies that turn, modal forces alone.
+  void push(const Model& model, const Vector& force, const Vector& displacement) noexcept;
 
   /// The forcing at t.
   const Piece& piece(double t) noexcept;
@@ -90,6 +97,12 @@ class ForcedResponse {
   /// Adds the jump of q̇ at a knot where a support changes its speed.
   void velocity_jump(double knot, Vector& v) const noexcept;
 
+  void archive(auto& a) {
+    a(pushes_);
+    for (Model::Forcing& one : forcing_) a(one.force);
+    a(forcing_.back().displacement, rests_.back().at, piece_);
+  }
+
  private:
   /// What a load or a support of value 1 adds to `rest`, and, of slope 1, subtracts from it because of
   /// damping.
@@ -100,14 +113,20 @@ class ForcedResponse {
   void fill(Interval& out) noexcept;
   void fill_unless_steady(Interval& out) noexcept;
 
+  std::span<const Model::Forcing> acting() const {
+    return {forcing_.data(), forcing_.size() - (pushes_ ? 0 : 1)};
+  }
+
   double step_;
-  Vector omega_, decay_;                 ///< (N)
-  Vector softness_;                      ///< (N) 1/ω² of elastic modes; 0 for others
-  Vector gravity_;                       ///< (N) constant modal force
-  std::vector<ModeStep> whole_;          ///< (N) response over one step
-  Vector s_, rest_;                      ///< (n) under gravity alone
-  std::vector<Model::Forcing> forcing_;  ///< those of the model; supports do not lift folded modes
-  std::vector<Rest> rests_;              ///< (forcings)
+  Vector omega_, decay_;         ///< (N)
+  Vector softness_;              ///< (N) 1/ω² of elastic modes; 0 for others
+  Vector gravity_;               ///< (N) constant modal force
+  std::vector<ModeStep> whole_;  ///< (N) response over one step
+  Vector s_, rest_;              ///< (n) under gravity alone
+  /// Those of the model, and what pushes from outside; supports do not lift folded modes.
+  std::vector<Model::Forcing> forcing_;
+  bool pushes_ = false;      ///< whether something has pushed
+  std::vector<Rest> rests_;  ///< (forcings)
   Piece piece_;
   Vector value_, slope_, lift_;  ///< (N) scratch of `advance`
 };

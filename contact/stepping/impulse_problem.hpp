@@ -29,6 +29,8 @@ class ImpulseProblem {
   /// Points that touched in the last problem, ascending.
   const std::vector<int>& touching() const { return touching_; }
 
+  void archive(auto& a) { a(next_, touching_); }
+
  private:
   StepOptions options_;
   ForcedResponse::Interval next_;             ///< the next step, for "difference"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/stepping/impulse_stepper.hpp"
 
+#include "base/archive.hpp"
+
 namespace ricochet::contact {
 
 ImpulseStepper::ImpulseStepper(std::shared_ptr<const Model> model, const StepOptions& options)
@@ -22,6 +24,11 @@ StepStatus ImpulseStepper::step() noexcept {
   next_force_ /= options_.step;
   return complete(active, -work.contact / options_.step,
                   problem_.touching().empty() ? SolveResidual{} : law_.solver().residual());
+}
+
+void ImpulseStepper::archive(base::Archive& a) {
+  archive_contact(a);
+  a(state_, problem_);
 }
 
 }  // namespace ricochet::contact

@@ -18,6 +18,10 @@ class ImpulseStepper final : public Stepper {
   std::unique_ptr<Stepper> clone() const override { return std::make_unique<ImpulseStepper>(*this); }
   void assign(const Stepper& clone) noexcept override { *this = static_cast<const ImpulseStepper&>(clone); }
   const ModalState* modal() const noexcept override { return &state_; }
+  bool push_at(int body, const BodyPlace& place, const Eigen::Vector3d& force) noexcept override {
+    return state_.push_at(body, place, force) != PushStatus::refused;
+  }
+  void archive(base::Archive& a) override;
 
  private:
   ModalState state_;

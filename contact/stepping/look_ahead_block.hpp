@@ -63,12 +63,22 @@ class LookAheadBlock {
   int length() const { return system_->length; }
   int advanced() const { return advanced_; }
   bool over() const { return taken_ == system_->length; }
-  int touching() const { return touching_; }  ///< number of points with λ > 0 at the end of the last step
-  double work() const { return work_; }       ///< λ̄ᵀ (u_l − u_{l−1}) of the last step [J]
+  bool begins() const { return taken_ == 1; }  ///< whether one step has been solved
+  int touching() const { return touching_; }   ///< number of points with λ > 0 at the end of the last step
+  double work() const { return work_; }        ///< λ̄ᵀ (u_l − u_{l−1}) of the last step [J]
   /// ½ λᵀ R λ and the energy of springs after the last step [J].
   double energy_in_residual() const noexcept { return in_residual_; }
   /// Number of points that screening kept in the last step.
   int kept() const { return kept_.size(); }
+
+  void archive(auto& a) {
+    a(forcing_, changes_, motion_, prediction_, screening_, taken_, advanced_, has_force_, largest_change_);
+    a(touching_, work_, in_residual_);
+    held_.archive(a, *system_);
+    kept_.archive(a, *system_);
+    if (!a.reads() || a.failed()) return;
+    for (const int row : changes_.rows()) system_->matrices->need(row);
+  }
 
  private:
   double at_start(int point, const MeanForce& mean) const noexcept;

@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "base/archive.hpp"
+
 namespace ricochet::contact {
 namespace {
 
@@ -61,6 +63,8 @@ StepStatus LookAheadStepper<T>::step() noexcept {
     at_points_.contact += trial.removed + trial.belts;
     at_points_.friction += trial.heat;
     at_points_.belts += trial.belts;
+    if (block_.begins() && block_.forcing().jumps)
+      at_points_.forcing = next_force_.dot(state_.forcing.piece().s - state_.s);
     if (options_.every_state || block_.over())
       if (const StepStatus status = move_state(); status != StepStatus::ok) return status;
   }
@@ -73,7 +77,7 @@ StepStatus LookAheadStepper<T>::step() noexcept {
 template <class T>
 void LookAheadStepper<T>::start_block() noexcept {
   const double from = time(), to = static_cast<double>(steps_ + block_.length()) * options_.step;
-  block_.forcing().set(state_.forcing.piece(from), to, state_.system->load);
+  block_.forcing().set(state_.forcing.piece(from), to, state_.system->load, state_.s);
   for (int l = 1; block_.forcing().forced && l <= block_.length(); ++l) {
     ForcedResponse::Interval& now = state_.now;
     state_.forcing.forced_step(steps_ + l, now);
@@ -91,6 +95,8 @@ StepStatus LookAheadStepper<T>::move_state() noexcept {
   Work work{.damping = sums.damping, .contact = sums.contact};
   if (const ForcedResponse::Piece& piece = state_.forcing.piece(); piece.loaded)
     work.forcing = piece.applied.dot(block_.q() - state_.q);
+  work.forcing += at_points_.forcing;
+  work.contact += at_points_.forcing;  // part of the work at points, with friction
   if (contact_.slip.any()) {
     work.contact = at_points_.contact + residual - state_.energy().residual;
     work.friction = at_points_.friction;
@@ -101,6 +107,7 @@ StepStatus LookAheadStepper<T>::move_state() noexcept {
       {.kinetic = sums.kinetic, .strain = sums.strain, .residual = residual, .loads = sums.loads}, work);
   if (finite) {
     block_.copy_state(state_.q, state_.v);
+    if (block_.forcing().jumps) state_.s = state_.forcing.piece().s;
   } else {
     block_.take_back();
     if (pending_ > 1) {
@@ -140,6 +147,20 @@ const Vector& LookAheadStepper<T>::displacement() const noexcept {
   if (!u_is_current_) state_.displacement((pending_ > 0 ? known_ : contact_).mean.end(), u_);
   u_is_current_ = true;
   return u_;
+}
+
+/// Discards the rest of the block, which knew nothing of the force.
+template <class T>
+bool LookAheadStepper<T>::push_at(int body, const BodyPlace& place, const Eigen::Vector3d& force) noexcept {
+  const PushStatus status = state_.push_at(body, place, force);
+  if (status == PushStatus::changed) block_.take_back();
+  return status != PushStatus::refused;
+}
+
+template <class T>
+void LookAheadStepper<T>::archive(base::Archive& a) {
+  archive_contact(a);
+  a(state_, block_, flew_, u_is_current_, at_points_, pending_, known_);
 }
 
 template class LookAheadStepper<double>;

@@ -28,6 +28,8 @@ class LookAheadStepper final : public Stepper {
   int pending() const noexcept override { return pending_; }
   StepStatus catch_up() noexcept override;
   const double* rate(int back) const noexcept override;
+  bool push_at(int body, const BodyPlace& place, const Eigen::Vector3d& force) noexcept override;
+  void archive(base::Archive& a) override;
 
  private:
   void start_block() noexcept;
@@ -39,7 +41,7 @@ class LookAheadStepper final : public Stepper {
   bool flew_ = false;  ///< the last step was a free flight
   bool keeps_rates_ = false;
   mutable bool u_is_current_ = true;
-  Work at_points_;   ///< with friction: of the pending steps
+  Work at_points_;   ///< of the pending steps: with friction, and of a push that moves points at once
   int pending_ = 0;  ///< steps of the block that state_ does not include
   Contact known_;    ///< contact in the last step that state_ includes, for pending steps that fail
 };

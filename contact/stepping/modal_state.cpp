@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/stepping/modal_state.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace ricochet::contact {
@@ -15,6 +16,10 @@ ModalState::ModalState(std::shared_ptr<const Model> shared, const StepOptions& o
   s = now.s;
   v -= now.lift;
   for (Vector* x : {&next_q, &next_v, &g_, &dq_, &push_, &work_q_, &work_v_}) x->setZero(q.size());
+  moved_.setZero(s.size());
+  Eigen::Index most = 0;
+  for (const Selection& selection : model().static_selection) most = std::max(most, selection.cols());
+  on_candidates_.setZero(model().turns ? 0 : most);
 }
 
 void ModalState::begin(std::int64_t k) noexcept {
@@ -117,6 +122,29 @@ void ModalState::displacement(const Vector& force, Vector& u) const noexcept {
   for (Eigen::Index i = 0; i < force.size(); ++i)
     if (force(i) != 0) u -= force(i) * model().R.row(i).transpose();
   yield(system->springs, force, u);
+}
+
+/// Folded modes follow at once, by f/ω².
+PushStatus ModalState::push_at(int number, const BodyPlace& place, const Eigen::Vector3d& force) noexcept {
+  const PushStatus status = pushes_.set(model(), number, place, force);
+  if (status != PushStatus::changed) return status;
+  push_.setZero();
+  moved_.setZero();
+  for (const PointForces::Force& one : pushes_.all()) {
+    const Bodies::Block& body = model().bodies[static_cast<std::size_t>(one.body)];
+    const Eigen::Vector3d own = body.rotation.transpose() * one.world;
+    push_modes(body, one.place, own, push_.segment(body.first_mode, body.modes));
+    push_rows(model(), one.body, one.place, own, on_candidates_, moved_);
+  }
+  const Model::Folded& folded = model().folded;
+  for (std::size_t j = 0; j < folded.modes.size(); ++j) {
+    const int n = folded.modes[j];
+    const double soft = push_(n) / (model().omega(n) * model().omega(n));
+    moved_ += soft * folded.B.col(static_cast<Eigen::Index>(j));
+    push_(n) = 0;
+  }
+  forcing.push(model(), push_, moved_);
+  return status;
 }
 
 }  // namespace ricochet::contact

@@ -9,6 +9,7 @@
 #include "contact/model/model.hpp"
 #include "contact/stepping/energy_ledger.hpp"
 #include "contact/stepping/forced_response.hpp"
+#include "contact/stepping/point_forces.hpp"
 #include "contact/stepping/step_system.hpp"
 
 namespace ricochet::contact {
@@ -39,6 +40,11 @@ struct ModalState {
   bool commit(const Work& work, double residual) noexcept;
   /// Computes u = B q + s − R p − s(λ) (n).
   void displacement(const Vector& force, Vector& u) const noexcept;
+  /// Sets a force at a point of a body that does not turn [N], world axes, from the next step on. What it
+  /// moves at once jumps within that step.
+  PushStatus push_at(int body, const BodyPlace& place, const Eigen::Vector3d& force) noexcept;
+
+  void archive(auto& a) { a(forcing, q, v, s, ledger, now, next_q, next_v, pushes_); }
 
   std::shared_ptr<const StepSystem> system;
   ForcedResponse forcing;
@@ -55,6 +61,8 @@ struct ModalState {
 
   Vector g_, dq_, push_;    ///< (N) f − ω²q, q⁺ − q, Bᵀp
   Vector work_q_, work_v_;  ///< (N) scratch of the work of forcing
+  PointForces pushes_;
+  Vector on_candidates_, moved_;  ///< (rM), (n) scratch of pushes
 };
 
 }  // namespace ricochet::contact

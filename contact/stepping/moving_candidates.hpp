@@ -28,6 +28,13 @@ class CandidateBlocks {
   std::size_t stride() const { return stride_; }  ///< distance of columns, in blocks
   /// Makes room for candidates 0 … count − 1; blocks keep their places.
   void resize(std::size_t count) noexcept { entries_.resize(count * stride_); }
+  /// Of candidates 0 … count − 1.
+  void archive(auto& a, std::size_t count) {
+    if (count > stride_) return a.fail();
+    resize(count);
+    for (std::size_t j = 0; j < count; ++j)
+      for (std::size_t i = 0; i < count; ++i) a((*this)(i, j).of_modes, (*this)(i, j).residual);
+  }
 
  private:
   std::size_t stride_;
@@ -49,6 +56,7 @@ class MovingCandidates {
   struct StaticResponse {
     const double* to_unit = nullptr;
     Eigen::Vector3d now{0, 0, 0}, change{0, 0, 0};
+    void archive(auto& a) { a(now, change); }
   };
   std::vector<StaticResponse>& static_responses() { return static_; }
 
@@ -88,6 +96,13 @@ class MovingCandidates {
                            forces, modal.data() + first_elastic_);
   }
   bool has_static() const { return !static_.empty(); }  ///< whether there are static responses
+
+  /// The blocks depend to the last bit on the order in which candidates have joined.
+  void archive(auto& a) {
+    a(static_, joined_, number_of_, rows_);
+    blocks_.archive(a, joined_.size());
+    if (a.reads()) begin();
+  }
 
  private:
   /// Values of candidates that are computed when they are asked for.

@@ -37,6 +37,7 @@ struct MovingPoint {
 
     /// Takes those of some candidates that have a weight.
     void set(const std::array<int, 3>& candidates, const std::array<double, 3>& weights) noexcept;
+    void archive(auto& a) { a(body, count, candidate, weight, arm, direction); }
   };
 
   Kind kind = Kind::obstacle;
@@ -78,6 +79,11 @@ struct MovingPoint {
   /// By how much elastic displacements bring its sides nearer to each other [m].
   double nearer(const Eigen::Vector3d& of_own, const Eigen::Vector3d& of_other, const Side& own,
                 const Side& other) const noexcept;
+
+  void archive(auto& a) {
+    a(kind, pair, candidate, tangential, gap, place, initial, row, foot, top, crease, open, distance, end);
+    a(place_now, acting);
+  }
 
  private:
   void set_row(const Eigen::Vector3d& normal) noexcept;

@@ -54,6 +54,7 @@ class MovingPoints {
   struct Travel {
     double energy = 0;    ///< of its elastic modes and of R, at most [J]
     double distance = 0;  ///< of a point with its frame [m]
+    void archive(auto& a) { a(energy, distance); }
   };
   /// Whether the bodies of a pair may reach each other, whatever their shapes.
   bool may_meet(const Model::PairBlock& pair, std::span<const FloatingBody> bodies,
@@ -127,6 +128,14 @@ class MovingPoints {
   /// Writes the forces on candidates under p by position. Those on bodies asleep stay.
   /// @param out  by body (3M), 0 but for the last call's
   void write_forces(const Vector& p, std::span<const FloatingBody> bodies, std::vector<Vector>& out) noexcept;
+
+  /// Without what is computed anew in each step.
+  void archive(auto& a) {
+    for (Body& one : bodies_) a(one.candidates);
+    a(points_, far_, travelled_, watched_, is_watched_, members_, member_of_, rows_, owner_, first_of_,
+      start_);
+    a(free_, u_, near_, forced_);
+  }
 
  private:
   using Point = MovingPoint;
@@ -228,6 +237,7 @@ class MovingPoints {
   /// Candidates near the summits that are watched, which stand back.
   struct Near {
     int candidate, summit;  ///< numbers of points
+    void archive(auto& a) { a(candidate, summit); }
   };
   std::vector<Near> near_;                  ///< by summit
   std::vector<std::array<int, 2>> forced_;  ///< body and candidate with a force in write_forces

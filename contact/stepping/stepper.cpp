@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "base/archive.hpp"
 #include "contact/stepping/compliant_stepper.hpp"
 #include "contact/stepping/event_stepper.hpp"
 #include "contact/stepping/floating_stepper.hpp"
@@ -26,6 +27,12 @@ Stepper::Stepper(const StepOptions& options, const Model& model)
 }
 
 SolveStatistics Stepper::solver() const noexcept { return law_.statistics(); }
+
+void Stepper::archive(base::Archive& a) { a.fail(); }
+
+void Stepper::archive_contact(base::Archive& a) {
+  a(steps_, law_, contact_, u_, next_force_, next_end_, next_u_);
+}
 
 void Stepper::land(int steps) noexcept {
   contact_.force.setZero();

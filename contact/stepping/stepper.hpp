@@ -12,6 +12,10 @@
 #include "ricochet/step_options.hpp"
 #include "ricochet/step_status.hpp"
 
+namespace ricochet::base {
+class Archive;
+}
+
 namespace ricochet::contact {
 
 class Stepper {
@@ -67,6 +71,16 @@ class Stepper {
                     const Eigen::Vector3d& /*torque*/) noexcept {
     return false;
   }
+  /// Sets a force [N] at a point of a body, world axes, which then acts until it is set again. Returns false
+  /// and changes nothing if the point cannot be pushed so (point_forces.hpp), or without modes. Must not be
+  /// called while steps are pending.
+  virtual bool push_at(int /*body*/, const BodyPlace& /*place*/, const Eigen::Vector3d& /*force*/) noexcept {
+    return false;
+  }
+  /// Writes or reads all that steps change, and that later steps depend on to the last bit. Reads only what a
+  /// stepper of an equal model with equal options has written. Steppers of tables have no bytes.
+  virtual void archive(base::Archive& a);
+
   /// (3,bodies) mass-mean velocities of a table's bodies after the step [m/s]; null with modes.
   virtual const Eigen::Matrix3Xd* body_velocities() const noexcept { return nullptr; }
 
@@ -90,6 +104,8 @@ class Stepper {
     SolveResidual residual{};
     Slip slip{};
     std::int64_t ambiguous = 0;
+
+    void archive(auto& a) { a(mean, force, active, persistency, residual, slip, ambiguous); }
   };
 
   /// For points without friction. @param conserving  whether steps are conserving
@@ -111,6 +127,8 @@ class Stepper {
             .belts = trial.belts};
   }
 
+  /// Writes or reads the members below.
+  void archive_contact(base::Archive& a);
   /// Ends a free flight over `steps` contact steps.
   void land(int steps) noexcept;
   /// Ends the current step with next_force_, next_end_ and next_u_.

@@ -31,8 +31,10 @@ double largest_response(const Bodies::Block& block, const std::vector<double>& b
 }  // namespace
 
 TurningLoads::TurningLoads(const Model& model, std::span<const FloatingBody> bodies, ForcedResponse& response,
-                           MovingPoints& points) {
-  for (Vector* x : {&settled_, &displaced_, &change_}) x->setZero(model.omega.size());
+                           MovingPoints& points)
+    : model_(&model) {
+  for (const FloatingBody& body : bodies) largest_inverse_.push_back(body.inertia.largest_inverse);
+  for (Vector* x : {&settled_, &displaced_, &change_, &pushed_}) x->setZero(model.omega.size());
   for (std::size_t j = 0; j < model.folded.modes.size(); ++j) {
     const int n = model.folded.modes[j];
     settled_(n) = model.folded.load(static_cast<Index>(j)) / (model.omega(n) * model.omega(n));
@@ -87,7 +89,7 @@ void TurningLoads::release(std::span<FloatingBody> bodies) noexcept {
 
 void TurningLoads::act(std::span<FloatingBody> bodies, double from, double to, ForcedResponse& response,
                        MovingPoints& points) noexcept {
-  if (drivers_.empty()) return;
+  if (drivers_.empty() && !has_pushed_) return;
   release(bodies);
   change_.setZero();
   const double step = to - from;
@@ -111,6 +113,34 @@ void TurningLoads::act(std::span<FloatingBody> bodies, double from, double to, F
     body.load_torque += impulse / step * (body.attitude * (one.of->own_moment * along));
     body.lag += (h.double_integral(from, to) - 0.5 * step * impulse) * body.inverse_mass * force;
   }
+  if (has_pushed_) push(bodies, response);
+}
+
+void TurningLoads::push(std::span<FloatingBody> bodies, ForcedResponse& response) noexcept {
+  pushed_.setZero();
+  for (const PointForces::Force& one : pushes_.all()) {
+    const Bodies::Block& block = model_->bodies[static_cast<std::size_t>(one.body)];
+    FloatingBody& body = bodies[static_cast<std::size_t>(one.body)];
+    const Vector3d own = body.axes.transpose() * one.world;
+    push_modes(block, one.place, own, pushed_.segment(block.first_mode, block.modes));
+    if (block.supported) continue;
+    body.load += one.world;
+    body.load_torque += body.axes * arm_of(block, one.place).cross(own);
+  }
+  for (const FloatingBody& body : bodies) pushed_.segment(body.first_mode, body.frame_modes).setZero();
+  for (const int n : model_->folded.modes) pushed_(n) = 0;
+  response.push(*model_, pushed_, {});
+}
+
+PushStatus TurningLoads::push_at(int body, const BodyPlace& place, const Vector3d& force) noexcept {
+  const PushStatus status = pushes_.set(*model_, body, place, force);
+  has_pushed_ = has_pushed_ || status == PushStatus::changed;
+  return status;
+}
+
+void TurningLoads::take(const TurningLoads& earlier, const std::vector<int>& body) {
+  pushes_.take(earlier.pushes_, body);
+  has_pushed_ = earlier.has_pushed_;
 }
 
 const Vector& TurningLoads::place(std::span<const FloatingBody> bodies, double t,
@@ -128,8 +158,12 @@ const Vector& TurningLoads::place(std::span<const FloatingBody> bodies, double t
 }
 
 bool TurningLoads::act_on_free(double from, double to) const noexcept {
-  return std::ranges::any_of(
-      drivers_, [&](const Driver& one) { return one.free && one.of->history.peak(from, to) > 0; });
+  const auto on_free = [&](const PointForces::Force& one) {
+    return !model_->bodies[static_cast<std::size_t>(one.body)].supported;
+  };
+  return std::ranges::any_of(pushes_.all(), on_free) || std::ranges::any_of(drivers_, [&](const Driver& one) {
+           return one.free && one.of->history.peak(from, to) > 0;
+         });
 }
 
 bool TurningLoads::move(double from, double to) const noexcept {
@@ -137,10 +171,22 @@ bool TurningLoads::move(double from, double to) const noexcept {
       drivers_, [&](const Driver& one) { return one.of->support && one.of->history.steepest(from, to) > 0; });
 }
 
+/// As FloatingBody::pull, of a unit force at a point.
+double TurningLoads::pull_of(const PointForces::Force& one) const noexcept {
+  const Bodies::Block& block = model_->bodies[static_cast<std::size_t>(one.body)];
+  const double of_modes = square_shape(block, one.place, block.frame_modes());
+  if (block.supported) return std::sqrt(of_modes);
+  const double arm = arm_of(block, one.place).norm();
+  return std::sqrt(of_modes + 1 / block.mass +
+                   arm * arm * largest_inverse_[static_cast<std::size_t>(one.body)]);
+}
+
 double TurningLoads::pull(int body, double from, double to) const noexcept {
   double sum = 0;
   for (const Driver& one : drivers_)
     if (one.of->body == body) sum += one.pull * one.of->history.peak(from, to);
+  for (const PointForces::Force& one : pushes_.all())
+    if (one.body == body) sum += one.world.norm() * pull_of(one);
   return sum;
 }
 

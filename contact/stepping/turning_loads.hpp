@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Loads with histories and moving supports of bodies that turn.
+// Loads with histories, moving supports, and forces at points of bodies that turn.
 //
 // The vector of a load is constant in the world or in the body. In a step, its vector a in the axes of the
 // body is that of the middle of the step. Its history h is integrated exactly. With H = ∫h dt over the step,
@@ -16,6 +16,9 @@
 //
 // and that of contact over lag and static displacements, which is done by loads as well, is taken from it.
 // With it, the ledger closes exactly.
+//
+// A force from outside at a point is a load of constant history whose vector is that of the world. What
+// follows at once is left out.
 #pragma once
 
 #include <span>
@@ -23,6 +26,7 @@
 
 #include "contact/stepping/forced_response.hpp"
 #include "contact/stepping/moving_points.hpp"
+#include "contact/stepping/point_forces.hpp"
 
 namespace ricochet::contact {
 
@@ -41,6 +45,17 @@ class TurningLoads {
   /// Sets static displacements to those at t. Returns their modal coordinates (N).
   const Vector& place(std::span<const FloatingBody> bodies, double t, MovingPoints& points) noexcept;
   const Vector& change() const { return change_; }  ///< (N) of these coordinates in the step
+
+  /// Sets a force at a point of a body [N], world axes.
+  PushStatus push_at(int body, const BodyPlace& place, const Eigen::Vector3d& force) noexcept;
+  bool pushes(int body) const noexcept { return pushes_.act_on(body); }  ///< whether such a force acts on it
+  void forget(int body) noexcept { pushes_.forget(body); }
+  void take(const TurningLoads& earlier, const std::vector<int>& body);
+
+  void archive(auto& a) {
+    for (Driver& one : drivers_) a(one.force);
+    a(displaced_, change_, pushes_, pushed_, has_pushed_);
+  }
 
   /// Whether a load acts on a free body at any time within an interval.
   bool act_on_free(double from, double to) const noexcept;
@@ -65,7 +80,17 @@ class TurningLoads {
   Driver driver(const Model& model, const Model::Forcing& one, const FloatingBody& body,
                 MovingPoints& points) const;
 
+  /// Adds forces at points to what acts on the frames, and sets those on the modes.
+  void push(std::span<FloatingBody> bodies, ForcedResponse& response) noexcept;
+
+  double pull_of(const PointForces::Force& one) const noexcept;
+
+  const Model* model_;
+  std::vector<double> largest_inverse_;  ///< by body, of the inertia [1/(kg m²)]
   std::vector<Driver> drivers_;          ///< in the order of the model's forcing
+  PointForces pushes_;
+  bool has_pushed_ = false;              ///< whether there have been any
+  Vector pushed_;                        ///< (N) modal forces
   Vector settled_, displaced_, change_;  ///< (N) by gravity, by all, in the step
 };
 

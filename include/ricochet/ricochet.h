@@ -107,8 +107,8 @@ int ricochet_scene_impulse(ricochet_scene* scene, int admittance, double restitu
 /* Scheme "impulse": from event to event within a step. */
 int ricochet_scene_exact_events(ricochet_scene* scene);
 
-/* Simulations: use each from one thread at a time. Below, only ricochet_simulation_new, _add, _remove and _save
- * allocate. */
+/* Simulations: use each from one thread at a time. Below, only ricochet_simulation_new, _add, _remove and _save, and
+ * ricochet_state_bytes and _read allocate. */
 typedef struct ricochet_block { /* each may be NULL */
   double* velocity;             /* (n,p) of the pickups [m/s] */
   double* total_force;          /* (n) [N] */
@@ -174,6 +174,13 @@ size_t ricochet_simulation_contacts(ricochet_simulation* simulation, ricochet_co
 int ricochet_simulation_push(ricochet_simulation* simulation, size_t body, const double* force,
                              const double* torque);
 
+/* Sets a force [N] from outside at a point of a body, world axes, which acts from the next step on until it is set
+ * again at this point; NULL: none. The point is a receiver of the kernel or, if that is NULL, the contact candidate.
+ * Returns RICOCHET_REFUSED if the body or the point is not there, or if the kernel does not hold its motion along the
+ * force, or if forces act at 1024 other points. */
+int ricochet_simulation_push_at(ricochet_simulation* simulation, size_t body, const char* receiver,
+                                size_t candidate, const double* force);
+
 /* With RICOCHET_FINITE: adds a body, which may meet every other body and every half-space, and writes its number to
  * `body`, unless that is NULL. friction: NULL, or the three numbers of ricochet_scene_friction. Refused if the name
  * is taken or if the body would overlap another one. m may change. A body with the kernel of one that was removed
@@ -189,8 +196,15 @@ size_t ricochet_simulation_bodies(const ricochet_simulation* simulation, size_t*
 void ricochet_simulation_energy(const ricochet_simulation* simulation, ricochet_energy* out);
 
 ricochet_state* ricochet_simulation_save(const ricochet_simulation* simulation);
-/* Returns RICOCHET_REFUSED for a state of another simulation, or of other bodies. */
+/* Returns RICOCHET_REFUSED for a state of another system: if the kernels, the scene, or the bodies that were added and
+ * removed differ. Allocates if another simulation, of an equal system, saved the state. */
 int ricochet_simulation_restore(ricochet_simulation* simulation, const ricochet_state* state);
+/* A state as bytes, for this version of the library and this kind of processor. Writes them if there are at most
+ * `count`. Returns how many there are, or 0 if there is no memory. */
+size_t ricochet_state_bytes(const ricochet_state* state, void* out, size_t count);
+/* The state that these bytes hold, for a simulation of an equal system, perhaps in another process. NULL if they are
+ * damaged, or of another system or version. */
+ricochet_state* ricochet_state_read(const ricochet_simulation* simulation, const void* bytes, size_t count);
 void ricochet_state_free(ricochet_state* state);
 
 #ifdef __cplusplus

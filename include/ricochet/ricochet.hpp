@@ -71,6 +71,12 @@ struct BodyMotion {
   Vector3 spin{};                              ///< [rad/s]
 };
 
+/// A point of a body: a receiver of its kernel, by name, or a contact candidate.
+struct BodyPoint {
+  std::string_view receiver{};  ///< if empty, `candidate` is used
+  std::size_t candidate = 0;    ///< row of the kernel's surface.node
+};
+
 /// Output arrays of step_block, with one row per step; null if not requested.
 struct Block {
   double* velocity = nullptr;          ///< (n,p) of the pickups [m/s]
@@ -147,6 +153,18 @@ class Simulation {
   /// body until they are set again. Returns false and does nothing unless rotations are finite and the body
   /// is there.
   bool push(std::size_t body, const Vector3& force, const Vector3& torque) noexcept;
+  /// Sets a force [N] from outside at a point of a body, which acts from the next step on until it is set
+  /// again at this point; 0 ends it. It is constant over a step and in world axes, and it moves and deforms
+  /// the body: with finite rotations, its arm turns with the body. Its work is part of energy().loads. Costs
+  /// a product of contact points and modes, unless the force is the one that acts.
+  ///
+  /// Modes up to half the rate respond. With linear rotations, contact points of the body also respond by the
+  /// static correction of the kernel, at once; pickups and, with finite rotations, contact points do not.
+  ///
+  /// Returns false and does nothing if the body or the point is not there, if the force is not finite, if
+  /// forces act at 1024 other points, or if the kernel holds one component of the motion of the candidate and
+  /// the force has another one.
+  bool push_at(std::size_t body, const BodyPoint& point, const Vector3& force) noexcept;
 
   /// Adds a body between two steps, with its elastic modes at rest. It may meet every other body and every
   /// obstacle, with this friction. Returns its number. The other bodies go on as if nothing had happened, and
@@ -191,8 +209,14 @@ class Simulation {
   State save() const;
 
   /// Continues from `state`; the following steps are bitwise the same. Returns false and changes nothing if
-  /// `state` is from another simulation, or if bodies have been added or removed since it was saved.
+  /// `state` is of another system: if the kernels, the scene, or the bodies that were added and removed so
+  /// far and their order differ. What was added to a place of its own must have had the same motion.
+  /// Allocates if `state` was saved by another simulation, of an equal system.
   bool restore(const State& state) noexcept;
+
+  /// The state that State::bytes has written, perhaps in another process. Throws a one-line InputError if the
+  /// bytes are damaged, or if they are of another system or another version of this library.
+  State state(std::span<const std::byte> bytes) const;
 
  private:
   struct Impl;
@@ -205,6 +229,10 @@ class Simulation::State {
   ~State();
   State(State&&) noexcept;
   State& operator=(State&&) noexcept;
+
+  /// The state as bytes, with a digest of its system and one of the bytes. They suit the version of the
+  /// library that wrote them, on machines with the same kind of processor.
+  std::vector<std::byte> bytes() const;
 
  private:
   friend class Simulation;

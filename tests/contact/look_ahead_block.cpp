@@ -287,7 +287,7 @@ void run(LookAheadBlock<T>& block, ContactLaw law, const Stepper& from, int step
   Vector end = from.end_force();
   mean.advance(end, {MeanForce::Pair{}});
   block.forcing().set(from.modal()->forcing.piece(), std::numeric_limits<double>::max(),
-                      from.modal()->system->load);
+                      from.modal()->system->load, from.modal()->s);
   block.start(from.modal()->q, from.modal()->v, from.force(), law, mean);
   for (int k = 0; k < steps; ++k) {
     ASSERT_EQ(block.step(law, mean, nullptr, force, end).status, SolveStatus::solved);

@@ -9,6 +9,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static int failures = 0;
@@ -199,6 +200,43 @@ static void renew(const ricochet_kernel* kernel) {
   ricochet_simulation_free(simulation);
 }
 
+/* The state as bytes: the way to another process. Then the bob is pushed upwards with twice its weight. */
+static void store(ricochet_simulation* simulation, ricochet_simulation* other, const ricochet_state* state) {
+  const double up[3] = {0, 0, 2 * 4 * 9.81};
+  ricochet_motion motion;
+  double before;
+  size_t size = ricochet_state_bytes(state, NULL, 0);
+  unsigned char* bytes = malloc(size);
+  ricochet_state* read;
+  expect(size > 0 && bytes != NULL && ricochet_state_bytes(state, bytes, size) == size, "bytes");
+  if (bytes == NULL) return;
+  read = ricochet_state_read(other, bytes, size);
+  expect(read != NULL && ricochet_simulation_restore(other, read) == RICOCHET_OK, "they are read");
+  ricochet_state_free(read);
+  expect(ricochet_simulation_restore(simulation, state) == RICOCHET_OK, "both are there");
+  ricochet_simulation_step_block(simulation, 100, NULL);
+  ricochet_simulation_step_block(other, 100, NULL);
+  expect(ricochet_simulation_pickup_displacement(simulation, 0) ==
+             ricochet_simulation_pickup_displacement(other, 0),
+         "and go on alike");
+  bytes[size / 2] ^= 1;
+  expect(ricochet_state_read(other, bytes, size) == NULL, "damaged ones are refused");
+  expect(strstr(ricochet_error(), "damaged") != NULL, "and the refusal names the damage");
+  expect(ricochet_state_read(other, NULL, 0) == NULL, "none is refused");
+  free(bytes);
+
+  ricochet_simulation_restore(other, state);
+  ricochet_simulation_motion(other, 0, &motion);
+  before = motion.velocity[2];
+  expect(ricochet_simulation_push_at(other, 0, NULL, 0, up) == RICOCHET_OK, "a force at its point");
+  ricochet_simulation_step_block(other, 20, NULL);
+  ricochet_simulation_motion(other, 0, &motion);
+  expect(near(motion.velocity[2], before + 9.81 * 0.02, 1e-12), "lifts it");
+  expect(ricochet_simulation_push_at(other, 0, NULL, 0, NULL) == RICOCHET_OK, "the force ends");
+  expect(ricochet_simulation_push_at(other, 0, NULL, 1, up) == RICOCHET_REFUSED, "it has one point");
+  expect(ricochet_simulation_push_at(other, 0, "mic", 0, up) == RICOCHET_REFUSED, "and no receiver");
+}
+
 int main(int count, char** arguments) {
   double velocity[400], mean[3];
   ricochet_block block = {velocity, NULL, NULL, NULL, NULL};
@@ -251,7 +289,8 @@ int main(int count, char** arguments) {
   expect(ricochet_simulation_restore(simulation, state) == RICOCHET_OK, "it returns");
   expect(ricochet_simulation_steps(simulation) == 400, "to where it was");
   expect(ricochet_simulation_step(simulation) == RICOCHET_OK, "and steps");
-  expect(ricochet_simulation_restore(other, state) == RICOCHET_REFUSED, "a state of another one is refused");
+  expect(ricochet_simulation_restore(other, state) == RICOCHET_OK, "an equal one takes its state");
+  store(simulation, other, state);
   ricochet_state_free(state);
   ricochet_simulation_free(simulation);
   ricochet_simulation_free(other);
