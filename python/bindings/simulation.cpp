@@ -188,6 +188,15 @@ class Stepper {
     });
   }
 
+  /// The state that bytes hold. Throws InputError as Simulation::state does.
+  std::shared_ptr<Simulation::State> state(const std::string& bytes) {
+    return change([&](const Simulation& simulation) {
+      return store::in_file(scene_.file, [&] {
+        return std::make_shared<Simulation::State>(simulation.state(std::as_bytes(std::span(bytes))));
+      });
+    });
+  }
+
   /// Throws InputError if no body that is there has this name.
   std::size_t number_of(const std::string& name) const {
     if (const auto found = simulation_.find(name)) return *found;
@@ -335,7 +344,11 @@ py::array_t<double> pickups(const Simulation& simulation,
 }  // namespace
 
 void bind_simulation(py::module_& module) {
-  py::class_<Simulation::State, std::shared_ptr<Simulation::State>>(module, "State");
+  py::class_<Simulation::State, std::shared_ptr<Simulation::State>>(module, "State")
+      .def("bytes", [](const Simulation::State& state) {
+        const std::vector<std::byte> bytes = state.bytes();
+        return py::bytes(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+      });
   py::class_<Pickup>(module, "Pickup")
       .def(py::init([](std::string body, std::string receiver, std::size_t candidate, Vector3 direction) {
         return Pickup{std::move(body), std::move(receiver), candidate, direction};
@@ -350,9 +363,11 @@ void bind_simulation(py::module_& module) {
              return self.change(
                  [](const Simulation& s) { return std::make_shared<Simulation::State>(s.save()); });
            })
-      .def("restore", [](Stepper& self, const Simulation::State& state) {
-        return self.change([&](Simulation& s) { return s.restore(state); });
-      });
+      .def("restore",
+           [](Stepper& self, const Simulation::State& state) {
+             return self.change([&](Simulation& s) { return s.restore(state); });
+           })
+      .def("state", &Stepper::state);
   const auto property = [&](const char* name, auto get) {
     stepper.def_property_readonly(name, [get](Stepper& self) { return self.read(get); });
   };
@@ -395,6 +410,12 @@ void bind_simulation(py::module_& module) {
       "push", [](Stepper& self, const std::string& body, const Vector3& force, const Vector3& torque) {
         return self.change([&](Simulation& s) { return s.push(self.number_of(body), force, torque); });
       });
+  stepper.def("push_at", [](Stepper& self, const std::string& body, const std::string& receiver,
+                            std::size_t candidate, const Vector3& force) {
+    return self.change([&](Simulation& s) {
+      return s.push_at(self.number_of(body), {receiver, candidate}, force);
+    });
+  });
   stepper.def("mean_velocity", [](Stepper& self, const std::string& body) {
     return self.read([&](const Simulation& s) { return copy(s.mean_velocity(self.number_of(body))); });
   });

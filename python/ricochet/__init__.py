@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ricochet.runs import impact, kernels, plot, report, sweep
     from ricochet.scene import Scene
     from ricochet.shock import ShockResponse, cfc_filter, shock_response_spectrum
-    from ricochet.simulation import Pickup, Simulation
+    from ricochet.simulation import Pickup, Simulation, State
     from ricochet.stress import StressEnvelope, principal_stresses, von_mises
     from ricochet.sweep_result import SweepResult
 
@@ -38,6 +38,7 @@ __all__ = [
     "Scene",
     "ShockResponse",
     "Simulation",
+    "State",
     "SolverError",
     "StressEnvelope",
     "SweepResult",
@@ -63,7 +64,7 @@ _PLACES = {
     "runs": ["impact", "kernels", "plot", "report", "sweep"],
     "scene": ["Scene"],
     "shock": ["ShockResponse", "cfc_filter", "shock_response_spectrum"],
-    "simulation": ["Pickup", "Simulation"],
+    "simulation": ["Pickup", "Simulation", "State"],
     "stress": ["StressEnvelope", "principal_stresses", "von_mises"],
     "sweep_result": ["SweepResult"],
 }

@@ -93,10 +93,22 @@ def _contacts(rows: list[tuple[str, str, int, Floats, Floats, Floats]]) -> list[
 
 
 class State:
-    """A saved state of one simulation, from `Simulation.save`."""
+    """A saved state, from `Simulation.save`. It can be pickled, and `bytes(state)` are what `State.from_bytes` takes,
+    in this process or in another one with the same version of the package and the same kind of processor."""
 
-    def __init__(self, core: _core.State) -> None:
+    def __init__(self, core: _core.State | bytes) -> None:
         self._core = core
+
+    @classmethod
+    def from_bytes(cls, data: bytes) -> State:
+        """The state that these bytes hold. `Simulation.restore` checks them."""
+        return cls(bytes(data))
+
+    def __bytes__(self) -> bytes:
+        return self._core if isinstance(self._core, bytes) else self._core.bytes()
+
+    def __reduce__(self) -> tuple[Callable[[bytes], State], tuple[bytes]]:
+        return State.from_bytes, (bytes(self),)
 
 
 class Simulation:
@@ -194,10 +206,20 @@ class Simulation:
         return State(self._core.save())
 
     def restore(self, state: State) -> None:
-        """Restores a saved state, to the last bit. Raises ValueError if the state belongs to another
-        simulation."""
-        if not self._core.restore(state._core):
-            raise ValueError("the state is of another simulation, or of other bodies")
+        """Restores a saved state, to the last bit, perhaps one that another process has pickled.
+
+        Raises InputError, one line, and changes nothing, if the state is damaged or of another version, or if its
+        system differs: the kernels, the scene, or the bodies that were added and removed so far and their order. A
+        digest guards this. A body that was added to a place that no other had left must have had the same motion.
+        """
+        core = state._core
+        if isinstance(core, bytes):
+            core = self._core.state(core)
+        if not self._core.restore(core):
+            raise InputError(
+                f"{self.scene.title}: state: is of another system: its kernels, its scene, or the bodies that were"
+                " added or removed differ. Restore it in a simulation of the same."
+            )
 
     # ---- Bodies ----
 
@@ -330,6 +352,26 @@ class Simulation:
         a body until they are set again. Raises InputError unless `motion.rotation = "finite"`."""
         if not self._core.push(body, force, torque):
             raise InputError(f'{self.scene.title}: push needs motion.rotation = "finite"')
+
+    def push_at(self, body: str, point: str | int, force: Sequence[float] = (0, 0, 0)) -> None:
+        """Sets a force [N] from outside at a point of a body, in world axes. It acts from the next step on, constant
+        over each step, until it is set again at this point, and it moves and deforms the body; without a force, it
+        ends. With finite rotations, its arm turns with the body. Its work is part of `energy.loads`.
+
+        point: a receiver of the kernel, by name, or the candidate with this index into `Kernel.node`.
+
+        Raises InputError, one line, if there is no such body or point, if a value is not finite, if forces act at 1024
+        other points, or if the kernel holds the motion of the candidate along one direction and the force has another
+        component.
+        """
+        receiver, candidate = (point, 0) if isinstance(point, str) else ("", point)
+        if candidate < 0 or not self._core.push_at(body, receiver, candidate, force):
+            kernel = self.kernels[body]
+            raise InputError(
+                f"{self.scene.title}: push_at({body!r}, {point!r}, {list(force)}): the kernel has"
+                f" the candidates 0 to {len(kernel.node) - 1} and the receivers {list(kernel.receivers)}. Push one of"
+                " them with a finite force, along the direction of the kernel if it has one, at 1024 points at most."
+            )
 
     def mean_velocity(self, body: str) -> Floats:
         """(3) mass-mean velocity of a body [m/s]"""

@@ -2,6 +2,9 @@
 """Bodies that turn by any angle and meet, from mesh to files: a brick strikes a beam that stands on a floor, and a clamped beam. Laws of
 mechanics, and the geometry of boxes, judge what the results say."""
 
+import pickle
+import subprocess
+import sys
 import unittest
 
 import numpy as np
@@ -42,6 +45,15 @@ rate_hz = 48000
 duration = 0.08
 """
 )
+# All bits of what a program can read of a simulation
+SEEN = """
+def seen(simulation):
+    values = [simulation.force, simulation.displacement, simulation.tangential_force]
+    for name in simulation.bodies:
+        values += vars(simulation.body_motion(name)).values()
+        values += vars(simulation.modal_coordinates(name)).values()
+    return [value.tobytes() for value in values], simulation.bodies, simulation.time, vars(simulation.energy)
+"""
 ROUND_OFF = 1e-11  # of 4000 steps, relative to the largest value
 
 
@@ -220,8 +232,59 @@ class Meets(ProgramTest):
         self.assertEqual(simulation.bodies, ["beam", "brick"])
         simulation.restore(state)
         simulation.remove("brick")
-        with self.assertRaisesRegex(ValueError, "of other bodies"):
+        with self.assertRaisesRegex(ricochet.InputError, "state: is of another system"):
             simulation.restore(state)
+
+    # Forces, bodies that come and go, and contact with friction: the calls of a live loop, with the step before
+    # which each was made. Another process makes them again, and goes on from a state of the first one.
+    def test_of_a_recorded_loop_are_the_same_in_another_process_to_the_last_bit(self):
+        simulation = self.simulation()
+        record = []
+
+        def do(call, *arguments):
+            record.append((simulation.steps, call, arguments))
+            getattr(simulation, call)(*arguments)
+
+        do("push_at", "brick", 0, [0.2, 0.1, 0])
+        simulation.step_block(400)
+        do("push_at", "brick", 0)
+        do("push", "beam", [0, 0.3, 0], [0, 0, 0.01])
+        do("add", "third", "brick", [0.3, 0, 0.0102])
+        simulation.step_block(301)
+        do("push_at", "third", 5, [0.05, 0, 0])
+        do("remove", "beam")
+        simulation.step()
+        do("add", "fourth", "brick", [-0.2, 0, 0.05])
+        touching = simulation.step_block(700).total_force
+        state = simulation.save()
+        simulation.step_block(300)
+        stored = self.folder / "loop.pickle"
+        stored.write_bytes(pickle.dumps((record, simulation.steps, state)))
+        script = (
+            SEEN
+            + f"""
+import pickle, sys, ricochet
+record, last, state = pickle.load(open(sys.argv[1], "rb"))
+scene = ricochet.Scene(sys.argv[2]).changed({{"loads.gravity": [0, 0, -{GRAVITY}]}})
+simulation = ricochet.Simulation(scene, ricochet.kernels(scene, 1, sys.argv[3]))
+for step, call, arguments in record:
+    simulation.step_block(step - simulation.steps)
+    getattr(simulation, call)(*arguments)
+simulation.step_block(last - simulation.steps)
+replayed = seen(simulation)
+simulation.restore(state)
+simulation.step_block(last - simulation.steps)
+pickle.dump((replayed, seen(simulation)), sys.stdout.buffer)
+"""
+        )
+        command = [sys.executable, "-c", script, stored, self.scene, self.out]
+        other = subprocess.run(command, capture_output=True, check=True)
+        replayed, restored = pickle.loads(other.stdout)
+        self.assertGreater(touching.max(), 0)
+        own = {}
+        exec(SEEN, own)
+        self.assertEqual(replayed, own["seen"](simulation))
+        self.assertEqual(restored, replayed)
 
     def test_of_bodies_that_overlap_is_refused_with_the_depth(self):
         scene = ricochet.Scene(self.scene).changed({"bodies.brick.translate": [0.02, 0.004, 0.035]})

@@ -5,7 +5,10 @@ import _thread
 import contextlib
 import gc
 import pathlib
+import pickle
 import shutil
+import subprocess
+import sys
 import tempfile
 import signal
 import threading
@@ -507,8 +510,68 @@ class Simulation(KernelsTest):
             np.testing.assert_array_equal(simulation.force, block.force[k])
             np.testing.assert_array_equal(simulation.pickup_velocity, block.velocity[k])
             np.testing.assert_array_equal(simulation.gap, simulation.initial_gap - simulation.displacement)
-        with self.assertRaises(ValueError):
-            ricochet.Simulation(self.scene).restore(start)
+        with self.assertRaisesRegex(ricochet.InputError, "^Two rods: state: is of another system[^\n]*$"):
+            changed = self.scene.changed({"bodies.moving.velocity": [0.9, 0, 0]})
+            ricochet.Simulation(changed, self.kernels).restore(start)
+
+    def test_goes_on_in_another_process_from_a_pickled_state(self):
+        simulation = ricochet.Simulation(self.scene, self.kernels)
+        while simulation.active == 0:
+            simulation.step()
+        simulation.push_at("moving", 0, [0.02, 0, 0])
+        simulation.step_block(37)
+        state = pickle.dumps(simulation.save())
+        stored = self.folder / "state.pickle"
+        stored.write_bytes(state)
+        script = (
+            "import pickle, sys, ricochet\n"
+            "scene = ricochet.Scene(sys.argv[1])\n"
+            "scene.set({'modes.count': 30, 'output.view': False})\n"
+            "simulation = ricochet.Simulation(scene)\n"
+            "simulation.step_block(200)\n"
+            "simulation.restore(pickle.load(open(sys.argv[2], 'rb')))\n"
+            "block = simulation.step_block(500, force=True)\n"
+            "sys.stdout.buffer.write(block.force.tobytes() + simulation.displacement.tobytes())\n"
+        )
+        command = [sys.executable, "-c", script, self.file, stored]
+        other = subprocess.run(command, capture_output=True, check=True)
+        block = simulation.step_block(500, force=True)
+        self.assertGreater(block.total_force.max(), 0)
+        self.assertEqual(other.stdout, block.force.tobytes() + simulation.displacement.tobytes())
+
+        saved = pickle.loads(state)
+        self.assertEqual(bytes(pickle.loads(pickle.dumps(saved))), bytes(saved))
+        damaged = bytearray(bytes(saved))
+        damaged[len(damaged) // 3] ^= 4
+        for data, line in ((damaged, "state: its bytes are damaged"), (b"", "state: is not a saved state")):
+            with self.assertRaisesRegex(ricochet.InputError, f"two-rods.toml: {line}[^\n]*$"):
+                simulation.restore(ricochet.State.from_bytes(data))
+
+    def test_is_pushed_at_points(self):
+        apart = self.scene.changed({"bodies.moving.velocity": [-1, 0, 0]})
+        simulation = ricochet.Simulation(apart, self.kernels, [ricochet.Pickup("resting", [1, 0, 0])])
+        start = simulation.energy.total
+        simulation.push_at("resting", 0, [0.5, 0, 0])
+        simulation.step_block(100)
+        self.assertAlmostEqual(
+            simulation.energy.loads, 0.5 * float(simulation.pickup_displacement[0]), delta=1e-12
+        )
+        self.assertAlmostEqual(
+            float(simulation.mean_velocity("resting")[0]),
+            0.5 * simulation.time / self.kernels["resting"].mass,
+            delta=1e-12,
+        )
+        self.assertAlmostEqual(simulation.energy.total, start, delta=1e-12)
+        simulation.push_at("resting", 0)
+        simulation.step_block(100)
+        self.assertAlmostEqual(
+            float(simulation.mean_velocity("resting")[0]), 0.5 / self.kernels["resting"].mass, delta=1e-12
+        )
+        for point, force in ((1, [1, 0, 0]), (-1, [1, 0, 0]), ("mic", [1, 0, 0]), (0, [0, 1, 0])):
+            with self.assertRaisesRegex(ricochet.InputError, r"^Two rods: push_at\('resting', [^\n]*$"):
+                simulation.push_at("resting", point, force)
+        with self.assertRaisesRegex(ricochet.InputError, 'no body "x"'):
+            simulation.push_at("x", 0, [1, 0, 0])
 
     def test_calls_back_while_points_touch_and_may_end_a_block_there(self):
         simulation = ricochet.Simulation(self.scene, self.kernels)
