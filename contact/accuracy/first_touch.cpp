@@ -5,7 +5,10 @@
 #include <limits>
 #include <numeric>
 
+#include "contact/accuracy/estimate.hpp"
+#include "contact/figures/figure_observer.hpp"
 #include "contact/figures/linearity_check.hpp"
+#include "contact/model/folding.hpp"
 #include "contact/motion/floating_body.hpp"
 #include "contact/stepping/run_steps.hpp"
 
@@ -85,6 +88,27 @@ Found find(const Model& model, const StepOptions& options, double duration,
   return out;
 }
 
+struct Parting {
+  std::optional<double> time;
+  double steps = 0;  ///< with a force
+};
+
+Parting find_parting_with(const Model& model, const StepOptions& options, double longest,
+                          const std::function<void()>& poll) {
+  const std::shared_ptr<const Model> folded = fold(borrowed(model), options);
+  const std::unique_ptr<Stepper> stepper = make_stepper(folded, options);
+  FigureObserver figures(*folded, options.step);
+  Parting out;
+  run_steps(*stepper, step_count(longest, 1 / options.step), [&](std::int64_t) {
+    if (poll) poll();
+    figures.observe(*stepper);
+    if (figures.touching()) ++out.steps;
+    if (figures.parted(*stepper)) out.time = stepper->time();
+    return !out.time;
+  });
+  return out;
+}
+
 }  // namespace
 
 std::optional<FirstTouch> find_first_touch(const Model& model, StepOptions options, double duration,
@@ -96,6 +120,17 @@ std::optional<FirstTouch> find_first_touch(const Model& model, StepOptions optio
     out = find(model, options, duration, poll);
   }
   return out.touch;
+}
+
+std::optional<double> find_parting(const Model& model, StepOptions options, double longest,
+                                   const std::function<void()>& poll) {
+  const double finest = options.step / most_per_sample;
+  Parting out = find_parting_with(model, options, longest, poll);
+  while (out.steps > 0 && out.steps < enough_steps && options.step > finest) {
+    options = with_step(options, options.step / shorter);
+    out = find_parting_with(model, options, longest, poll);
+  }
+  return out.time;
 }
 
 }  // namespace ricochet::contact

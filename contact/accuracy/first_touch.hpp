@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Finds the first touch of bodies that turn. Over so short a time, rotations are small, so that linear ones,
-// whose errors can be estimated (estimate.hpp), replace them.
+// whose errors can be estimated (estimate.hpp), replace them. Finds also when bodies have parted, so that all
+// runs of an estimate end at the same time.
 #pragma once
 
 #include <cstddef>
@@ -33,5 +34,14 @@ struct FirstTouch {
 /// Throws InputError as make_stepper does.
 std::optional<FirstTouch> find_first_touch(const Model& model, StepOptions options, double duration,
                                            const std::function<void()>& poll = {});
+
+/// The time at which bodies have touched and parted (FigureObserver::parted), with shorter steps as above
+/// [s].
+/// @param longest  time of the run at most [s]
+/// @param poll  as above
+/// @return no value if they do not part within this time, or if a step fails
+/// Throws InputError as make_stepper does.
+std::optional<double> find_parting(const Model& model, StepOptions options, double longest,
+                                   const std::function<void()>& poll = {});
 
 }  // namespace ricochet::contact

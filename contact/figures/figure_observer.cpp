@@ -11,6 +11,17 @@ namespace ricochet::contact {
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
+namespace {
+
+/// A ringing body touches several times before it rebounds: pauses of contact that are shorter than this
+/// share of the time since it began, or than so many steps, do not end it.
+constexpr double quiet_share = 0.1, quiet_steps = 10;
+
+/// Round-off of the direction of a velocity.
+constexpr double negligible_speed = 1e-9;
+
+}  // namespace
+
 FigureObserver::FigureObserver(MotionSource source, double step)
     : source_(std::move(source)),
       step_(step),
@@ -71,6 +82,7 @@ void FigureObserver::count(const Stepper& stepper) {
     at_start_ = before_;
   }
   if (stepper.active() > 0) last_touch_ = now_.time;
+  last_force_ = now_.time;
   out_.contact_end_s.reset();
   const double force = stepper.force().head(stepper.points()).sum();
   Episode& episode = out_.episodes.back();
@@ -109,6 +121,33 @@ void FigureObserver::count_pair(std::size_t number, const Vector3d& impulse) {
   }
   out_.touches[static_cast<std::size_t>(touch)].end_s = now_.time;
   out_.touches[static_cast<std::size_t>(touch)].impulse += impulse;
+}
+
+bool FigureObserver::parted(const Stepper& stepper) const {
+  if (!out_.contact_start_s || touching_) return false;
+  const double quiet = std::max(quiet_share * (last_force_ - *out_.contact_start_s), quiet_steps * step_);
+  if (now_.time < last_force_ + quiet) return false;
+  for (std::size_t p = 0; p < source_.pairs().size(); ++p)
+    if (approaches(p, stepper.poses())) return false;
+  return true;
+}
+
+/// Whether the bodies of a pair come nearer to each other: along its impulse or, before it has one, along its
+/// mean normal or, with finite rotations, the line between the bodies. At rest, those that have touched may
+/// do so again.
+bool FigureObserver::approaches(std::size_t number, std::span<const Pose> poses) const {
+  const MotionSource::Pair& pair = source_.pairs()[number];
+  if (const auto impulse = impulse_.col(static_cast<Eigen::Index>(number)); !impulse.isZero(0))
+    return closing_speed(number, now_.state, impulse_) >= 0;
+  Vector3d along = pair.normal.colwise().sum().transpose();
+  Vector3d relative = source_.velocity(pair.a, now_.state);
+  if (pair.b >= 0) {
+    relative -= source_.velocity(pair.b, now_.state);
+    if (!poses.empty())
+      along =
+          poses[static_cast<std::size_t>(pair.b)].position - poses[static_cast<std::size_t>(pair.a)].position;
+  }
+  return relative.dot(along.normalized()) > negligible_speed * relative.norm();
 }
 
 /// Sets the approach of the last episode and, if it has ended, its restitution.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "contact/figures/impact_figures.hpp"
 #include "contact/figures/motion_source.hpp"
@@ -24,6 +25,11 @@ class FigureObserver {
   /// Whether the last step had a force, and whether an episode began with it.
   bool touching() const { return touching_; }
   bool begins() const { return touching_ && !touched_; }
+  /// Whether bodies have touched and parted: nothing has touched for a tenth of the time since contact began
+  /// and for ten steps, the bodies of each pair that has touched move apart, and those of the other pairs do
+  /// not approach each other. Bodies move as a whole here, at their present speeds. @param stepper  after the
+  /// step that was observed last
+  bool parted(const Stepper& stepper) const;
   /// State of the source at the start of the last step or flight.
   const Vector& before() const { return before_.state; }
   /// The pair of points that came closest at the end of a step.
@@ -48,6 +54,7 @@ class FigureObserver {
   void count(const Stepper& stepper);
   void count_pair(std::size_t pair, const Eigen::Vector3d& impulse);
   void judge(Episode& episode) const;
+  bool approaches(std::size_t pair, std::span<const Pose> poses) const;
   double closing_speed(std::size_t pair, const Vector& state, const Eigen::Matrix3Xd& impulse) const;
   std::optional<double> closing_speed(const Vector& state, const Eigen::Matrix3Xd& impulse) const;
   double elastic(const Energy& energy) const { return energy.kinetic + energy.strain - initial_strain_; }
@@ -59,6 +66,7 @@ class FigureObserver {
   ImpactFigures out_;
   bool touching_ = false, touched_ = false;     ///< whether the last step and the one before had a force
   double last_touch_ = 0;                       ///< last instant at which a point was in contact [s]
+  double last_force_ = 0;                       ///< end of the last step with a force [s]
   Instant before_, now_;                        ///< around the last step
   Instant at_start_, at_end_;                   ///< when contact began and last ended
   Vector episode_start_;                        ///< state when the last episode began

@@ -84,6 +84,7 @@ struct Summary : ImpactFigures {
   /// With finite rotations: when a second run, with speeds larger by half a per cent and another step, shows
   /// another motion; set by the caller. No value if it does not, or if there is none.
   std::optional<double> separation_s;
+  double duration_s = 0;  ///< simulated time, also of a run that ends when bodies have parted
   /// When bodies that touch at the end have parted, in steps beyond the run; set by the caller. No value if
   /// contact ends in the run, or if this is not known.
   std::optional<double> parted_s;

@@ -108,6 +108,7 @@ Json json_of(const Summary& summary) {
            {"contact_start_s", number(summary.contact_start_s)},
            {"contact_end_s", number(summary.contact_end_s)},
            {"parted_s", number(summary.parted_s)},
+           {"duration_s", summary.duration_s},
            {"contact_steps", summary.contact_steps},
            {"episodes", episodes},
            {"touches", touches},

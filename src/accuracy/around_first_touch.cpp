@@ -65,6 +65,7 @@ AroundFirstTouch around_first_touch(const contact::FirstTouch& touch, const scen
   scene::Scene& scene = out.scene = whole;
   scene.motion = {};  // linear rotations
   scene.time.duration = touch.until - touch.from;
+  scene.time.until_parted = false;
   scene.bodies.clear();
   scene.contact.pairs.clear();
   std::vector<double> farthest;  // way of a point of a body until the touch ends, if none slowed it down

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "contact/accuracy/first_touch.hpp"
 #include "kernels/band.hpp"
 #include "kernels/read.hpp"
 #include "src/accuracy/around_first_touch.hpp"
@@ -102,6 +103,11 @@ contact::Dialled dial_linear(const scene::Scene& scene, const store::Kernels& ke
       .at_rest = scene.contact.scheme == Scheme::at_rest,
       .duration = scene.time.duration,
       .poll = std::move(poll)};
+  if (scene.time.until_parted && !subject.at_rest)
+    if (const auto parted = store::in_file(scene.file, [&] {
+          return contact::find_parting(model, store::step_options(scene), subject.duration, subject.poll);
+        }))
+      subject.duration = *parted;
   if (scene.motion.rotation_open) subject.most_turn = clearly_turned;
   subject.requested = subject.at_rest ? std::vector{Quantity::force, Quantity::approach} : scene.accuracy_of;
   return store::in_file(scene.file, [&] {

@@ -84,16 +84,23 @@ void ImpactFiles::prepared(const Impact& impact) {
   base::check_place(result());
 }
 
+/// The frames of the motion are spread over the run.
+bool ImpactFiles::needs_steps(const Impact& impact) const {
+  return options_.motion && impact.scene.output.vtk_every == 0;
+}
+
 void ImpactFiles::started(const Impact& impact, const contact::Stepper& stepper) {
   const contact::RecorderOptions& options = recorder_options(impact);
   const contact::MotionSource source = impact.source();
-  base::check_place(result(), contact::least_bytes(source, options, impact.samples()));
+  // A run that ends when bodies have parted may be much shorter.
+  const std::int64_t least = impact.scene.time.until_parted ? 0 : impact.samples();
+  base::check_place(result(), contact::least_bytes(source, options, least));
   recorder_.emplace(source, impact.options, options);
   if (!source.modes()) return;
   const contact::Model& model = *source.modes();
   if (options_.motion) motion_.emplace(stepper, model, motion_options(impact.scene, impact.samples(), stem_));
   store::in_file(impact.scene.file, [&] {
-    sounds_.emplace(model.receivers, impact.samples(), impact.scene.time.rate_hz, impact.scene.output.sound);
+    sounds_.emplace(model.receivers, least, impact.scene.time.rate_hz, impact.scene.output.sound);
   });
   sounds_->record(recorder_->receivers());
   if (problems_) problems_->remove();

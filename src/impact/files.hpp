@@ -27,6 +27,7 @@ class ImpactFiles : public ImpactObserver {
   explicit ImpactFiles(ImpactFileOptions options) : options_(std::move(options)) {}
 
   void prepared(const Impact& impact) override;
+  bool needs_steps(const Impact& impact) const override;
   void started(const Impact& impact, const contact::Stepper& stepper) override;
   void stepped(const contact::Stepper& stepper) override;
   void at_rest(const Impact& impact, const contact::Equilibrium& equilibrium) override;

@@ -6,13 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contact/stepping/run_steps.hpp"
-
 namespace ricochet::impact {
 namespace {
 
-constexpr std::int64_t longer = 20, enough_steps = 20'000, fewest_without_force = 10;
-constexpr double share_without_force = 0.1;
+constexpr std::int64_t longer = 20, enough_steps = 20'000;
 
 bool is_pressed(const scene::Scene& scene) {
   const scene::Loads& loads = scene.loads;
@@ -36,15 +33,9 @@ std::optional<double> parting(const Impact& impact, contact::Stepper& stepper,
                                 ? std::min(impact.steps, enough_steps)
                                 : std::min(longer * impact.steps, std::max(impact.steps, enough_steps));
   const std::int64_t end = stepper.steps() + most;
-  const double step = stepper.options().step, start = figures.figures().contact_start_s.value_or(0);
-  double last = stepper.time();
   while (stepper.steps() < end && stepper.step() == StepStatus::ok) {
     figures.observe(stepper);
-    if (figures.touching()) last = stepper.time();
-    const double quiet = std::max(share_without_force * (last - start), fewest_without_force * step);
-    if (stepper.time() < last + quiet) continue;
-    // A ringing body touches several times before it rebounds.
-    if (figures.figures().restitution.value_or(1) > 0) return last + quiet;
+    if (figures.parted(stepper)) return stepper.time();
   }
   return std::nullopt;
 }
@@ -53,13 +44,20 @@ std::string ends_in_contact(const scene::Scene& scene, const contact::Summary& s
   if (!summary.contact_start_s || summary.contact_end_s) return "";
   constexpr const char* what =
       "the bodies still touch at the end, so there is no restitution and no exit velocity: {}";
+  const char* key = scene.time.key_of_duration();
   if (summary.parted_s)
     return fmt::format(fmt::runtime(what),
-                       fmt::format("they have parted at t = {:.4g} s. Set time.duration = "
-                                   "{:.2g}",
-                                   *summary.parted_s, rounded_up(*summary.parted_s)));
-  if (is_pressed(scene) || scene.contact.kernel == scene::ContactKernel::table) return "";
-  return fmt::format(fmt::runtime(what), "they do not part soon afterwards. Set a longer time.duration");
+                       fmt::format("they have parted at t = {:.4g} s. Set {} = {:.2g}", *summary.parted_s,
+                                   key, rounded_up(*summary.parted_s)));
+  if (scene.contact.kernel == scene::ContactKernel::table) return "";
+  if (!is_pressed(scene))
+    return fmt::format(fmt::runtime(what),
+                       fmt::format("they do not part soon afterwards. Set a longer {}", key));
+  if (!scene.time.until_parted) return "";
+  return fmt::format(fmt::runtime(what),
+                     fmt::format("loads may press them together for good, and they have not parted until "
+                                 "time.longest = {:g} s. Give time.duration in seconds",
+                                 scene.time.duration));
 }
 
 }  // namespace ricochet::impact

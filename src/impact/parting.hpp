@@ -12,18 +12,18 @@
 
 namespace ricochet::impact {
 
-/// Steps on, beyond the run, until there was no force for a tenth of the time since contact began and the
-/// bodies move apart, and returns this time, at which the run would know its rebound [s]. No value if bodies
-/// do not part within as many steps as the run has or, if these are few, within 20 000 and 20 times those of
-/// the run; under loads, which may press them together for good, within its steps and 20 000 of them; with
-/// sampled responses, and for bodies that turn under loads.
+/// Steps on, beyond the run, until bodies have parted (FigureObserver::parted), and returns this time, at
+/// which the run would know its rebound [s]. No value if bodies do not part within as many steps as the run
+/// has or, if these are few, within 20 000 and 20 times those of the run; under loads, which may press them
+/// together for good, within its steps and 20 000 of them; with sampled responses, and for bodies that turn
+/// under loads.
 ///
 /// @param figures  of the run
 std::optional<double> parting(const Impact& impact, contact::Stepper& stepper,
                               contact::FigureObserver figures);
 
-/// The warning of a run that ends while bodies touch which part afterwards, or which nothing presses
-/// together; otherwise empty.
+/// The warning of a run that ends while bodies touch which part afterwards, which nothing presses together,
+/// or on whose parting it waited; otherwise empty.
 std::string ends_in_contact(const scene::Scene& scene, const contact::Summary& summary);
 
 }  // namespace ricochet::impact

@@ -173,11 +173,27 @@ contact::EquilibriumSummary rest(const Impact& impact, console::Console& console
   return contact::summarise(*impact.model, equilibrium, limits_of(impact.scene));
 }
 
+/// Steps until bodies have parted, or those of the run.
+std::int64_t steps_until_parted(const Impact& impact, console::Console& console) {
+  console.begin("length");
+  const auto stepper =
+      store::in_file(impact.scene.file, [&] { return contact::make_stepper(impact.model, impact.options); });
+  contact::FigureObserver figures(impact.source(), impact.options.step);
+  const contact::StepsMade made = contact::run_steps(*stepper, impact.steps, [&](std::int64_t k) {
+    figures.observe(*stepper);
+    console.advance(k);
+    return !(stepper->at_sample() && figures.parted(*stepper));
+  });
+  console.end(fmt::format("{} steps", made.steps));
+  return made.status == StepStatus::ok ? made.steps : impact.steps;
+}
+
 /// @param open  null if rotations are decided
 contact::Summary steps(const Impact& impact, OpenRotation* open, console::Console& console,
                        ImpactObserver& observer) {
   const double step = impact.options.step;
-  console.begin("steps", impact.steps);
+  const bool until_parted = impact.scene.time.until_parted;
+  console.begin("steps", until_parted ? 0 : impact.steps);
   const Clock::time_point started = Clock::now();
   const std::unique_ptr<contact::Stepper> stepper =
       impact.table ? table_stepper(impact) : store::in_file(impact.scene.file, [&] {
@@ -194,17 +210,19 @@ contact::Summary steps(const Impact& impact, OpenRotation* open, console::Consol
     if (second) second->observe(*stepper);
     observer.stepped(*stepper);
     console.advance(k);
+    return !(until_parted && stepper->at_sample() && figures.figures().parted(*stepper));
   });
   check(made.status, impact.scene, static_cast<double>(made.steps + 1) * step);
   contact::Summary out = figures.summary();
+  out.duration_s = stepper->time();
   if (open != nullptr) open->add_to(out, figures.farthest_turn());
   const double elapsed = seconds_since(started);
-  out.real_time_factor = elapsed > 0 ? stepper->time() / elapsed : 0;
+  out.real_time_factor = elapsed > 0 ? out.duration_s / elapsed : 0;
   if (out.contact_start_s && !out.contact_end_s) out.parted_s = parting(impact, *stepper, figures.figures());
-  console.end(fmt::format("{} steps of {:.4g} s", impact.steps, step));
+  console.end(fmt::format("{} steps of {:.4g} s", made.steps, step));
   if (second) {
     console.begin("second run");
-    out.separation_s = second->separation();
+    out.separation_s = second->separation(made.steps / impact.options.steps_per_sample);
     console.end();
   }
   return out;
@@ -236,6 +254,8 @@ ImpactResult run_once(const ImpactRequest& request, const std::string& obstacle,
     impact.steps = contact::step_count(impact.scene.time.duration, impact.scene.time.rate_hz) *
                    impact.options.steps_per_sample;
     if (by_table) add_table(impact, console);
+    if (impact.scene.time.until_parted && observer.needs_steps(impact))
+      impact.steps = steps_until_parted(impact, console);
     summary = steps(impact, open ? &*open : nullptr, console, observer);
   }
   std::visit(

@@ -37,7 +37,7 @@ struct Impact {
   std::shared_ptr<const contact::Model> model{};  ///< folded; null if the responses come from a file
   std::optional<contact::Table> table{};          ///< with sampled responses only
   StepOptions options{};
-  std::int64_t steps = 0;  ///< contact steps; 0 at rest
+  std::int64_t steps = 0;  ///< contact steps, of a run that ends when bodies have parted: at most; 0 at rest
   std::int64_t samples() const { return steps / options.steps_per_sample; }
   contact::MotionSource source() const {
     return table ? contact::MotionSource(*table, model.get()) : contact::MotionSource(*model);
@@ -49,6 +49,9 @@ class ImpactObserver {
  public:
   virtual ~ImpactObserver() = default;
   virtual void prepared(const Impact&) {}  ///< the kernels are read, but no setting is chosen yet
+  /// Whether Impact::steps must be those of the run before it starts, also if it ends when bodies have
+  /// parted. The steps up to there are then made twice.
+  virtual bool needs_steps(const Impact&) const { return false; }
   /// Before the first step; again if the run is repeated from there, in place of what was observed so far.
   virtual void started(const Impact&, const contact::Stepper&) {}
   virtual void stepped(const contact::Stepper&) {}                     ///< after each step

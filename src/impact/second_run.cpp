@@ -11,8 +11,8 @@ namespace ricochet::impact {
 namespace {
 
 constexpr double faster = 1.005;
-/// Poses that are compared.
-constexpr std::int64_t most_records = 2000;
+/// Poses that are compared: of a run whose end is known, and of one that may end at any time before.
+constexpr std::int64_t most_records = 2000, most_of_open_end = 100'000;
 constexpr double share_of_radius = 0.5, share_of_way = 0.05;
 
 /// The model with larger speeds; of bodies that fall from rest, with a larger gravity.
@@ -26,7 +26,10 @@ std::shared_ptr<const contact::Model> perturbed(const contact::Model& model) {
 }  // namespace
 
 SecondRun::SecondRun(const Impact& impact)
-    : impact_(impact), every_(std::max<std::int64_t>(1, impact.samples() / most_records)) {
+    : impact_(impact),
+      samples_(impact.samples()),
+      every_(std::max<std::int64_t>(
+          1, impact.samples() / (impact.scene.time.until_parted ? most_of_open_end : most_records))) {
   for (const contact::Bodies::Block& body : impact.model->bodies) radius_.push_back(body.radius());
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
@@ -43,7 +46,7 @@ void SecondRun::run(const std::stop_token& stop) {
   options.step *= static_cast<double>(steps) / options.steps_per_sample;
   try {
     const auto stepper = contact::make_stepper(perturbed(*impact_.model), options);
-    while (!stop.stop_requested() && stepper->steps() < impact_.samples() * options.steps_per_sample &&
+    while (!stop.stop_requested() && stepper->steps() < samples_ * options.steps_per_sample &&
            stepper->step() == StepStatus::ok)
       record(*stepper, second_);
   } catch (const std::exception&) {
@@ -52,7 +55,8 @@ void SecondRun::run(const std::stop_token& stop) {
 
 void SecondRun::observe(const contact::Stepper& first) { record(first, first_); }
 
-std::optional<double> SecondRun::separation() {
+std::optional<double> SecondRun::separation(std::int64_t samples) {
+  samples_ = samples;
   thread_.join();
   const double time = static_cast<double>(every_ * impact_.options.steps_per_sample) * impact_.options.step;
   std::vector<double> way(radius_.size(), 0);

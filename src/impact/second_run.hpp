@@ -3,6 +3,7 @@
 // magnify the difference: from when the runs have separated, the motion of the first is one of many.
 #pragma once
 
+#include <atomic>
 #include <optional>
 #include <thread>
 #include <vector>
@@ -22,8 +23,8 @@ class SecondRun {
 
   /// When the surface of a body is, in both runs, apart by more than half its radius and by more than a
   /// twentieth of its way [s]: ten times as far as its speed alone makes it. No value if this does not
-  /// happen. Waits until the second run has ended.
-  std::optional<double> separation();
+  /// happen. Waits until the second run has ended. @param samples  of the first run
+  std::optional<double> separation(std::int64_t samples);
 
  private:
   using Poses = std::vector<contact::Pose>;
@@ -31,8 +32,9 @@ class SecondRun {
   void record(const contact::Stepper& stepper, std::vector<Poses>& records) const;
 
   const Impact& impact_;
-  std::int64_t every_;          ///< samples from record to record
-  std::vector<double> radius_;  ///< by body [m]
+  std::atomic<std::int64_t> samples_;  ///< after which the second run ends
+  std::int64_t every_;                 ///< samples from record to record
+  std::vector<double> radius_;         ///< by body [m]
   std::vector<Poses> first_, second_;
   std::jthread thread_;  ///< uses the members above
 };

@@ -51,7 +51,8 @@ std::string number(const Key& key, const toml::node& given) {
   if (!text.empty() && std::isfinite(std::strtod(text.c_str(), &end)) && end != text.c_str())
     return must + (*end == '\0' ? ", without quotes" : ", without quotes and without unit");
   const toml::node* entry = only_entry(given);
-  return must + (entry != nullptr && entry->is_number() ? ": write " + printed(*entry) : "");
+  if (entry != nullptr && entry->is_number()) return must + ": write " + printed(*entry);
+  return must + (key.range.choices.empty() ? "" : ", or " + Range{.choices = key.range.choices}.text());
 }
 
 std::string whole_number(const toml::node& given) {

@@ -34,7 +34,9 @@ std::string Range::text() const {
   if (!low.empty() && !high.empty())
     return text + fmt::format("from {} to {}", low, high) +
            (choices.empty() ? "" : ", or " + either(choices));
-  if (!low.empty()) return text + (low_open ? "above " : "at least ") + low;
+  if (!low.empty())
+    return text + (low_open ? "above " : "at least ") + low +
+           (choices.empty() ? "" : ", or " + either(choices));
   return "";
 }
 

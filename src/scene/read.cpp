@@ -90,6 +90,25 @@ const SectionOf<Scene> scene_keys{
      {"output", Type::table, "", none, any(), "what is written, and receivers",
       "[output], with its keys below"}}};
 
+namespace {
+
+/// Sets the duration, or its bound if the run ends when bodies have parted.
+bool read_duration(const Table& table, const Key& key, Time& time) {
+  if (table.read(key, time.duration)) return true;
+  time.until_parted = table.has(key.name);
+  if (time.until_parted) time.duration = default_longest;
+  return time.until_parted;
+}
+
+std::string duration_of(const Time& time) {
+  return time.until_parted ? toml_string(duration_until_parted) : toml_value(time.duration);
+}
+
+/// Whether the run may last until bodies have parted.
+bool may_wait(const Time& time) { return time.until_parted; }
+
+}  // namespace
+
 const SectionOf<Time> time_keys{
     "[time]",
     "",
@@ -100,8 +119,19 @@ const SectionOf<Time> time_keys{
      {"contact_rate_hz", &Time::contact_rate_hz, "Hz", "rate_hz, or chosen by `accuracy`", above("0"),
       "steps per second while a point could close, rounded up to a multiple of rate_hz. Needs `scheme = "
       "\"compliant\"` and `kernel = \"modes\"`"},
-     {"duration", &Time::duration, "s", required(), above("0"),
-      "simulated time. duration · rate_hz is rounded to a whole number of samples, from 1 to 1e9"},
+     {"duration", Access(Type::number, read_duration, duration_of), "s", required(),
+      Range{.low = "0", .low_open = true, .choices = {duration_until_parted}},
+      "simulated time. duration · rate_hz is rounded to a whole number of samples, from 1 to 1e9. `\"until "
+      "parted\"`: the run ends [when bodies have touched and parted](scene.md#when-a-run-ends)"},
+     {"longest",
+      Access<Time>(
+          Type::number,
+          [](const Table& table, const Key& key, Time& time) { return table.read(key, time.duration); },
+          [](const Time& time) { return toml_value(time.duration); })
+          .only(may_wait, "duration = \"until parted\""),
+      "s", '`' + toml_value(default_longest) + '`', above("0"),
+      "with `duration = \"until parted\"`: the simulated time at most. A warning reports a run that ends "
+      "there while bodies touch"},
      {"precision", choice<Time>(&Time::precision, {"double", "single"}), "", ", or chosen by `accuracy`",
       any(),
       "`\"single\"`: matrix products of the steps in single precision, which is faster with many points. "
@@ -117,6 +147,12 @@ void read_time(const Table& root, Scene& scene) {
   if (!table) root.complain("time", "is missing: give duration [s]");
   time_keys.read(*table, time);
   const bool steps_by_modes = contact.has_contact_rate();
+  if (time.until_parted && contact.scheme == Scheme::at_rest)
+    table->complain("duration", "bodies at rest do not part: leave it out");
+  if (time.until_parted && contact.kernel == ContactKernel::table)
+    table->complain(
+        "duration",
+        "contact.kernel = \"table\" needs to know how long its responses are: give it in seconds");
   if (time.contact_rate_hz && !steps_by_modes)
     table->complain("contact_rate_hz",
                     "belongs to scheme = \"compliant\" and kernel = \"modes\": give rate_hz alone");
@@ -127,10 +163,9 @@ void read_time(const Table& root, Scene& scene) {
   const bool is_open = time.rate_by_accuracy && !steps_by_modes;
   const double samples = is_open ? 1 : time.duration * time.rate_hz;
   if (samples < 1 || samples > 1e9)
-    table->complain(
-        "duration",
-        fmt::format("makes {:.3g} samples at rate_hz = {:g}: must be from 1 to 1e9: change rate_hz", samples,
-                    time.rate_hz));
+    table->complain(time.until_parted ? "longest" : "duration",
+                    fmt::format("makes {:.3g} samples at rate_hz = {:g}: must be from 1 to 1e9: change {}",
+                                samples, time.rate_hz, time.until_parted ? "either" : "rate_hz"));
   if (time.precision == Precision::float32 && !steps_by_modes)
     table->complain("precision", "belongs to scheme = \"compliant\" and kernel = \"modes\": leave it out");
   time.samples_by_accuracy = time.rate_by_accuracy && steps_by_modes && !table->has("rate_hz");

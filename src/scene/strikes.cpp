@@ -120,9 +120,9 @@ void read_strikes(const Table& root, Scene& scene) {
     complete(table, *mallet, strike);
     if (scene.time.duration > 0 && !(strike.time < scene.time.duration))
       table.complain("time",
-                     fmt::format("is not before the end, time.duration = {:g}: lengthen the run, or leave "
-                                 "this strike out",
-                                 scene.time.duration));
+                     fmt::format("is not before the end, {} = {:g}: lengthen the run, or leave this strike "
+                                 "out",
+                                 scene.time.key_of_duration(), scene.time.duration));
     const auto before = std::ranges::count(scene.strikes, name, &Strike::mallet);
     if (before > 0)
       add_copy(scene, *mallet, strike, static_cast<std::size_t>(before) + 1);

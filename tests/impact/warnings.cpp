@@ -123,6 +123,25 @@ TEST(Contact, that_does_not_end_is_warned_of_unless_loads_press) {
   EXPECT_THAT(warnings(), IsEmpty());
 }
 
+TEST(Contact, that_does_not_end_within_the_longest_run_is_warned_of_even_if_loads_press) {
+  scene::Scene scene;
+  scene.time.until_parted = true;
+  scene.time.duration = 0.5;
+  contact::Summary summary;
+  summary.contact_start_s = 0;
+  const auto warnings = [&] {
+    summary.warnings.clear();
+    impact::add_warnings(scene, summary);
+    return summary.warnings;
+  };
+  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("Set a longer time.longest")));
+  scene.loads.gravity = {0, 0, -9.81};
+  EXPECT_THAT(warnings(),
+              ElementsAre(HasSubstr("until time.longest = 0.5 s. Give time.duration in seconds")));
+  summary.parted_s = 0.61;
+  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("parted at t = 0.61 s. Set time.longest = 0.61")));
+}
+
 TEST(ObstaclesThatMove, without_friction_are_warned_of) {
   scene::Scene scene;
   scene.obstacles = {{.name = "belt", .normal = {0, 0, 1}, .velocity = {1, 0, 0}},

@@ -32,10 +32,13 @@ const std::string cylindrical =
 point = [0, 0, 0]
 direction = [0, 0, 1]
 )");
+/// A run that ends when bodies have parted.
+const std::string endless = changed(barest, "duration = 0.01", "duration = \"until parted\"");
 /// A scene to which a key may be added.
 const std::string& with_room_for(const Section& section, const Key& key) {
   if (key.name == "table") return tabular;
   if (&section == &about_keys) return cylindrical;
+  if (key.name == "longest") return endless;
   return &section == &material_keys && key.name == "axes" ? orthotropic : barest;
 }
 /// The error of the scene, or an empty string if it is accepted.

@@ -57,6 +57,14 @@ TEST(SceneDefaults, of_everything_else_are_those_documented) {
   EXPECT_EQ(scene.output.vtk_every, 0);
 }
 
+TEST(SceneDefaults, of_a_run_until_bodies_part_are_a_second_at_most) {
+  EXPECT_FALSE(scene_of(smallest).time.until_parted);
+  const scene::Time time = scene_of(smallest, {R"(time.duration="until parted")"}).time;
+  EXPECT_TRUE(time.until_parted);
+  EXPECT_EQ(time.duration, 1);
+  EXPECT_EQ(scene_of(smallest, {R"(time={duration="until parted",longest=0.25})"}).time.duration, 0.25);
+}
+
 TEST(SceneDefaults, of_the_impulse_scheme_are_the_jump_and_no_rebound) {
   const Contact contact = scene_of(changed(smallest, "[contact]", "[contact]\nscheme = \"impulse\"")).contact;
   EXPECT_EQ(contact.scheme, Scheme::impulse);

@@ -64,6 +64,7 @@ TEST(Resolved, scene_with_each_form_of_a_value_reads_back) {
        "stiffness = [3, 0, 0, 0, 0.1, 0, 2, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 1] } }"},
       {"bodies.ball.material={ \"all of it\" = { density = 1, young = 2 } }"},
       {"time.rate_hz=1e20", "time.duration=1e-15", "time.precision=single"},
+      {R"(time={duration="until parted",longest=0.25})"},
       {mic},
       {mic, "output.receivers_rate_hz=11025"},
       {mic, "output.sound={receivers=\"mic\",direction=[1,2,3]}"},

@@ -21,6 +21,7 @@ from ricochet.cli import plot
 from ricochet.cli.modes import stored
 from ricochet.cli.options import add_low_pass, add_run, words_for_programs
 from ricochet.errors import InputError
+from ricochet.studies import workers
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -55,6 +56,19 @@ def words_for_surfaces(output: dict[str, Any]) -> list[programs.Word]:
     return [] if decides else ["--view-up-to", str(VIEW_MIB)]
 
 
+def simulated_time(options: argparse.Namespace, table: dict[str, Any]) -> float:
+    """Of the impact [s]. One that ends when bodies have parted is computed for it, without files; if it fails, the run itself
+    says why."""
+    duration = table["time"]["duration"]
+    if duration != "until parted":
+        return float(duration)
+    command = [str(programs.BIN / "ricochet-contact"), str(options.scene), "--batch"]
+    command += map(str, words_for_programs(options))
+    ((_, line, _),) = workers.in_parallel(1, command, [{"set": []}])
+    summary = json.loads(line).get("summary", {})
+    return float(summary.get("duration_s", table["time"]["longest"]))
+
+
 def words_for_snapshots(
     options: argparse.Namespace, output: dict[str, Any], table: dict[str, Any]
 ) -> list[programs.Word]:
@@ -75,7 +89,7 @@ def words_for_snapshots(
             coordinates += len(file["modes/angular_frequency"])
     if not kernels:
         return []
-    steps = 1.0 if still else table["time"]["duration"] * table["time"]["rate_hz"]
+    steps = 1.0 if still else simulated_time(options, table) * table["time"]["rate_hz"]
     most = min(SNAPSHOTS, SNAPSHOTS_MB * 1e6 / (8 * max(coordinates, 1)))
     return ["--set", f"output.snapshot_every={max(1, math.ceil(steps / max(most, 1)))}"]
 

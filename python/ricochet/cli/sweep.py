@@ -44,6 +44,7 @@ from ricochet.studies.sweep import Sweep
 from ricochet.studies.table import Table, of_magnitude
 
 TOUCHING = "the bodies still touch at the end"  # in the warning of such an impact
+LONGEST = "time.longest"  # likewise, if it was to end when they have parted
 FAILED, INCOMPLETE = 1, 3  # exit status if impacts failed, and if others were refused or have not run
 
 
@@ -190,7 +191,8 @@ def say_touching(table: Table) -> None:
     if not number_of:
         return
     times = [time for time in table.outputs.get("parted_s", ()) if time > 0]
-    enough = f"time.duration = {rounded_up(max(times)):g} lets {len(times)} of them part" if times else ""
+    key = LONGEST if any(LONGEST in text for texts in table.warnings for text in texts) else "time.duration"
+    enough = f"{key} = {rounded_up(max(times)):g} lets {len(times)} of them part" if times else ""
     say(
         f"warning: {number_of} of {number(len(table.status), 'impact')} end while the bodies touch, so their rows have no "
         + "restitution and no exit velocity"

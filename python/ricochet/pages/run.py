@@ -156,7 +156,7 @@ def run_of(path: Path, kernels: Path | None = None) -> dict[str, Any]:
     steps = {
         "rows": len(result.time),
         "every": scene.get("output", {}).get("every", 1),
-        "duration_s": scene.get("time", {}).get("duration"),
+        "duration_s": None if still else summary.get("duration_s", float(result.time[-1])),
         "rate_hz": scene.get("time", {}).get("rate_hz"),
     }
     ends = {} if by_table else {name: [values[0], values[-1]] for name, values in result.energy.items()}

@@ -30,6 +30,7 @@ WORDS = {
     "contact_start_s": "first touch (s)",
     "contact_end_s": "last touch (s)",
     "parted_s": "bodies have parted, beyond the run (s)",
+    "duration_s": "simulated time (s)",
     "contact_steps": "steps with contact",
     "episodes": "episodes",
     "peak_force_n": "peak force (N)",

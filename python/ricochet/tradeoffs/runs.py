@@ -120,9 +120,7 @@ class Runner:
             {
                 "key": key,
                 "impact_s": (
-                    min(seconds)
-                    if impact.rate_hz is None
-                    else self.scene.duration_s / best["real_time_factor"]
+                    min(seconds) if impact.rate_hz is None else best["duration_s"] / best["real_time_factor"]
                 ),
                 "vectors": sum(best["modes"].values()),
                 "candidates": best["candidates"],

@@ -32,7 +32,7 @@ class Scene:
         self.order = max((table["bodies"][name].get("order", 3) for name in self.meshed), default=None)
         self.spacing = table["contact"].get("spacing")
         self.rate_hz = table["time"].get("rate_hz", 44100.0)
-        self.duration_s = table["time"]["duration"]
+        self.end = {key: table["time"][key] for key in ("duration", "longest") if key in table["time"]}
         self.band_hz = band_hz or table["modes"].get("up_to_hz")
 
 
@@ -53,7 +53,7 @@ class Kernel:
         modes: dict[str, Any]
         if self.basis == "accuracy":
             # Without these tables, modes, steps and precision are open.
-            return found | {"accuracy": self.size, "modes": {}, "time": {"duration": scene.duration_s}}
+            return found | {"accuracy": self.size, "modes": {}, "time": scene.end}
         if self.basis == "modes":
             modes = {
                 "basis": "modes",

@@ -24,6 +24,7 @@ const short = {impulse_ns: "impulse", peak_force_n: "peak force", approach_m_per
 const glosses = {
   contact_start_s: ["first touch", "s"],
   contact_end_s: ["last touch; – while touching at the end", "s"],
+  duration_s: ["simulated time", "s"],
   contact_steps: ["steps with a force"],
   peak_force_n: ["largest sum of contact forces in a step", "N"],
   impulse_ns: ["contact forces summed over time", "N s"],
