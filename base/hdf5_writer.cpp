@@ -181,10 +181,12 @@ void Writer::group(const std::string& name) {
   }
 }
 
-Id Writer::make_dataset(const std::string& name, std::int64_t type, const Id& space, const Id& creation) {
+Id Writer::make_dataset(const std::string& name, std::int64_t type, const Id& space, const Id& creation,
+                        const std::string& unit) {
   group(name.substr(0, std::max<std::size_t>(name.rfind('/'), 1)));
   Id made(H5Dcreate2(file_.get(), name.c_str(), type, space.get(), H5P_DEFAULT, creation.get(), H5P_DEFAULT));
   if (!made.valid()) fail_to_write(path_, name);
+  datasets_.push_back({name, unit});
   return made;
 }
 
@@ -195,7 +197,7 @@ void Writer::write(const std::string& dataset, std::span<const T> values, const 
   {
     silence();
     const Id target = make_dataset(dataset, element_type<T>().file, simple_space(shape),
-                                   checked_properties(shape, sizeof(T)));
+                                   checked_properties(shape, sizeof(T)), unit);
     errno = 0;
     if (!values.empty() &&
         H5Dwrite(target.get(), element_type<T>().memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
@@ -216,7 +218,7 @@ void Writer::write_strings(const std::string& dataset, const std::vector<std::st
   for (const std::string& value : values) padded += value + std::string(longest - value.size(), '\0');
   const Id type = utf8_type(longest);
   const Id target = make_dataset(dataset, type.get(), simple_space({values.size()}),
-                                 checked_properties({values.size()}, longest));
+                                 checked_properties({values.size()}, longest), "");
   errno = 0;
   if (!values.empty() && H5Dwrite(target.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0)
     fail_to_write(path_, dataset);
@@ -244,7 +246,7 @@ Rows& Writer::rows(const std::string& dataset, const Shape& row, const std::stri
       H5Pset_deflate(creation.get(), kDeflate);
     }
     H5Pset_fletcher32(creation.get());
-    rows_.push_back(std::make_unique<Rows>(make_dataset(dataset, H5T_IEEE_F64LE, space, creation),
+    rows_.push_back(std::make_unique<Rows>(make_dataset(dataset, H5T_IEEE_F64LE, space, creation, unit),
                                            path_.string(), dataset, row, block));
   }
   attribute(dataset, "unit", unit);
@@ -285,6 +287,63 @@ void Writer::attribute(const std::string& object, const std::string& name, std::
 
 void Writer::integer_attribute(const std::string& object, const std::string& name, std::int64_t value) {
   write_attribute(object, name, H5T_STD_I64LE, Id(H5Screate(H5S_SCALAR)), &value);
+}
+
+// The values of the attribute DIMENSION_LIST are in a heap of HDF5, without a checksum. Readers of Ricochet
+// do not read it. REFERENCE_LIST, by which a scale names its datasets, is not written: only programs that
+// remove scales need it, and its length has a limit, which results of many bodies exceed.
+void Writer::name_dimensions(const Dataset& dataset, const std::vector<std::string>& scales) {
+  silence();
+  if (scales_.empty())  // the first call: no rows follow
+    for (const auto& rows : rows_) rows->flush();
+  errno = 0;
+  const auto& [name, unit] = dataset;
+  const Id target(H5Dopen2(file_.get(), name.c_str(), H5P_DEFAULT));
+  if (!target.valid()) fail_to_write(path_, name);
+  const Id space(H5Dget_space(target.get()));
+  std::vector<hsize_t> lengths(
+      static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space.get()))));
+  H5Sget_simple_extent_dims(space.get(), lengths.data(), nullptr);
+  if (lengths.size() != scales.size())
+    throw std::logic_error(
+        fmt::format("{}: {} names for {} dimensions", name, scales.size(), lengths.size()));
+  std::vector<hobj_ref_t> references(scales.size());
+  std::vector<hvl_t> list;
+  bool done = true;
+  for (std::size_t k = 0; k < scales.size(); ++k) {
+    make_scale(scales[k], lengths[k]);
+    done = done && H5Rcreate(&references[k], file_.get(), scales[k].c_str(), H5R_OBJECT, -1) >= 0;
+    list.push_back({.len = 1, .p = &references[k]});
+  }
+  if (!done) fail_to_write(path_, name);
+  if (!unit.empty()) attribute(name, "units", unit);
+  if (scales.front() == name) return;
+  const Id type(H5Tvlen_create(H5T_STD_REF_OBJ));
+  write_attribute(name, "DIMENSION_LIST", type.get(), simple_space({list.size()}), list.data());
+}
+
+/// Makes a dataset a dimension scale, and creates it first if it does not exist.
+void Writer::make_scale(const std::string& name, std::uint64_t length) {
+  const std::string last = name.substr(name.rfind('/') + 1);
+  std::string title = last;
+  if (H5Lexists(file_.get(), name.c_str(), H5P_DEFAULT) <= 0) {
+    // The words by which netCDF-4 knows a dimension without values. Nothing is stored but the length.
+    title = fmt::format("This is a netCDF dimension but not a netCDF variable.{:>10}", length);
+    make_dataset(name, H5T_IEEE_F32BE, simple_space({length}), properties(H5P_DATASET_CREATE), "");
+  }
+  const Id scale(H5Dopen2(file_.get(), name.c_str(), H5P_DEFAULT));
+  const Id space(H5Dget_space(scale.get()));
+  if (H5Sget_simple_extent_npoints(space.get()) != static_cast<hssize_t>(length))
+    throw std::logic_error(fmt::format("{}: a scale of another length than {}", name, length));
+  if (!scales_.insert(name).second) return;
+  // HDF5 requires a text that ends with a zero byte here.
+  const auto text = [&](const char* attribute, const std::string& value) {
+    const Id type(H5Tcopy(H5T_C_S1));
+    H5Tset_size(type.get(), value.size() + 1);
+    write_attribute(name, attribute, type.get(), Id(H5Screate(H5S_SCALAR)), value.c_str());
+  };
+  text("CLASS", "DIMENSION_SCALE");
+  text("NAME", title);
 }
 
 void Writer::finish() {

@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -79,6 +80,20 @@ class Writer {
   /// Creates an empty dataset of shape (0, row...) that grows. The reference is valid until `commit`.
   Rows& rows(const std::string& dataset, const Shape& row, const std::string& unit);
 
+  /// A dataset that was created.
+  struct Dataset {
+    std::string name, unit;  ///< the unit is empty if it has none
+  };
+  const std::vector<Dataset>& datasets() const { return datasets_; }
+
+  /// Names the dimensions of a dataset by dimension scales, as the specification of HDF5 and netCDF-4 have
+  /// them, so that readers such as xarray find the names. Also writes its unit as `units`, their name for it.
+  /// Call it after all rows. Throws InputError if the file cannot be written, and std::logic_error if the
+  /// number of dimensions or the length of a scale differs.
+  /// @param scales  by dimension, datasets of one dimension. One that does not exist is created without
+  ///                values. Alone, the dataset itself: it becomes a scale.
+  void name_dimensions(const Dataset& dataset, const std::vector<std::string>& scales);
+
   /// Write an attribute of "/", or of a group or dataset that exists.
   void attribute(const std::string& object, const std::string& name, const std::string& value);
   void attribute(const std::string& object, const std::string& name, double value);
@@ -103,7 +118,9 @@ class Writer {
  private:
   void create(const std::string& name, const Id& access);
   void finish();
-  Id make_dataset(const std::string& name, std::int64_t type, const Id& space, const Id& creation);
+  Id make_dataset(const std::string& name, std::int64_t type, const Id& space, const Id& creation,
+                  const std::string& unit);
+  void make_scale(const std::string& name, std::uint64_t length);
   void integer_attribute(const std::string& object, const std::string& name, std::int64_t value);
   void write_attribute(const std::string& object, const std::string& name, std::int64_t type, const Id& space,
                        const void* value);
@@ -113,6 +130,8 @@ class Writer {
   int unnamed_ = -1;                       ///< descriptor of a file without a name, or -1
   Id file_;
   std::vector<std::unique_ptr<Rows>> rows_;
+  std::vector<Dataset> datasets_;
+  std::set<std::string> scales_;
 };
 
 }  // namespace ricochet::base::hdf5

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "contact/files/axes.hpp"
 #include "contact/files/rows.hpp"
 #include "contact/motion/turning.hpp"
 
@@ -283,6 +284,7 @@ void Recorder::commit(const std::string& run, const std::filesystem::path& summa
   if (receiver_rows_) receiver_rows_->finish();
   if (gauge_rows_) gauge_rows_->finish();
   if (!run.empty()) file_.attribute("/", "run", run);
+  name_axes(file_, turns_);
   file_.commit(summary);
 }
 

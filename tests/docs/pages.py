@@ -14,9 +14,11 @@ Comments, which are not shown:
     <!-- quick: COMMANDS -->    commands for quick runs only, which make the example coarser; numbers in outputs are
                                 then not compared
     <!-- not run: WHY -->       skips the next block
+    <!-- needs: MODULES -->     skips the next block where one of these modules of Python is not installed
 """
 
 import contextlib
+import importlib.util
 import io
 import os
 import pathlib
@@ -29,7 +31,7 @@ SOURCE = pathlib.Path(__file__).resolve().parents[2]
 TOLERANCE = 0.02  # of numbers, because meshes differ slightly between versions of gmsh
 BLOCK = re.compile(
     r"^```(?P<language>\w+)(?: (?P<info>[^\n]*))?\n(?P<text>.*?)^```$|"
-    r"^<!-- (?P<kind>run|quick|not run): ?(?P<command>.*?)-->",
+    r"^<!-- (?P<kind>run|quick|not run|needs): ?(?P<command>.*?)-->",
     re.MULTILINE | re.DOTALL,
 )
 NUMBER = r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
@@ -103,13 +105,15 @@ class Page:
         for line, kind, info, text in blocks(self.path):
             if kind == "not run":
                 skip = True
+            elif kind == "needs":
+                skip = not all(map(importlib.util.find_spec, text.split()))
             elif kind == "run" or (kind == "quick" and self.quick):
                 self.shell(line, text)
             elif kind in languages and not skip:
                 {"sh": self.shell, "python": self.python, "text": self.compare}.get(kind, self.file)(
                     line, text, info
                 )
-            skip = kind == "not run"
+            skip = skip and kind in ("not run", "needs")
         return self
 
     def fail(self, line, what):

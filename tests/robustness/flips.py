@@ -36,12 +36,16 @@ def program(name, scene, out):
     return done.returncode, done.stderr.splitlines()
 
 
+#: of dimension scales; its values are in a heap without a checksum, and the package does not read it
+UNREAD = "DIMENSION_LIST"
+
+
 def names_of(path):
     """Names of the datasets with the kinds of their values, and of the attributes with their objects."""
     datasets, attributes = {}, []
 
     def visit(name, item):
-        attributes.extend((name, attribute) for attribute in item.attrs)
+        attributes.extend((name, attribute) for attribute in item.attrs if attribute != UNREAD)
         if isinstance(item, h5py.Dataset):
             datasets[name] = (item.dtype.kind, item.ndim)
 
