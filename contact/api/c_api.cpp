@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <map>
+#include <tuple>
 #include <utility>
 
 #include "ricochet/ricochet.h"
@@ -74,9 +76,9 @@ std::string text(const char* s, const char* what) { return &given(s, what); }
 std::optional<double> number(const double* x) { return x ? std::optional(*x) : std::nullopt; }
 
 /// @param setting  what is set, for the message
-ricochet::HalfSpace& half_space_of(ricochet_scene* scene, const char* name, const char* setting) {
+ricochet::Obstacle& half_space_of(ricochet_scene* scene, const char* name, const char* setting) {
   auto& obstacles = given(scene, "scene").scene.obstacles;
-  const auto found = std::ranges::find(obstacles, text(name, "half_space"), &ricochet::HalfSpace::name);
+  const auto found = std::ranges::find(obstacles, text(name, "half_space"), &ricochet::Obstacle::name);
   if (found == obstacles.end())
     throw InputError(std::string(setting) + ": \"" + name +
                      "\" is not a half-space of the scene. Add it with ricochet_scene_half_space first.");
@@ -159,6 +161,42 @@ int ricochet_scene_half_space(ricochet_scene* scene, const char* name, const dou
   });
 }
 
+int ricochet_scene_obstacle(ricochet_scene* scene, const char* name, const char* shape, int inside,
+                            const double* point, const double* rotate_deg, const double* sizes) {
+  return checked([&] {
+    using ricochet::Shape;
+    ricochet::Obstacle made{.name = text(name, "name"), .point = vector(point, "point")};
+    const std::string is = text(shape, "shape");
+    const Vector3 size = vector(sizes, "sizes");
+    const std::map<std::string, Shape> shapes{{"sphere", Shape::sphere},   {"cylinder", Shape::cylinder},
+                                              {"capsule", Shape::capsule}, {"box", Shape::box},
+                                              {"cone", Shape::cone},       {"torus", Shape::torus}};
+    const auto found = shapes.find(is);
+    if (found == shapes.end())
+      throw InputError("shape: \"" + is + "\" is none of sphere, cylinder, capsule, box, cone and torus.");
+    made.shape = found->second;
+    made.side = inside ? ricochet::ObstacleSide::inside : ricochet::ObstacleSide::outside;
+    made.rotate_deg = vector_or_zero(rotate_deg);
+    if (made.shape == Shape::box)
+      made.size = size;
+    else
+      std::tie(made.radius, made.radius_small, made.length) = std::tie(size[0], size[1], size[2]);
+    given(scene, "scene").scene.obstacles.push_back(std::move(made));
+  });
+}
+
+int ricochet_scene_obstacle_mesh(ricochet_scene* scene, const char* name, const char* path, double scale,
+                                 int inside, const double* point, const double* rotate_deg) {
+  return checked([&] {
+    ricochet::Obstacle made{
+        .name = text(name, "name"), .point = vector(point, "point"), .shape = ricochet::Shape::mesh};
+    made.side = inside ? ricochet::ObstacleSide::inside : ricochet::ObstacleSide::outside;
+    made.rotate_deg = vector_or_zero(rotate_deg);
+    made.mesh = ricochet::load_surface(text(path, "path"), scale);
+    given(scene, "scene").scene.obstacles.push_back(std::move(made));
+  });
+}
+
 int ricochet_scene_pair(ricochet_scene* scene, const char* a, const char* b, const double* direction,
                         const double* gap, const double* reach) {
   return checked([&] {
@@ -186,7 +224,7 @@ int ricochet_scene_half_space_velocity(ricochet_scene* scene, const char* half_s
 int ricochet_scene_half_space_slide(ricochet_scene* scene, const char* half_space, const double* along,
                                     const double* time, const double* factor, size_t count) {
   return checked([&] {
-    ricochet::HalfSpace& moved = half_space_of(scene, half_space, "slide");
+    ricochet::Obstacle& moved = half_space_of(scene, half_space, "slide");
     if (count > 0 && (!time || !factor)) throw InputError("slide: time or factor is NULL. Give both.");
     moved.slides.push_back({vector(along, "along"), {time, time + count}, {factor, factor + count}});
   });

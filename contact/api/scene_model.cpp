@@ -9,6 +9,7 @@
 #include <set>
 
 #include "base/rotation.hpp"
+#include "contact/pairing/rigid_surface.hpp"
 
 namespace ricochet {
 namespace {
@@ -46,16 +47,20 @@ void check(const Scene& scene) {
     if (!body.kernel) throw InputError(where + ": has no kernel. Load one with load_kernel.");
     kernels::validate(*body.kernel, where + ".kernel");
   }
-  for (const HalfSpace& obstacle : scene.obstacles) add(obstacle.name, "obstacles");
+  for (const Obstacle& obstacle : scene.obstacles) add(obstacle.name, "obstacles");
+}
+
+Eigen::Matrix3d rotation_by(const Vector3& degrees, const std::string& where) {
+  finite(degrees, where + ".rotate_deg");
+  const auto rotation = rotation_of(degrees);
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotation.data());
 }
 
 contact::PlacedBody placed(const Body& body) {
   const std::string where = "bodies." + body.name;
-  finite(body.rotate_deg, where + ".rotate_deg");
-  const auto rotation = rotation_of(body.rotate_deg);
   return {.name = body.name,
           .kernel = body.kernel.get(),
-          .rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotation.data()),
+          .rotation = rotation_by(body.rotate_deg, where),
           .translation = finite(body.translate, where + ".translate"),
           .velocity = finite(body.velocity, where + ".velocity"),
           .angular_velocity = finite(body.angular_velocity, where + ".angular_velocity")};
@@ -82,13 +87,81 @@ contact::History history_of(const auto& motion, const std::string& where) {
   return {motion.time, motion.factor};
 }
 
-std::vector<contact::HalfSpace> obstacles_of(const Scene& scene) {
-  std::vector<contact::HalfSpace> out;
-  for (const HalfSpace& obstacle : scene.obstacles) {
-    const std::string where = "obstacles." + obstacle.name;
-    out.push_back(
-        {obstacle.name, finite(obstacle.point, where + ".point"), unit(obstacle.normal, where + ".normal")});
+/// The triangles of a mesh, from one of the library.
+contact::RigidMesh rigid_mesh(const SurfaceMesh& mesh, bool inside, const std::string& where) {
+  contact::RigidMesh out{.inside = inside};
+  for (const Vector3& x : mesh.node) out.node.push_back(finite(x, where + ".mesh.node"));
+  for (const auto& t : mesh.triangle)
+    out.triangle.push_back({static_cast<int>(t[0]), static_cast<int>(t[1]), static_cast<int>(t[2])});
+  if (const std::string flaw = contact::flaw_of(out); !flaw.empty())
+    throw InputError(fmt::format("{}: its surface {}. Give a closed surface.", where, flaw));
+  return out;
+}
+
+contact::WorldSurface surface_of(const Obstacle& obstacle, const std::string& where) {
+  const bool inside = obstacle.side == ObstacleSide::inside;
+  const auto refuse_length = [&](const char* name, double value, const char* rule) {
+    throw InputError(fmt::format("{}.{} = {}: must be {}.", where, name, value, rule));
+  };
+  const auto above_0 = [&](const char* name, double value) {
+    if (!(value > 0 && std::isfinite(value))) refuse_length(name, value, "above 0");
+    return value;
+  };
+  using Form = contact::RoundSurface::Form;
+  contact::RoundSurface round{.side = inside ? -1.0 : 1.0};
+  switch (obstacle.shape) {
+    case Shape::box: {
+      const Vector3d size = finite(obstacle.size, where + ".size");
+      for (const double edge : obstacle.size) above_0("size", edge);
+      return contact::rigid_box(size, inside);
+    }
+    case Shape::mesh:
+      return contact::rigid_surface(rigid_mesh(obstacle.mesh, inside, where));
+    case Shape::cone:
+      round.form = Form::cone;
+      round.length = above_0("length", obstacle.length);
+      for (const auto& [name, value] :
+           {std::pair{"radius", obstacle.radius}, std::pair{"radius_small", obstacle.radius_small}})
+        if (!(value >= 0 && std::isfinite(value))) refuse_length(name, value, "at least 0");
+      above_0("radius", std::max(obstacle.radius, obstacle.radius_small));
+      round.radius = obstacle.radius;
+      round.radius_small = obstacle.radius_small;
+      break;
+    case Shape::torus:
+      round.form = Form::torus;
+      round.radius_small = above_0("radius_small", obstacle.radius_small);
+      round.radius = above_0("radius", obstacle.radius);
+      if (!(round.radius > round.radius_small))
+        refuse_length("radius", round.radius, "above radius_small, or the tube would cross itself");
+      break;
+    default:
+      round.radius = above_0("radius", obstacle.radius);
+      if (obstacle.shape != Shape::sphere) round.length = above_0("length", obstacle.length);
+      if (obstacle.shape == Shape::cylinder) {
+        round.form = Form::cone;
+        round.radius_small = round.radius;
+      }
   }
+  return contact::rigid_surface(round);
+}
+
+contact::Obstacle placed(const Obstacle& obstacle) {
+  const std::string where = "obstacles." + obstacle.name;
+  contact::Obstacle out{.name = obstacle.name, .point = finite(obstacle.point, where + ".point")};
+  if (obstacle.shape == Shape::half_space) {
+    out.normal = unit(obstacle.normal, where + ".normal");
+    return out;
+  }
+  if (obstacle.velocity != Vector3{} || !obstacle.slides.empty())
+    throw InputError(where + ": only half-spaces move along their surface. Leave velocity and slides out.");
+  out.surface = std::make_shared<const contact::WorldSurface>(surface_of(obstacle, where));
+  out.rotation = rotation_by(obstacle.rotate_deg, where);
+  return out;
+}
+
+std::vector<contact::Obstacle> obstacles_of(const Scene& scene) {
+  std::vector<contact::Obstacle> out;
+  for (const Obstacle& obstacle : scene.obstacles) out.push_back(placed(obstacle));
   return out;
 }
 
@@ -185,9 +258,10 @@ contact::Placement placement_with(const Scene& scene, std::vector<contact::Place
     const contact::PairRequest pair = request(other.name, added.name);
     out.pairs.push_back({pair, k, number, contact::pair(other, added, pair)});
   }
-  for (const contact::HalfSpace& obstacle : obstacles_of(scene)) {
+  for (const contact::Obstacle& obstacle : obstacles_of(scene)) {
     const contact::PairRequest pair = request(added.name, obstacle.name);
-    out.pairs.push_back({pair, number, -1, contact::pair(added, obstacle, pair)});
+    out.pairs.push_back(
+        {pair, number, -1, contact::pair(added, obstacle, pair), {}, contact::solid_of(obstacle)});
   }
   out.bodies.push_back(added);
   return out;
@@ -216,7 +290,8 @@ contact::Model model_of(const Scene& scene) {
 
 void add_belts(const Scene& scene, contact::Model& model) {
   constexpr double forever = 1e9;  // [s]
-  for (const HalfSpace& obstacle : scene.obstacles) {
+  for (const Obstacle& obstacle : scene.obstacles) {
+    if (obstacle.shape != Shape::half_space) continue;
     const std::string where = "obstacles." + obstacle.name;
     const Vector3d velocity = finite(obstacle.velocity, where + ".velocity"),
                    normal = unit(obstacle.normal, where + ".normal");

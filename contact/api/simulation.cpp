@@ -8,6 +8,7 @@
 
 #include "base/archive.hpp"
 #include "contact/api/simulation_impl.hpp"
+#include "contact/files/surface_file.hpp"
 #include "kernels/read.hpp"
 #include "kernels/write.hpp"
 #include "ricochet/ricochet.h"
@@ -40,6 +41,10 @@ base::Digest::Value digest_of(std::span<const std::byte> bytes) {
 
 SharedKernel load_kernel(const std::filesystem::path& path) {
   return std::make_shared<const kernels::Kernel>(kernels::read(path));
+}
+
+SurfaceMesh load_surface(const std::filesystem::path& path, double scale) {
+  return contact::read_surface(path, scale);
 }
 
 void save_kernel(const kernels::Kernel& kernel, const std::filesystem::path& path) {

@@ -73,7 +73,8 @@ void Simulation::Impl::take_place(int body, const contact::PlacedBody& added,
     if ((stepper->poses()[at].position - pose.position).norm() < reach) near.push_back(placed(k));
   }
   Scene around = scene;
-  std::erase_if(around.obstacles, [&](const HalfSpace& obstacle) {
+  std::erase_if(around.obstacles, [&](const Obstacle& obstacle) {
+    if (obstacle.shape != Shape::half_space) return false;
     const Vector3d normal = Eigen::Map<const Vector3d>(obstacle.normal.data()).normalized();
     return normal.dot(pose.position - Eigen::Map<const Vector3d>(obstacle.point.data())) >
            beyond_candidates * block.radius();
@@ -148,7 +149,7 @@ std::size_t Simulation::add(const std::string& name, const SharedKernel& kernel,
                             const std::optional<Friction>& friction) {
   impl_->refuse_linear("add");
   if (name.empty()) throw InputError("bodies: one has no name. Name each.");
-  if (find(name) || std::ranges::count(impl_->scene.obstacles, name, &HalfSpace::name) > 0)
+  if (find(name) || std::ranges::count(impl_->scene.obstacles, name, &Obstacle::name) > 0)
     throw InputError(
         fmt::format("bodies.{}: the name is taken. Bodies and obstacles need names of their own.", name));
   if (std::ranges::count(impl_->kernels, kernel) == 0 && kernel)

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/api/system_digest.hpp"
 
+#include <array>
 #include <concepts>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -48,13 +50,21 @@ void add_members(Digest& digest, const Forcing& x) {
   add(digest, axes);
   add(digest, pressure);
 }
-void add_members(Digest& digest, const HalfSpace& x) {
-  const auto& [name, point, normal, velocity, slides] = x;
+void add_members(Digest& digest, const SurfaceMesh& x) {
+  const auto& [node, triangle] = x;
+  add(digest, node);
+  add(digest, triangle);
+}
+void add_members(Digest& digest, const Obstacle& x) {
+  const auto& [name, point, normal, velocity, slides, shape, side, rotate_deg, radius, radius_small, length,
+               size, mesh] = x;
   add(digest, name);
-  add(digest, point);
-  add(digest, normal);
-  add(digest, velocity);
+  for (const Vector3& vector : {point, normal, velocity, rotate_deg, size}) add(digest, vector);
   add(digest, slides);
+  add(digest, shape);
+  add(digest, side);
+  for (const double measure : {radius, radius_small, length}) add(digest, measure);
+  add(digest, mesh);
 }
 void add_members(Digest& digest, const Pair& x) {
   const auto& [a, b, direction, gap, reach, zone, friction] = x;
@@ -90,6 +100,10 @@ template <class T>
 struct IsVector : std::false_type {};
 template <class T>
 struct IsVector<std::vector<T>> : std::true_type {};
+template <class T>
+struct IsArray : std::false_type {};
+template <class T, std::size_t count>
+struct IsArray<std::array<T, count>> : std::is_arithmetic<T> {};
 
 void add(Digest& digest, const auto& x) {
   using T = std::remove_cvref_t<decltype(x)>;
@@ -97,7 +111,7 @@ void add(Digest& digest, const auto& x) {
     digest.add(x);
   } else if constexpr (std::same_as<T, std::string>) {
     digest.add(x);
-  } else if constexpr (std::same_as<T, Vector3>) {
+  } else if constexpr (IsArray<T>::value) {
     digest.add(x.data(), sizeof x);
   } else if constexpr (IsVector<T>::value) {
     add_entries(digest, x);

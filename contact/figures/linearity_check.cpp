@@ -118,7 +118,7 @@ void LinearityCheck::observe(const Stepper& stepper, const Vector& before, bool 
       nearer_[p] = std::max(nearer_[p], n.dot(relative_at(moved, pair, i, model_)));
       if (!pressed) continue;
       if (first) approach_ = std::max(approach_, n.dot(relative_at(speed, pair, i, frames)));
-      if (pair.b < 0 || stepper.turning()) continue;  // a half-space looks the same everywhere
+      if (pair.is_half_space() || stepper.turning()) continue;  // a half-space looks the same everywhere
       const Vector3d shift = relative_at(moved, pair, i, model_);
       const double slip = (shift - shift.dot(n) * n).norm();
       if (slip / spacing_[p] > slip_share_) {

@@ -26,7 +26,7 @@ ObstacleCheck::ObstacleCheck(const Model& model) : model_(model), passages_(mode
   for (std::size_t p = 0; p < model.pairs.size(); ++p) {
     const Model::PairBlock& pair = model.pairs[p];
     const Bodies::Block& body = model.bodies[pair.a];
-    if (pair.b >= 0 || pair.points == 0 || body.kernel->outline.empty()) continue;
+    if (!pair.is_half_space() || pair.points == 0 || body.kernel->outline.empty()) continue;
     Side side;
     side.pair = static_cast<int>(p);
     side.normal = -model.normal.row(pair.first_point).transpose();

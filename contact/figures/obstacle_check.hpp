@@ -33,7 +33,7 @@ class ObstacleCheck {
   std::vector<std::string> warnings() const;
 
  private:
-  struct Side {  ///< a body and an obstacle
+  struct Side {  ///< a body and a half-space
     int pair = 0;
     Eigen::Vector3d normal{0, 0, 1};  ///< out of the obstacle
     Eigen::Matrix3Xd outline;         ///< (3,H + M) outline and nodes, world, initial [m]

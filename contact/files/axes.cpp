@@ -45,6 +45,12 @@ Scales of_contact(const std::string& name, bool turns) {
   return out;
 }
 
+/// Of /obstacles/NUMBER, a surface.
+Scales of_obstacle(const std::string& group, const std::string& name) {
+  if (name == "node") return {group + "/vertex", shared::component};
+  return {group + "/triangle", group + "/corner"};
+}
+
 /// Of /static/BODY, forces and loads at the times of snapshots.
 Scales of_static(const std::string& group, const std::string& name) {
   const std::string entry = group + "/entry";
@@ -67,6 +73,7 @@ Scales scales_of(const std::string& dataset, bool turns) {
   if (group == "snapshots") return {"/snapshots/time", "/mode_" + last};
   if (group == "pose") return {shared::snapshot, last == "attitude" ? shared::quaternion : shared::component};
   if (group == "static") return of_static("/static/" + parts[1], last);
+  if (group == "obstacles") return of_obstacle("/obstacles/" + parts[1], last);
   return {"/node_" + parts[1]};  // /stress/BODY
 }
 

@@ -175,7 +175,8 @@ void MotionFile::contact_frame(std::size_t pair, const std::string& number, cons
     for (std::size_t j = 0; j < 3; ++j)
       position.row(i) += place.weight[j] * surface.position.row(place.node[j]).cast<double>();
   }
-  if (turning && points.b >= 0) position = frames.point_a.middleRows(points.first_point, points.points);
+  if (turning && !points.is_half_space())
+    position = frames.point_a.middleRows(points.first_point, points.points);
   const Vector lambda = own(force);
   const std::string group = group_of(pair);
   write(file_, group + "/position" + number, position, "m");

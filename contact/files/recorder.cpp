@@ -2,11 +2,14 @@
 #include "contact/files/recorder.hpp"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
+#include "base/format.hpp"
 #include "contact/files/axes.hpp"
 #include "contact/files/rows.hpp"
 #include "contact/motion/turning.hpp"
+#include "contact/pairing/surface_projection.hpp"
 
 namespace ricochet::contact {
 namespace {
@@ -65,6 +68,7 @@ Recorder::Recorder(const MotionSource& source, const StepOptions& step, const Re
   }
   if (const Model* const places = source_.places()) {
     write_points(*places);
+    write_obstacles(*places);
     for (std::size_t k = 0; k < places->bodies.size(); ++k)
       if (std::ranges::count(source_.bodies(), places->bodies[k].name, &MotionSource::Body::name) > 0)
         write_place(places->bodies[k], k, options);
@@ -117,6 +121,24 @@ void Recorder::write_points(const Model& model) {
   for (std::size_t p = 0; p < model.pairs.size(); ++p)
     std::fill_n(number.begin() + model.pairs[p].first_point, model.pairs[p].points, p + 1);
   file_.write<double>("/contact/pair", number, {m}, "1");
+}
+
+/// Adds the triangles of obstacles that have a surface. Their names may be any text, so groups have numbers.
+void Recorder::write_obstacles(const Model& model) {
+  std::set<std::string> written;
+  for (const Model::PairBlock& pair : model.pairs) {
+    if (!pair.solid || !written.insert(pair.obstacle).second) continue;
+    const std::string group = base::format("/obstacles/{}", written.size());
+    const WorldSurface surface = placed(*pair.solid);
+    std::vector<double> node;
+    std::vector<std::int64_t> element;
+    for (const Vector3d& x : surface.node) node.insert(node.end(), x.begin(), x.end());
+    for (const WorldSurface::Element& one : surface.element)
+      element.insert(element.end(), one.corner.begin(), one.corner.end());
+    file_.write<double>(group + "/node", node, {surface.node.size(), 3}, "m");
+    file_.write<std::int64_t>(group + "/element", element, {surface.element.size(), 3}, "1");
+    file_.attribute(group, "name", pair.obstacle);
+  }
 }
 
 void Recorder::write_place(const Bodies::Block& body, std::size_t number, const RecorderOptions& options) {

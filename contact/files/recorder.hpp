@@ -87,6 +87,7 @@ class Recorder {
   };
 
   void write_points(const Model& model);
+  void write_obstacles(const Model& model);
   void write_place(const Bodies::Block& body, std::size_t number, const RecorderOptions& options);
   void add_model_rows(const Model& model, const StepOptions& step, const RecorderOptions& options);
   void push(const RowFrames& frames, const Vector& force, double duration);

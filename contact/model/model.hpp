@@ -148,7 +148,7 @@ void refuse_sag(const Model& model);
 void refuse_early_contact(const Model& model, const std::vector<double>& arrival);
 
 /// Places the bodies first. Also throws InputError as `place` does.
-inline Model build_model(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& obstacles,
+inline Model build_model(std::vector<PlacedBody> bodies, const std::vector<Obstacle>& obstacles,
                          const std::vector<PairRequest>& pairs, const Eigen::Vector3d& gravity,
                          const std::vector<ForcingRequest>& forcing = {}) {
   return build_model(place(std::move(bodies), obstacles, pairs), gravity, forcing);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <utility>
 
 namespace ricochet::contact {
 namespace {
@@ -52,7 +53,9 @@ struct NearestElement {
 }  // namespace
 
 BodySurface::BodySurface(const kernels::Kernel& kernel)
-    : projection_(surface_of({.name = kernel.body, .kernel = &kernel})) {
+    : BodySurface(surface_of({.name = kernel.body, .kernel = &kernel})) {}
+
+BodySurface::BodySurface(WorldSurface of_body) : projection_(std::move(of_body)) {
   const WorldSurface& on = surface();
   for (const Vector3d& x : on.node) box_.extend(x);
   std::map<std::array<int, 2>, std::vector<std::array<int, 2>>> edges;
@@ -105,6 +108,13 @@ double BodySurface::near_crease(const Foot& foot) const noexcept {
   return indistinct * surface().element[static_cast<std::size_t>(foot.element)].size;
 }
 
+bool BodySurface::is_at_crease(const Foot& foot) const noexcept {
+  const std::array<bool, 3>& crease = crease_[static_cast<std::size_t>(foot.element)];
+  for (std::size_t j = 0; j < 3; ++j)
+    if (foot.weight[(j + 2) % 3] == 0 && crease[j]) return true;
+  return false;
+}
+
 /// Over an edge that is no crease, the normal is that of the curved surface; beyond a crease, it leads to the
 /// point.
 Foot BodySurface::foot_on(int number, const Vector3d& x) const noexcept {
@@ -114,13 +124,16 @@ Foot BodySurface::foot_on(int number, const Vector3d& x) const noexcept {
   out.point = on.at(element, out.weight);
   for (std::size_t j = 0; j < 3; ++j) out.normal += out.weight[j] * element.normal[j];
   out.normal.normalize();
-  bool at_crease = false;
-  for (std::size_t j = 0; j < 3; ++j)
-    at_crease = at_crease || (out.weight[(j + 2) % 3] == 0 && crease_[static_cast<std::size_t>(number)][j]);
+  const bool at_crease = is_at_crease(out);
   const Vector3d way = x - out.point;
   if (const double length = way.norm(); at_crease && length > near_crease(out)) {
     // Inside, the point is nearer to a face.
     if (const Vector3d outward = way / length; outward.dot(out.normal) > 0) out.normal = outward;
+  } else if (const auto exact = on.on_form(element, x)) {
+    out.point = exact->point;
+    out.normal = exact->normal;
+    out.distance = exact->distance;
+    return out;
   }
   out.distance = out.normal.dot(way);
   return out;
@@ -214,17 +227,7 @@ Foot BodySurface::beside(const Foot& foot, const Vector3d& way) const noexcept {
 }
 
 Eigen::Matrix3d BodySurface::curvature(const Foot& foot) const noexcept {
-  const WorldSurface::Element& element = surface().element[static_cast<std::size_t>(foot.element)];
-  if (!element.curved) return Eigen::Matrix3d::Zero();
-  Eigen::Matrix<double, 3, 2> edges, turns;
-  for (int j = 0; j < 2; ++j) {
-    const auto corner = static_cast<std::size_t>(j + 1);
-    edges.col(j) = surface().node[static_cast<std::size_t>(element.corner[corner])] -
-                   surface().node[static_cast<std::size_t>(element.corner[0])];
-    turns.col(j) = element.normal[corner] - element.normal[0];
-  }
-  const Eigen::Matrix3d W = turns * (edges.transpose() * edges).inverse() * edges.transpose();
-  return 0.5 * (W + W.transpose());
+  return surface().curvature(surface().element[static_cast<std::size_t>(foot.element)], foot.point);
 }
 
 double BodySurface::rise(int node, const Vector3d& n) const noexcept {

@@ -26,6 +26,7 @@ struct Foot {
 class BodySurface {
  public:
   explicit BodySurface(const kernels::Kernel& kernel);
+  explicit BodySurface(WorldSurface surface);  ///< in its axes
 
   const WorldSurface& surface() const { return projection_.surface(); }
   const Eigen::AlignedBox3d& box() const { return box_; }
@@ -75,6 +76,8 @@ class BodySurface {
   /// By how much the curved surface may rise over its nodes [m].
   double camber() const { return camber_; }
 
+  /// Whether a foot is on a crease or on the end of the surface.
+  bool is_at_crease(const Foot& foot) const noexcept;
   /// The point of the surface at the end of a way along it [m]. Its distance is 0.
   Foot beside(const Foot& foot, const Eigen::Vector3d& way) const noexcept;
   /// W (3,3) with dn = W dx along the element of a foot [1/m].

@@ -59,6 +59,8 @@ void add(const Vector3d& x, Vector3d& sum, Vector3d& carry) {
 
 }  // namespace
 
+FloatingBody::FloatingBody(const Pose& pose) : inertia(Inertia::infinite()) { move_to(pose); }
+
 FloatingBody::FloatingBody(const Model& model, const Bodies::Block& block)
     : first_mode(block.first_mode),
       modes(block.modes),

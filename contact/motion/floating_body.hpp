@@ -43,6 +43,8 @@ struct FloatingBody {
   Eigen::Vector3d load{0, 0, 0}, load_torque{0, 0, 0};
   Eigen::Vector3d lag{0, 0, 0};  ///< by which the centre moves farther than under the mean load [m]
 
+  /// What nothing moves, at a place.
+  explicit FloatingBody(const Pose& pose);
   /// Throws InputError unless the body moves freely in all six ways, undamped as a whole, or not at all.
   FloatingBody(const Model& model, const Bodies::Block& block);
 

@@ -51,6 +51,11 @@ double bulge_along(double bulge, const Vector3d& own, const Vector3d& mutual, co
 
 double bulge_of(const WorldSurface& a, std::size_t i, const WorldSurface& b, const Projection& y,
                 const Vector3d& n) {
+  if (b.is_rigid) {
+    if (a.on_crease[i]) return std::max(0.0, a.bulge[i]);
+    const Eigen::Matrix3d W = b.curvature(b.element[static_cast<std::size_t>(y.element)], y.point);
+    return std::max(0.0, a.bulge[i] * std::max(0.0, a.normal[i].dot(n)) + bulge_under(a.area[i], W));
+  }
   double of_b = 0;
   for (int j = 0; j < b.corners; ++j) of_b += y.weight[j] * b.bulge[y.corner[j]];
   const Vector3d own = a.on_crease[i] ? Vector3d(-y.normal) : a.normal[i];
@@ -89,7 +94,9 @@ Pairing find_pairs(const SurfaceProjection& over_a, const Vector3d& shift, const
     std::optional<Projection> y;
     Vector3d n = direction.value_or(Vector3d::Zero());
     if (!direction) {
-      if (const auto found = onto.along_mutual_normal(x, from.normal[i], from.on_crease[i] != 0, size))
+      // The normal of an obstacle is exact, that of a patch is not.
+      if (const auto found =
+              onto.along_mutual_normal(x, from.normal[i], from.on_crease[i] != 0 || b.is_rigid, size))
         std::tie(y, n) = *found;
     } else if (from.normal[i].dot(n) > -facing_slack) {
       y = onto.first_along(x, n, size,
@@ -132,7 +139,7 @@ void add_summits(const Pairing::Point& begin, Pairing& out) {
 
 /// @param everywhere  because bodies turn: takes all candidates, and adds points for summits, which begin at
 /// the lowest one
-Pairing find_pairs(const PlacedBody& a, const HalfSpace& b, bool everywhere) {
+Pairing find_pairs(const PlacedBody& a, const Obstacle& b, bool everywhere) {
   const WorldSurface from = surface_of(a);
   const Vector3d n = -b.normal;
   Pairing out;
@@ -193,7 +200,7 @@ double mean_size(const WorldSurface& surface) {
 /// those of the other one on its creases, and points for creases that cross and for summits.
 Pairing find_all(const SurfaceProjection& over_a, const SurfaceProjection& over_b) {
   const WorldSurface &a = over_a.surface(), &b = over_b.surface();
-  const bool a_is_finer = mean_size(a) <= mean_size(b);
+  const bool a_is_finer = b.is_rigid || mean_size(a) <= mean_size(b);
   Pairing out;
   const auto add = [&](const WorldSurface& from, const SurfaceProjection& onto, bool all, bool flips) {
     for (std::size_t i = 0; i < from.node.size(); ++i)
@@ -282,22 +289,31 @@ Pairing arrange(PlacedBody a, const PairRequest& request, double round_off, Find
   return out;
 }
 
+Pairing pair_surfaces(const PlacedBody& a, const SurfaceProjection& onto, const PairRequest& request) {
+  const SurfaceProjection over_a(surface_of(a));
+  return arrange(a, request, round_off_of(over_a.surface(), onto.surface()), [&](const PlacedBody& moved) {
+    if (request.everywhere) return find_all(SurfaceProjection(surface_of(moved)), onto);
+    return find_pairs(over_a, moved.translation - a.translation, onto, request.direction);
+  });
+}
+
 }  // namespace
 
 Pairing pair(const PlacedBody& a, const PlacedBody& b, const PairRequest& request) {
   check_component(a, request.direction, request);
   check_component(b, request.direction, request);
-  const SurfaceProjection over_a(surface_of(a)), onto(surface_of(b));
-  if (request.everywhere)
-    return arrange(a, request, round_off_of(over_a.surface(), onto.surface()), [&](const PlacedBody& moved) {
-      return find_all(SurfaceProjection(surface_of(moved)), onto);
-    });
-  return arrange(a, request, round_off_of(over_a.surface(), onto.surface()), [&](const PlacedBody& moved) {
-    return find_pairs(over_a, moved.translation - a.translation, onto, request.direction);
-  });
+  return pair_surfaces(a, SurfaceProjection(surface_of(b)), request);
 }
 
-Pairing pair(const PlacedBody& a, const HalfSpace& b, const PairRequest& request) {
+Pairing pair(const PlacedBody& a, const Obstacle& b, const PairRequest& request) {
+  if (b.surface) {
+    check_component(a, request.direction, request);
+    Pairing out = pair_surfaces(a, SurfaceProjection(placed(b)), request);
+    const auto end = static_cast<std::size_t>(out.candidates_of_a + out.candidates_of_b);
+    for (std::size_t i = 0; i < out.points.size(); ++i)
+      if (i < static_cast<std::size_t>(out.candidates_of_a) || i >= end) out.points[i].of_b.clear();
+    return out;
+  }
   if (request.direction && request.direction->dot(-b.normal) < 1 - 1e-9)
     throw InputError(
         base::format("{}: direction = {}: against an obstacle contact acts along minus its normal. Leave "
@@ -315,17 +331,24 @@ namespace {
 /// Accuracy of the true distance as a share of an element.
 constexpr double distance_share = 1e-3;
 
-}  // namespace
-
-std::optional<TrueDistance> true_distance(const PlacedBody& a, const PlacedBody& b,
-                                          const PairRequest& request) {
-  const SurfaceProjection one(surface_of(a)), other(surface_of(b));
+std::optional<TrueDistance> distance_between(const SurfaceProjection& one, const SurfaceProjection& other,
+                                             const PairRequest& request) {
   if (request.direction || one.surface().corners != 3 || other.surface().corners != 3) return std::nullopt;
   const double element = std::min(smallest_element(one.surface()), smallest_element(other.surface()));
   return TrueDistance{surface_distance(one, other, distance_share * element), element};
 }
 
-std::optional<TrueDistance> true_distance(const PlacedBody& a, const HalfSpace& b) {
+}  // namespace
+
+std::optional<TrueDistance> true_distance(const PlacedBody& a, const PlacedBody& b,
+                                          const PairRequest& request) {
+  return distance_between(SurfaceProjection(surface_of(a)), SurfaceProjection(surface_of(b)), request);
+}
+
+std::optional<TrueDistance> true_distance(const PlacedBody& a, const Obstacle& b,
+                                          const PairRequest& request) {
+  if (b.surface)
+    return distance_between(SurfaceProjection(surface_of(a)), SurfaceProjection(placed(b)), request);
   const WorldSurface surface = surface_of(a);
   if (surface.corners != 3) return std::nullopt;
   const double element = smallest_element(surface);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -26,15 +27,19 @@ struct PlacedBody {
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();
 };
 
-/// Rigid half-space {x : (x − point)·normal ≤ 0}.
-struct HalfSpace {
+struct WorldSurface;
+
+/// A rigid half-space {x : (x − point)·normal ≤ 0}, or a rigid surface, whose outer side is the free one.
+struct Obstacle {
   std::string name;
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitY();
-  bool operator==(const HalfSpace&) const = default;
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();    ///< of a surface: the origin of its axes [m]
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitY();  ///< of a half-space
+  /// In axes of its own; null: a half-space
+  std::shared_ptr<const WorldSurface> surface{};
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  ///< of its axes
 };
 
-/// Two surfaces that may touch, by name; `b` names a body or a half-space.
+/// Two surfaces that may touch, by name; `b` names a body or an obstacle.
 struct PairRequest {
   std::string a, b;
   std::optional<Eigen::Vector3d> direction;  ///< unit, out of a; world frame
@@ -60,7 +65,8 @@ struct Pairing {
     double area = 0;               ///< [m²], of the patch of a
     double bulge = 0;              ///< b_i ≥ 0, by which both patches bulge beyond their means [m]
     Weights of_a;                  ///< candidates of a around x̂_i; a candidate itself has the weight 1
-    Weights of_b;                  ///< W: candidates of b around y_i; empty for a half-space
+    /// W: candidates of b around y_i; empty for an obstacle, except, if bodies turn, for nodes on its creases
+    Weights of_b;
   };
   std::vector<Point> points;
   int candidates_of_a = 0, candidates_of_b = 0, summits = 0;  ///< of bodies that turn: see Rows::PairBlock
@@ -82,7 +88,8 @@ struct TrueDistance {
 /// points or strips.
 std::optional<TrueDistance> true_distance(const PlacedBody& a, const PlacedBody& b,
                                           const PairRequest& request);
-std::optional<TrueDistance> true_distance(const PlacedBody& a, const HalfSpace& b);
+std::optional<TrueDistance> true_distance(const PlacedBody& a, const Obstacle& b,
+                                          const PairRequest& request = {});
 
 /// Pairs the candidates of a with the surface of b. With `direction`, points are projected along it.
 /// Otherwise each point is projected along n_i = (n_a − n_b)/|n_a − n_b|, found by iteration from the closest
@@ -91,7 +98,9 @@ std::optional<TrueDistance> true_distance(const PlacedBody& a, const HalfSpace& 
 /// both bodies cross, n_i is perpendicular to both. Pairs are found on whole surfaces, regardless of which
 /// candidates the kernels contain. Throws InputError if no point faces the other surface, if bodies overlap
 /// (with the depth), or if a kernel contains only one component and the contact acts along another direction.
+/// Against a half-space, points are projected along its normal; another obstacle is paired like a body whose
+/// candidates are not needed, along its own normals: y_i is then the closest point of the obstacle.
 Pairing pair(const PlacedBody& a, const PlacedBody& b, const PairRequest& request);
-Pairing pair(const PlacedBody& a, const HalfSpace& b, const PairRequest& request);
+Pairing pair(const PlacedBody& a, const Obstacle& b, const PairRequest& request);
 
 }  // namespace ricochet::contact

@@ -38,6 +38,10 @@ void check_gap(const Placement& placement, const ContactPair& pair) {
 
 }  // namespace
 
+std::shared_ptr<const Obstacle> solid_of(const Obstacle& obstacle) {
+  return obstacle.surface ? std::make_shared<const Obstacle>(obstacle) : nullptr;
+}
+
 PlacedBody arriving(PlacedBody body, double arrival, const Eigen::Vector3d& gravity) {
   const Eigen::Vector3d fall = arrival * gravity;
   body.displacement = arrival * (fall / 2 - body.velocity);
@@ -45,14 +49,14 @@ PlacedBody arriving(PlacedBody body, double arrival, const Eigen::Vector3d& grav
   return body;
 }
 
-Placement place(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& obstacles,
+Placement place(std::vector<PlacedBody> bodies, const std::vector<Obstacle>& obstacles,
                 const std::vector<PairRequest>& requests) {
   Placement out{std::move(bodies), {}};
-  std::vector<const HalfSpace*> obstacle;  // of each pair; null if b is a body
+  std::vector<const Obstacle*> obstacle;  // of each pair; null if b is a body
   for (const PairRequest& request : requests) {
     out.pairs.push_back({request, index_of(request.a, out.bodies), index_of(request.b, out.bodies), {}});
     const ContactPair& pair = out.pairs.back();
-    const auto found = std::ranges::find(obstacles, request.b, &HalfSpace::name);
+    const auto found = std::ranges::find(obstacles, request.b, &Obstacle::name);
     obstacle.push_back(found == obstacles.end() ? nullptr : &*found);
     if (pair.a < 0)
       throw InputError(base::format(
@@ -83,7 +87,8 @@ Placement place(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& ob
     out.pairs[p].pairing = found(p, without_gap);
     if (requests[p].gap) check_gap(out, out.pairs[p]);
     const PlacedBody& a = out.bodies[out.pairs[p].a];
-    out.pairs[p].apart = obstacle[p] ? true_distance(a, *obstacle[p])
+    if (obstacle[p]) out.pairs[p].solid = solid_of(*obstacle[p]);
+    out.pairs[p].apart = obstacle[p] ? true_distance(a, *obstacle[p], requests[p])
                                      : true_distance(a, out.bodies[out.pairs[p].b], requests[p]);
   }
   return out;
@@ -101,6 +106,7 @@ std::vector<double> largest_tilts(const Placement& placement) {
         cosine[k] = std::min(cosine[k], std::abs(own.dot(point.normal)));
       };
       for (const auto& [candidate, weight] : point.of_a) compare(pair.a, candidate);
+      if (pair.b < 0) continue;
       for (const auto& [candidate, weight] : point.of_b) compare(pair.b, candidate);
     }
   std::vector<double> out;
@@ -113,6 +119,7 @@ std::vector<std::vector<std::int64_t>> paired_candidates(const Placement& placem
   for (const ContactPair& pair : placement.pairs)
     for (const Pairing::Point& point : pair.pairing.points) {
       for (const auto& [candidate, weight] : point.of_a) paired[pair.a].insert(candidate);
+      if (pair.b < 0) continue;
       for (const auto& [candidate, weight] : point.of_b) paired[pair.b].insert(candidate);
     }
   std::vector<std::vector<std::int64_t>> out;

@@ -17,10 +17,14 @@ int index_of(const std::string& name, const std::vector<PlacedBody>& bodies);
 /// A request with the indices of its bodies and its pairing.
 struct ContactPair {
   PairRequest request;
-  int a = 0, b = -1;  ///< indices of the bodies; b = −1 for a half-space
+  int a = 0, b = -1;  ///< indices of the bodies; b = −1 for an obstacle
   Pairing pairing;
   std::optional<TrueDistance> apart{};
+  std::shared_ptr<const Obstacle> solid{};  ///< the obstacle, unless it is a half-space
 };
+
+/// Of an obstacle with a surface; null for a half-space.
+std::shared_ptr<const Obstacle> solid_of(const Obstacle& obstacle);
 
 struct Placement {
   std::vector<PlacedBody> bodies;  ///< after pairs with a gap have moved their body a
@@ -33,7 +37,7 @@ PlacedBody arriving(PlacedBody body, double arrival, const Eigen::Vector3d& grav
 /// Moves the bodies whose pairs require a gap, then finds all pairs. Uses only the surfaces of the kernels.
 /// Throws InputError as `pair` does, for an unknown name, for a body that no pair names, and if two gaps
 /// contradict each other.
-Placement place(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& obstacles,
+Placement place(std::vector<PlacedBody> bodies, const std::vector<Obstacle>& obstacles,
                 const std::vector<PairRequest>& requests);
 
 /// Largest angle between the mutual normal of a pair and a candidate's own normal at which displacements

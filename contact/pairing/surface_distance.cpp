@@ -39,7 +39,7 @@ struct Patch {
   }
 };
 
-double height(const Patch& patch, const HalfSpace& b, double best, double tolerance) {
+double height(const Patch& patch, const Obstacle& b, double best, double tolerance) {
   double least = infinity, bend = 0;
   for (int j = 0; j < 3; ++j) {
     least = std::min(least, b.normal.dot(patch.x[j] - b.point));
@@ -137,7 +137,7 @@ double surface_distance(const SurfaceProjection& a, const SurfaceProjection& b, 
   return closest.best;
 }
 
-double surface_distance(const WorldSurface& a, const HalfSpace& b, double tolerance) {
+double surface_distance(const WorldSurface& a, const Obstacle& b, double tolerance) {
   double best = infinity;
   for (const WorldSurface::Element& element : a.element) best = height(Patch(a, element), b, best, tolerance);
   return best;

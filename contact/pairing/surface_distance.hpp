@@ -11,6 +11,6 @@ namespace ricochet::contact {
 double surface_distance(const SurfaceProjection& a, const SurfaceProjection& b, double tolerance);
 
 /// Returns the smallest height of a surface over a half-space, to within `tolerance`; negative inside.
-double surface_distance(const WorldSurface& a, const HalfSpace& b, double tolerance);
+double surface_distance(const WorldSurface& a, const Obstacle& b, double tolerance);
 
 }  // namespace ricochet::contact

@@ -75,7 +75,8 @@ void add_crease(WorldSurface& to, const std::array<int, 2>& node, const std::arr
   to.crease.push_back(crease);
 }
 
-/// Derives the curvature of elements and the creases from the normals at their corners.
+}  // namespace
+
 void bend_elements(WorldSurface& to) {
   std::vector<Vector3d> seen(to.node.size(), Vector3d::Zero());
   for (const Element& element : to.element)
@@ -130,6 +131,8 @@ void bend_elements(WorldSurface& to) {
   }
 }
 
+namespace {
+
 /// @param from  kernels::Surface or kernels::WholeSurface
 template <class From>
 WorldSurface placed(const PlacedBody& body, const From& from) {
@@ -169,7 +172,8 @@ WorldSurface placed(const PlacedBody& body, const From& from) {
 /// The point with these weights, clipped to [0, 1]; no value if the normals at the corners cancel.
 std::optional<Projection> projection(const WorldSurface& b, const Element& element,
                                      std::array<double, 3> weight) {
-  Projection out{Vector3d::Zero(), Vector3d::Zero(), element.corner, weight};
+  Projection out{Vector3d::Zero(), Vector3d::Zero(), element.corner, weight,
+                 static_cast<int>(&element - b.element.data())};
   double sum = 0;
   for (double& w : out.weight) sum += w = std::clamp(w, 0.0, 1.0);
   for (int j = 0; j < b.corners; ++j) {
@@ -248,6 +252,19 @@ std::optional<Projection> intersection(const WorldSurface& b, const Element& ele
   const double margin = std::min(edge_slack * element.size * element.size / std::abs(determinant), 0.5);
   if (u < -margin || v < -margin || u + v > 1 + margin) return std::nullopt;
   return projection(b, element, {1 - u - v, u, v});
+}
+
+/// Takes the intersection of a line along d with a round element to the closed form, by Newton's method.
+void take_to_form(const WorldSurface& b, const Vector3d& d, Projection& at) {
+  constexpr int rounds = 12;
+  for (int k = 0; k < rounds; ++k) {
+    const auto exact = b.on_form(b.element[at.element], at.point);
+    const double slope = exact ? exact->normal.dot(d) : 0;
+    if (!(std::abs(slope) > 1e-3)) return;
+    at.point -= exact->distance / slope * d;
+    at.normal = exact->normal;
+    if (std::abs(exact->distance) <= 1e-15 * b.farthest) return;
+  }
 }
 
 /// Weights of the point of a triangle p, p + e1, p + e2 that is closest to x.
@@ -414,6 +431,58 @@ Vector3d WorldSurface::at(const Element& on, const std::array<double, 3>& weight
   return out;
 }
 
+Eigen::Matrix3d WorldSurface::curvature(const Element& on, const Vector3d& point) const noexcept {
+  if (on.round) return round->closest(point).curvature;
+  if (!on.curved) return Eigen::Matrix3d::Zero();
+  Eigen::Matrix<double, 3, 2> edges, turns;
+  for (int j = 0; j < 2; ++j) {
+    edges.col(j) = node[on.corner[j + 1]] - node[on.corner[0]];
+    turns.col(j) = on.normal[j + 1] - on.normal[0];
+  }
+  const Eigen::Matrix3d W = turns * (edges.transpose() * edges).inverse() * edges.transpose();
+  return 0.5 * (W + W.transpose());
+}
+
+std::optional<RoundSurface::At> WorldSurface::on_form(const Element& on, const Vector3d& x) const noexcept {
+  if (!on.round) return std::nullopt;
+  const RoundSurface::At out = round->closest(x);
+  if (round->form == RoundSurface::Form::cone &&
+      std::abs(round->axes.col(2).dot(out.point - round->origin)) > round->length / 2)
+    return std::nullopt;
+  return out;
+}
+
+double bulge_under(double area, const Eigen::Matrix3d& curvature) noexcept {
+  return area * curvature.trace() / (8 * std::sqrt(3.0));
+}
+
+WorldSurface placed(const Obstacle& obstacle) {
+  WorldSurface out = *obstacle.surface;
+  const auto move = [&](Vector3d& x) { x = obstacle.rotation * x + obstacle.point; };
+  const auto turn = [&](Vector3d& x) { x = obstacle.rotation * x; };
+  for (Vector3d& x : out.node) {
+    move(x);
+    out.farthest = std::max(out.farthest, x.cwiseAbs().maxCoeff());
+  }
+  for (Vector3d& x : out.crest) move(x);
+  for (Vector3d& n : out.normal) turn(n);
+  for (Element& on : out.element) {
+    move(on.centre);
+    for (Vector3d& n : on.normal) turn(n);
+    for (Vector3d& c : on.bend) turn(c);
+    turn(on.bubble);
+  }
+  for (WorldSurface::Crease& crease : out.crease) {
+    for (Vector3d& way : crease.into) turn(way);
+    turn(crease.normal);
+  }
+  if (out.round) {
+    out.round->axes = obstacle.rotation * out.round->axes;
+    move(out.round->origin);
+  }
+  return out;
+}
+
 WorldSurface surface_of(const PlacedBody& body) {
   const kernels::Surface& held = body.kernel->surface;
   return held.whole ? placed(body, *held.whole) : placed(body, held);
@@ -450,7 +519,8 @@ std::optional<Projection> SurfaceProjection::first_along(
         return std::abs(d.dot(away)) - half.dot(d.cwiseAbs());
       },
       [&](int element) -> std::optional<std::pair<Projection, double>> {
-        const auto found = intersection(surface_, surface_.element[element], x, d, size);
+        auto found = intersection(surface_, surface_.element[element], x, d, size);
+        if (found) take_to_form(surface_, d, *found);
         if (!found || !faces(*found)) return std::nullopt;
         return std::pair(*found, std::abs(d.dot(found->point - x)));
       });
@@ -466,8 +536,12 @@ std::optional<Projection> SurfaceProjection::closest(const Vector3d& x, double w
       },
       [&](int element) -> std::optional<std::pair<Projection, double>> {
         const Element& on = surface_.element[element];
-        const auto found = projection(surface_, on, closest_weights(surface_, on, x));
+        auto found = projection(surface_, on, closest_weights(surface_, on, x));
         if (!found) return std::nullopt;
+        if (const auto exact = surface_.on_form(on, x)) {
+          found->point = exact->point;
+          found->normal = exact->normal;
+        }
         const double distance = (found->point - x).norm();
         if (distance > within) return std::nullopt;
         return std::pair(*found, distance);

@@ -13,6 +13,7 @@
 #include <unsupported/Eigen/BVH>
 
 #include "contact/pairing/pairing.hpp"
+#include "contact/pairing/round_surface.hpp"
 
 namespace ricochet::contact {
 
@@ -39,6 +40,7 @@ struct WorldSurface {
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
     double size = 0;  ///< longest edge [m]
     bool curved = false;
+    bool round = false;                       ///< whether it approximates the closed form of its surface
     std::array<Eigen::Vector3d, 3> normal{};  ///< at the corners
     std::array<Eigen::Vector3d, 3>
         bend{};                       ///< c_j of the edge from corner j to the next [m]; 0 if not curved
@@ -58,7 +60,14 @@ struct WorldSurface {
   void add(Element of_corners);
   /// Position in an element at these weights of its corners.
   Eigen::Vector3d at(const Element& element, const std::array<double, 3>& weight) const;
-  double extent = 0;    ///< diagonal of the nodes' bounding box [m]
+  /// W (3,3) with dn = W dx on an element, at a point of it [1/m].
+  Eigen::Matrix3d curvature(const Element& element, const Eigen::Vector3d& point) const noexcept;
+  /// Of a round element, the point of the closed form that is closest to x; no value beyond its ends.
+  std::optional<RoundSurface::At> on_form(const Element& element, const Eigen::Vector3d& x) const noexcept;
+
+  bool is_rigid = false;                ///< an obstacle, without candidates
+  std::optional<RoundSurface> round{};  ///< closed form of the round elements of an obstacle
+  double extent = 0;                    ///< diagonal of the nodes' bounding box [m]
   double farthest = 0;  ///< largest |coordinate| of a node, in the world and in the body's own frame [m]
   bool operator==(const WorldSurface&) const = default;
 };
@@ -68,7 +77,14 @@ struct Projection {
   Eigen::Vector3d point, normal;
   std::array<int, 3> corner{};
   std::array<double, 3> weight{};
+  int element = -1;
 };
+
+/// Derives the curvature of elements and the creases from the normals at their corners.
+void bend_elements(WorldSurface& surface);
+
+/// The surface of an obstacle that has one, in the world.
+WorldSurface placed(const Obstacle& obstacle);
 
 /// A line that is farther than this from the centre of an element does not intersect it [m].
 double radius_of(const WorldSurface::Element& element);
@@ -87,6 +103,10 @@ std::array<double, 3> highest_weights(const WorldSurface& surface, const WorldSu
 /// Square of the distance of a point from a flat triangle [m²].
 double square_distance(const Eigen::Vector3d& x, const std::array<Eigen::Vector3d, 3>& triangle);
 
+/// By how much an obstacle bulges towards a patch of this area beyond its mean over the patch [m]: the mean
+/// of x·Wx/2, with the mean of |x|² over the hat of a node of equilateral triangles, which is A/(2√3).
+double bulge_under(double area, const Eigen::Matrix3d& curvature) noexcept;
+
 /// All candidates of the body, including those that its kernel omits.
 WorldSurface surface_of(const PlacedBody& body);
 
@@ -95,7 +115,7 @@ WorldSurface surface_of(const PlacedBody& body);
 double size_of(const WorldSurface& a, const WorldSurface& b);
 
 /// Projects points onto a surface by a search through a tree of boxes around its elements. Among equally good
-/// projections, the one on the first element is chosen.
+/// projections, the one on the first element is chosen. Points of round elements are on their closed form.
 class SurfaceProjection {
  public:
   explicit SurfaceProjection(WorldSurface surface);

@@ -159,6 +159,7 @@ int list_pairs(const Placement& placement, Rows& out) {
     block.candidates_of_a = pair.pairing.candidates_of_a;
     block.candidates_of_b = pair.pairing.candidates_of_b;
     block.summits = pair.pairing.summits;
+    block.solid = pair.solid;
     if (pair.b < 0) block.obstacle = pair.request.a == bodies[pair.a].name ? pair.request.b : pair.request.a;
     points += count;
   }

@@ -6,6 +6,7 @@
 
 #include <Eigen/Dense>
 #include <Eigen/SparseCore>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -67,15 +68,17 @@ struct Rows : RowFrames {
 
   struct PairBlock {
     int first_point = 0, points = 0, unpaired = 0;
-    int a = 0, b = -1;            ///< indices of the bodies; b = −1 for a half-space
-    std::optional<double> reach;  ///< [m] set if points beyond it were dropped
-    std::string obstacle{};       ///< name of the half-space, if b = −1
-    int first_tangential = -1;    ///< with friction: the first of the 2 · points tangential rows
-    double initial_gap = 0;       ///< g of the closest pair [m]
+    int a = 0, b = -1;                        ///< indices of the bodies; b = −1 for an obstacle
+    std::optional<double> reach;              ///< [m] set if points beyond it were dropped
+    std::string obstacle{};                   ///< its name, if b = −1
+    std::shared_ptr<const Obstacle> solid{};  ///< the obstacle, unless it is a half-space
+    int first_tangential = -1;                ///< with friction: the first of the 2 · points tangential rows
+    double initial_gap = 0;                   ///< g of the closest pair [m]
     /// Of bodies that turn: the first points are candidates of a, the next ones candidates of b. Then come
     /// points for creases that cross, and the last ones are for summits of curved surfaces.
     int candidates_of_a = 0, candidates_of_b = 0, summits = 0;
     std::optional<TrueDistance> apart{};  ///< of the surfaces, at the start
+    bool is_half_space() const { return b < 0 && !solid; }
     int candidates() const { return candidates_of_a + candidates_of_b; }
     int first_summit() const { return first_point + points - summits; }
     bool is_summit(int point) const { return point >= first_summit(); }

@@ -27,7 +27,11 @@ constexpr double beyond_end = 1e-3;
 /// A crossing of creases that is deeper than this share of them is on the far side of a body.
 constexpr double deepest_crossing = 0.25;
 
-/// Largest number of Newton's steps of a summit, whose last one is shorter than this share of an element.
+/// A point is on a crease if their directions differ by less than this, as 1 − cosine.
+constexpr double same_way = 1e-6;
+
+/// Largest number of Newton's steps of a summit or along a crease, whose last one is shorter than this share
+/// of an element or a crease.
 constexpr int most_rounds = 8;
 constexpr double shortest_way = 1e-8;
 /// Surfaces with a larger angle between them do not touch at a summit.
@@ -35,11 +39,17 @@ constexpr double most_angle = 1e-2;
 /// Surfaces with a smaller relative curvature are flat on each other, as a share of the inverse element.
 constexpr double least_curvature = 1e-3;
 
+/// Whether an obstacle is flat at a foot.
+bool is_flat_obstacle(const Side& side, const Foot& foot) {
+  return side.shape.surface().is_rigid && side.shape.curvature(foot).isZero(0);
+}
+
 }  // namespace
 
 void MovingPoint::End::set(const std::array<int, 3>& candidates,
                            const std::array<double, 3>& weights) noexcept {
   count = 0;
+  if (body < 0) return;
   for (std::size_t k = 0; k < 3; ++k) {
     if (!(weights[k] > 0)) continue;
     candidate[static_cast<std::size_t>(count)] = candidates[k];
@@ -65,13 +75,55 @@ void MovingPoint::set_row(const Vector3d& normal) noexcept {
   row.row(0) = normal;
 }
 
-void MovingPoint::meet(const Foot& near, const Side& own, const Side& other) noexcept {
+void MovingPoint::stand_on_creases(const WorldSurface& obstacle) {
+  node = place;
+  std::size_t count = 0;
+  for (const WorldSurface::Crease& crease : obstacle.crease)
+    for (std::size_t j = 0; j < 2 && count < half.size(); ++j) {
+      if (crease.node[j] != candidate) continue;
+      half[count] = (obstacle.node[static_cast<std::size_t>(crease.node[1 - j])] - node) / 2;
+      spread = std::max(spread, half[count++].norm());
+    }
+}
+
+/// Moves along the creases of an obstacle to where they are nearest to the surface of a body, by Newton's
+/// method: the distance changes by n·t and its slope by t·Wt along a crease t. An edge that bodies touch
+/// between its nodes so needs no finer nodes.
+Foot MovingPoint::slide(Foot near, const Side& own, const Side& other) noexcept {
+  const Matrix3d to_own = own.state.axes.transpose() * other.state.axes;
+  for (int round = 0; round < most_rounds; ++round) {
+    const Vector3d n = to_own * near.normal;
+    const Vector3d* way = nullptr;
+    double steepest = 0, at = (place - node).norm();
+    for (const Vector3d& one : half) {
+      const double length = one.norm();
+      if (length == 0) continue;
+      if (at > 0 ? (place - node).dot(one) > (1 - same_way) * at * length : n.dot(one) < steepest * length) {
+        way = &one;
+        steepest = n.dot(one) / length;
+      }
+    }
+    if (way == nullptr) break;
+    const double length = way->norm();
+    const Vector3d t = *way / length, own_t = to_own.transpose() * t;
+    const double slope = n.dot(t), turn = own_t.dot(other.shape.curvature(near) * own_t);
+    // A flat face is nearest to a node.
+    const double next = turn * length > least_curvature ? std::clamp(at - slope / turn, 0.0, length) : 0;
+    if (std::abs(next - at) <= shortest_way * length) break;
+    place = node + next * t;
+    near = other.shape.follow(near, other.place_of(place, own));
+  }
+  return near;
+}
+
+void MovingPoint::meet(const Foot& found, const Side& own, const Side& other) noexcept {
   const Matrix3d to_own = own.state.axes.transpose() * other.state.axes;
   const auto suits = [&](const Vector3d& n) { return own.shape.rise(candidate, to_own * -n) <= most_rise; };
+  const Foot near = spread > 0 ? slide(found, own, other) : found;
   const bool fits = suits(near.normal);
   foot = fits ? near : other.shape.settle(near, other.place_of(place, own), suits);
   distance = foot.distance;
-  open = !fits && !suits(foot.normal);
+  open = (!fits && !suits(foot.normal)) || other.is_left_to_creases(foot);
   set_row(kind == Kind::candidate_of_a ? Vector3d(-foot.normal) : foot.normal);
   end[kind == Kind::candidate_of_b ? 0 : 1].set(
       other.shape.surface().element[static_cast<std::size_t>(foot.element)].corner, foot.weight);
@@ -121,6 +173,12 @@ void MovingPoint::face(const Side& own, const Side& other) noexcept {
   for (int round = 0;; ++round) {
     foot = other.shape.follow(foot, other.place_of(top.point - own.centre, own));
     const Vector3d facing = to_own * foot.normal;
+    if (is_flat_obstacle(other, foot)) {  // as over a half-space
+      top = own.shape.summit(top.element, -facing);
+      foot = other.shape.follow(foot, other.place_of(top.point - own.centre, own));
+      open = false;
+      break;
+    }
     const Eigen::Matrix<double, 2, 3> T = tangents_of(top.normal);
     const Vector2d angle = T * facing;
     Eigen::SelfAdjointEigenSolver<Matrix2d> W;
@@ -141,6 +199,7 @@ void MovingPoint::face(const Side& own, const Side& other) noexcept {
     }
     top = own.shape.beside(top, T.transpose() * way * std::min(1.0, size / length));
   }
+  open = open || other.is_left_to_creases(foot);
   stand_on(top, own);
   distance = foot.distance;
   set_row(-foot.normal);

@@ -39,7 +39,7 @@ void check(const Model& model, const Rows::PairBlock& pair) {
       refuse(model, pair,
              "motion.rotation = \"finite\" needs kernels with all candidates in all components. Compute them "
              "for this scene with ricochet-kernel.");
-    if (pair.b >= 0 && surface.element_corners != 3)
+    if (!pair.is_half_space() && surface.element_corners != 3)
       refuse(model, pair,
              "with motion.rotation = \"finite\", bodies meet with their surfaces, but a kernel holds points "
              "alone. Compute it for this scene with ricochet-kernel.");
@@ -63,6 +63,7 @@ MovingPoints::Body::Body(const Bodies::Block& block, std::shared_ptr<const BodyS
       used(block.kernel->surface.size(), 0) {
   for (const auto* places : {&shape().surface().node, &shape().surface().crest})
     for (const Vector3d& x : *places) radius = std::max(radius, (x - centre).norm());
+  least_area = std::ranges::min(shape().surface().area);
 }
 
 MovingPoints::MovingPoints(const Model& model, const StepSystem& system, const MovingPoints* earlier)
@@ -98,6 +99,7 @@ MovingPoints::MovingPoints(const Model& model, const StepSystem& system, const M
   forced_.reserve(6 * m);
   for (Vector* x : {&start_, &free_}) x->setZero(capacity_of(model));
   u_.setZero(model.rows());
+  add_solids(earlier);
   for (int pair = 0; pair < static_cast<int>(model.pairs.size()); ++pair) {
     check(model, model.pairs[static_cast<std::size_t>(pair)]);
     add_points(model, pair);
@@ -105,7 +107,7 @@ MovingPoints::MovingPoints(const Model& model, const StepSystem& system, const M
   for (const Rows::FrictionPoint& rubs : model.friction) {
     Point& point = points_[static_cast<std::size_t>(rubs.point)];
     point.tangential = rubs.tangential;
-    if (point.over_obstacle())
+    if (point.over_half_space())
       point.row.bottomRows<2>() = model.tangent.middleRows<2>(rubs.tangential - model.points());
   }
 }
@@ -113,6 +115,33 @@ MovingPoints::MovingPoints(const Model& model, const StepSystem& system, const M
 std::shared_ptr<const BodySurface> MovingPoints::known_surface(const kernels::Kernel* kernel) const {
   const auto found = std::ranges::find(bodies_, kernel, &Body::kernel);
   return found == bodies_.end() ? nullptr : found->surface;
+}
+
+/// Pairs with the same obstacle share its surface.
+void MovingPoints::add_solids(const MovingPoints* earlier) {
+  for (const Model::PairBlock& pair : pairs_) {
+    if (!pair.solid || solid_of(pair) >= 0) continue;
+    const Obstacle& solid = *pair.solid;
+    std::shared_ptr<const BodySurface> surface;
+    for (const MovingPoints* known : {static_cast<const MovingPoints*>(this), earlier}) {
+      if (known == nullptr) continue;
+      for (const Solid& one : known->solids_)
+        if (one.obstacle->surface == solid.surface) surface = one.surface;
+    }
+    if (!surface) surface = std::make_shared<const BodySurface>(*solid.surface);
+    solids_.push_back({pair.solid, std::move(surface),
+                       FloatingBody({.position = solid.point,
+                                     .attitude = Eigen::Quaterniond(solid.rotation),
+                                     .velocity = Vector3d::Zero(),
+                                     .spin = Vector3d::Zero()})});
+  }
+}
+
+int MovingPoints::solid_of(const Model::PairBlock& pair) const noexcept {
+  if (!pair.solid) return -1;
+  const auto found = std::ranges::find(
+      solids_, pair.solid->name, [](const Solid& one) -> const std::string& { return one.obstacle->name; });
+  return found == solids_.end() ? -1 : static_cast<int>(found - solids_.begin());
 }
 
 void MovingPoints::take(const MovingPoints& earlier, const Correspondence& from) {
@@ -129,6 +158,7 @@ void MovingPoints::take(const MovingPoints& earlier, const Correspondence& from)
       point.pair = static_cast<int>(p);
       point.end[0].body = pair.a;
       point.end[1].body = pair.b;
+      point.end[1].solid = solid_of(pair);
       point.tangential = tangential;
     }
   }
@@ -156,10 +186,10 @@ void MovingPoints::forget(int number) noexcept {
     travelled_[k] = std::numeric_limits<double>::infinity();
     for (int i = pair.first_point; i < pair.first_point + pair.points; ++i) {
       Point& point = points_[static_cast<std::size_t>(i)];
-      if (point.kind == Kind::obstacle) continue;
+      if (point.kind == Kind::half_space) continue;
       point.open = true;
       point.crease = {-1, -1};
-      if (!point.over_obstacle()) point.row.setZero();
+      if (!point.over_half_space()) point.row.setZero();
     }
   }
 }
@@ -167,29 +197,37 @@ void MovingPoints::forget(int number) noexcept {
 void MovingPoints::add_points(const Model& model, int number) {
   const Rows::PairBlock& pair = model.pairs[static_cast<std::size_t>(number)];
   auto& numbers = point_of_.emplace_back();
+  const int solid = solid_of(pair);
+  const auto shape_of = [&](std::size_t side) -> const BodySurface& {
+    if (side == 1 && solid >= 0) return *solids_[static_cast<std::size_t>(solid)].surface;
+    return body(side == 0 ? pair.a : pair.b).shape();
+  };
   for (const std::size_t side : {0, 1})
-    numbers[side].assign(pair.b < 0 ? 0 : body(side == 0 ? pair.a : pair.b).used.size(), -1);
+    numbers[side].assign(pair.is_half_space() ? 0 : shape_of(side).surface().node.size(), -1);
   for (int i = pair.first_point; i < pair.first_point + pair.points; ++i) {
     Point& point = points_[static_cast<std::size_t>(i)];
     point.pair = number;
     point.gap = model.gap(i);
     point.end[0].body = pair.a;
     point.end[1].body = pair.b;
+    point.end[1].solid = solid;
     const int within = i - pair.first_point;
     if (pair.is_summit(i))
       point.kind = Kind::summit;
-    else if (pair.b >= 0)
+    else if (!pair.is_half_space())
       point.kind = within < pair.candidates_of_a ? Kind::candidate_of_a
                    : within < pair.candidates()  ? Kind::candidate_of_b
                                                  : Kind::creases;
-    if (point.kind == Kind::creases || (point.kind == Kind::summit && pair.b >= 0)) continue;
+    if (point.kind == Kind::creases || (point.kind == Kind::summit && !pair.is_half_space())) continue;
     const bool of_b = point.kind == Kind::candidate_of_b;
-    const int own = of_b ? pair.b : pair.a;
     point.candidate = model.candidate[static_cast<std::size_t>(i)];
-    point.place =
-        body(own).shape().surface().crest[static_cast<std::size_t>(point.candidate)] - body(own).centre;
+    point.place = shape_of(of_b ? 1 : 0).surface().crest[static_cast<std::size_t>(point.candidate)];
+    if (point.own().body >= 0)
+      point.place -= body(point.own().body).centre;
+    else
+      point.stand_on_creases(shape_of(1).surface());
     point.end[of_b ? 1 : 0].set({point.candidate, 0, 0}, {1, 0, 0});
-    if (!point.over_obstacle()) {
+    if (!point.over_half_space()) {
       numbers[of_b ? 1 : 0][static_cast<std::size_t>(point.candidate)] = i;
       continue;
     }
@@ -225,9 +263,8 @@ Vector3d MovingPoints::elastic(const End& end, const Vector& q) noexcept {
 
 /// The rows of a point in world axes.
 Matrix3d MovingPoints::in_world(const Point& point, std::span<const FloatingBody> bodies) const noexcept {
-  if (point.over_obstacle()) return point.row;
-  const FloatingBody& has_rows = bodies[static_cast<std::size_t>(point.other().body)];
-  return point.row * has_rows.axes.transpose();
+  if (point.over_half_space()) return point.row;
+  return point.row * side(point.other(), bodies).state.axes.transpose();
 }
 
 /// The element size of the finer of its bodies [m].
@@ -242,18 +279,18 @@ double MovingPoints::smallest_element(const Point& point) const noexcept {
 void MovingPoints::follow_summit(Point& point, std::span<const FloatingBody> bodies) const noexcept {
   const Vector3d w = point.place_now - point.place;
   const Side own = side(point.end[0].body, bodies);
-  if (point.over_obstacle())
+  if (point.over_half_space())
     point.stand_on(
         own.shape.summit(point.top.element, own.state.axes.transpose() * point.row.row(0).transpose()), own);
   else
-    point.face(own, side(point.end[1].body, bodies));
+    point.face(own, side(point.end[1], bodies));
   point.place_now = point.place + w;
 }
 
 /// Square of the way from a candidate to a summit, on the body of the candidate [m²].
 double MovingPoints::square_way(const Point& candidate, const Point& summit) const noexcept {
   const Vector3d there = candidate.kind == Kind::candidate_of_b
-                             ? Vector3d(summit.foot.point - body(candidate.own().body).centre)
+                             ? Vector3d(summit.foot.point - centre_of(candidate.own()))
                              : summit.place;
   return (candidate.place - there).squaredNorm();
 }
@@ -266,6 +303,10 @@ void MovingPoints::stand_back() noexcept {
     const auto end =
         std::find_if(first, near_.end(), [&](const Near& one) { return one.summit != first->summit; });
     const Point& summit = points_[static_cast<std::size_t>(first->summit)];
+    if (summit.open && summit.end[1].solid >= 0) {  // it has come to an edge
+      first = end;
+      continue;
+    }
     const double h = smallest_element(summit), height = summit.gap - u_(first->summit);
     double fall = std::numeric_limits<double>::infinity();
     for (auto one = first; one != end; ++one) {
@@ -291,12 +332,12 @@ void MovingPoints::place(std::span<const FloatingBody> bodies, const Vector& q) 
 /// Computes U of a point, and where it is. @param q  (N), or null: without elastic displacements
 void MovingPoints::place(int number, std::span<const FloatingBody> bodies, const Vector* q) noexcept {
   Point& point = points_[static_cast<std::size_t>(number)];
-  const Side own = side(point.own().body, bodies);
+  const Side own = side(point.own(), bodies);
   const auto elastic = [&](const End& end) -> Vector3d {
     return q == nullptr ? Vector3d::Zero() : this->elastic(end, *q);
   };
-  if (!point.over_obstacle()) {
-    const Side other = side(point.other().body, bodies);
+  if (!point.over_half_space()) {
+    const Side other = side(point.other(), bodies);
     point.follow(own, other);
     const Vector3d w = elastic(point.own());
     point.place_now = point.place + w;
@@ -322,15 +363,16 @@ void MovingPoints::write_displacements(std::span<const FloatingBody> bodies, Vec
       continue;
     }
     const FloatingBody& state = bodies[static_cast<std::size_t>(pair.a)];
-    const Vector3d n = pair.b < 0 ? Vector3d(points_[static_cast<std::size_t>(pair.first_point)].row.row(0))
-                                  : Vector3d(Vector3d::Zero()),
+    const Vector3d n = pair.is_half_space()
+                           ? Vector3d(points_[static_cast<std::size_t>(pair.first_point)].row.row(0))
+                           : Vector3d(Vector3d::Zero()),
                    own = state.axes.transpose() * n;
     for (int i = pair.first_point; i < pair.first_point + pair.points; ++i) {
       if (is_watched_[static_cast<std::size_t>(i)]) continue;
       const Point& point = points_[static_cast<std::size_t>(i)];
-      if (point.kind == Kind::obstacle)
+      if (point.kind == Kind::half_space)
         u(i) = n.dot(state.position - point.initial) + own.dot(point.place);
-      else if (point.kind == Kind::summit && point.over_obstacle() && !point.open)
+      else if (point.kind == Kind::summit && point.over_half_space() && !point.open)
         u(i) = point.gap - point.height(state);
       else if (far_[k] >= 0)
         u(i) = point.gap - far_[k];
@@ -375,7 +417,7 @@ void MovingPoints::add_members(const MeanForce& forces) noexcept {
       if (end.body >= 0) fastest += body(end.body).fastest + body(end.body).elastic_fastest;
     if (!has_force(i, forces)) {
       if (!(point.gap - u_(i) < approaches * fastest)) continue;
-      if (!point.over_obstacle() &&
+      if (!point.over_half_space() &&
           (point.open || repeats(point) || u_(i) - point.gap > deepest_start(point, approaches * fastest)))
         continue;
     }
@@ -395,7 +437,7 @@ void MovingPoints::join_candidates() noexcept {
 void MovingPoints::set_rows(std::span<const FloatingBody> bodies, const Vector& dq) noexcept {
   for (std::size_t s = 0; s < members_.size(); ++s) {
     Point& point = points_[static_cast<std::size_t>(members_[s])];
-    const FloatingBody& fixed = bodies[static_cast<std::size_t>(point.own().body)];
+    const FloatingBody& fixed = side(point.own(), bodies).state;
     point.acting = in_world(point, bodies);
     const Vector3d common = fixed.position + fixed.axes * point.place_now;
     Vector3d d = Vector3d::Zero();
@@ -428,7 +470,7 @@ double MovingPoints::deepest_start(const Point& point, double approach) const no
 
 /// Whether a candidate of b lies over one of a that may touch b, too.
 bool MovingPoints::repeats(const Point& point) const noexcept {
-  if (point.kind != Kind::candidate_of_b) return false;
+  if (point.kind != Kind::candidate_of_b || point.spread > 0) return false;
   const End& of_a = point.end[0];
   const auto heaviest = std::max_element(of_a.weight.begin(), of_a.weight.begin() + of_a.count);
   if (!(*heaviest > same_place)) return false;
@@ -550,6 +592,11 @@ std::optional<PatchSpring> MovingPoints::spring(std::size_t position) const noex
   const Point& point = member_at(position);
   if (point.kind != Kind::summit || rows_[position] >= std::ssize(points_)) return std::nullopt;
   double bulge = 0, flexibility = 0;
+  const End& of_b = point.end[1];
+  if (of_b.solid >= 0) {
+    const BodySurface& surface = *solids_[static_cast<std::size_t>(of_b.solid)].surface;
+    bulge = bulge_under(body(point.end[0].body).least_area, surface.curvature(point.foot));
+  }
   for (const End& end : point.end) {
     if (end.body < 0) continue;
     const MovingCandidates::Patch under = patch(end);
@@ -595,7 +642,7 @@ Vector3d MovingPoints::force_on(const End& end, std::size_t member, const Vector
 void MovingPoints::write_frames(std::span<const FloatingBody> bodies, RowFrames& out) const noexcept {
   for (const int i : watched_) {
     const Point& point = points_[static_cast<std::size_t>(i)];
-    const FloatingBody& fixed = bodies[static_cast<std::size_t>(point.own().body)];
+    const FloatingBody& fixed = side(point.own(), bodies).state;
     const bool of_a = &point.own() == &point.end[0];
     Matrix3d rows = in_world(point, bodies);
     const Vector3d x = fixed.position + fixed.axes * point.place_now,

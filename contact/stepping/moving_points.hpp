@@ -4,8 +4,9 @@
 //
 // A point is a row of a pair with all that may touch there: a candidate of a body over a half-space or over
 // the surface of another body, a summit of a curved surface over a half-space, or a crease of a that crosses
-// one of b. It keeps its number, so that forces, slip and banks follow it while it moves. A search finds what
-// the points meet (Foot, crossing) and the summits; in between they are followed from element to element.
+// one of b. An obstacle with a surface is a body b without candidates, which nothing moves. It keeps its
+// number, so that forces, slip and banks follow it while it moves. A search finds what the points meet (Foot,
+// crossing) and the summits; in between they are followed from element to element.
 //
 // A point has an end on each of its bodies: candidates with weights, and the arm r of one common place from
 // the centre of the body. In the step from t_k, with the frame (c, A) of a body, its elastic displacement w =
@@ -107,7 +108,7 @@ class MovingPoints {
   void write_displacements(std::span<const FloatingBody> bodies, Vector& u) const noexcept;
   int pair_of(std::size_t position) const { return member_at(position).pair; }
   /// Whether the point moves along its bodies, so that its tangential displacements are sums over steps.
-  bool slides(std::size_t position) const { return member_at(position).kind != Kind::obstacle; }
+  bool slides(std::size_t position) const { return member_at(position).kind != Kind::half_space; }
   /// The spring of the point in this step, if it differs from that of the model.
   std::optional<PatchSpring> spring(std::size_t position) const noexcept;
   /// The matrices of a step. @param a  weight of the end in the mean; 1: of backward Euler throughout
@@ -141,6 +142,12 @@ class MovingPoints {
   using Point = MovingPoint;
   using Kind = Point::Kind;
   using End = Point::End;
+  /// An obstacle with a surface.
+  struct Solid {
+    std::shared_ptr<const Obstacle> obstacle;
+    std::shared_ptr<const BodySurface> surface;  ///< in its axes
+    FloatingBody state;
+  };
   struct Body {
     Body(const Bodies::Block& block, std::shared_ptr<const BodySurface> surface, const Model& model,
          const StepSystem& system);
@@ -149,6 +156,7 @@ class MovingPoints {
     const BodySurface& shape() const { return *surface; }
     Eigen::Vector3d centre;  ///< body axes [m]
     double radius = 0;       ///< of the surface about the centre [m]
+    double least_area = 0;   ///< of its patches [m²]
     MovingCandidates candidates;
     /// Free displacements in the step, of the frame and beside it, at most [m].
     double fastest = 0, elastic_fastest = 0;
@@ -172,7 +180,26 @@ class MovingPoints {
   Side side(int k, std::span<const FloatingBody> bodies) const {
     return {body(k).shape(), body(k).centre, bodies[static_cast<std::size_t>(k)]};
   }
+  Side side(const End& end, std::span<const FloatingBody> bodies) const {
+    if (end.body >= 0) return side(end.body, bodies);
+    const Solid& solid = solids_[static_cast<std::size_t>(end.solid)];
+    return {*solid.surface, Eigen::Vector3d::Zero(), solid.state};
+  }
+  /// Of the second body of a pair, or of an obstacle with a surface.
+  Side side_of_b(const Model::PairBlock& pair, std::span<const FloatingBody> bodies) const {
+    return side(End{.body = pair.b, .solid = solid_of(pair)}, bodies);
+  }
+  const BodySurface& shape_of_b(const Model::PairBlock& pair) const {
+    return pair.b < 0 ? *solids_[static_cast<std::size_t>(solid_of(pair))].surface : body(pair.b).shape();
+  }
+  /// Of mass, or the origin of an obstacle, own axes [m].
+  Eigen::Vector3d centre_of(const End& end) const {
+    return end.body < 0 ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : body(end.body).centre;
+  }
+  /// Number of the obstacle of a pair, if it has a surface; otherwise −1.
+  int solid_of(const Model::PairBlock& pair) const noexcept;
   std::shared_ptr<const BodySurface> known_surface(const kernels::Kernel* kernel) const;
+  void add_solids(const MovingPoints* earlier);
   void add_points(const Model& model, int pair);
   double apart(const Model::PairBlock& pair, std::span<const FloatingBody> bodies) const noexcept;
   double inside(const Model::PairBlock& pair, std::span<const FloatingBody> bodies) const noexcept;
@@ -215,6 +242,7 @@ class MovingPoints {
 
   std::vector<Model::PairBlock> pairs_;
   std::vector<Body> bodies_;
+  std::vector<Solid> solids_;
   std::vector<Point> points_;
   std::vector<std::array<std::vector<int>, 2>> point_of_;  ///< by pair, body and candidate, or −1
   std::vector<double> far_;  ///< by pair, distance of bodies that could not meet at the last search, or −1

@@ -21,7 +21,7 @@ constexpr double same_summit = 0.01;
 
 /// By how much a summit of a pair may be nearer than the candidates around it [m].
 double MovingPoints::rise_of(const Model::PairBlock& pair) const noexcept {
-  return pair.summits == 0 ? 0 : body(pair.a).shape().camber() + body(pair.b).shape().camber();
+  return pair.summits == 0 ? 0 : body(pair.a).shape().camber() + shape_of_b(pair).camber();
 }
 
 /// By how much the elastic displacements may bring a point nearer [m].
@@ -37,9 +37,15 @@ double MovingPoints::swing_of(const Point& point, std::span<const Travel> travel
   return out;
 }
 
-/// Distance of the spheres around two bodies [m].
+/// Distance of the spheres around two bodies, or of one from the box around an obstacle [m].
 double MovingPoints::apart(const Model::PairBlock& pair,
                            std::span<const FloatingBody> bodies) const noexcept {
+  if (pair.solid) {
+    const Side b = side_of_b(pair, bodies);
+    const Vector3d x = b.place_of(Vector3d::Zero(), side(pair.a, bodies));
+    return b.shape.box().exteriorDistance(x) - radius(pair.a) - body(pair.a).shape().camber() -
+           b.shape.camber();
+  }
   double out =
       (bodies[static_cast<std::size_t>(pair.a)].position - bodies[static_cast<std::size_t>(pair.b)].position)
           .norm();
@@ -51,14 +57,14 @@ double MovingPoints::apart(const Model::PairBlock& pair,
 /// most 0 if they meet [m].
 double MovingPoints::inside(const Model::PairBlock& pair,
                             std::span<const FloatingBody> bodies) const noexcept {
-  double most = 0;
-  for (const auto& [k, j] : {std::pair(pair.a, pair.b), std::pair(pair.b, pair.a)}) {
-    const Side own = side(k, bodies), other = side(j, bodies);
+  const Side a = side(pair.a, bodies), b = side_of_b(pair, bodies);
+  const auto beyond = [](const Side& own, double own_radius, const Side& other) {
     const Vector3d x = other.place_of(Vector3d::Zero(), own);
     const double way = (x - other.shape.closest(x).point).norm();
-    most = std::max(most, way - radius(k) - own.shape.camber() - other.shape.camber());
-  }
-  return most;
+    return way - own_radius - own.shape.camber() - other.shape.camber();
+  };
+  const double of_a = beyond(a, radius(pair.a), b);
+  return std::max({0.0, of_a, pair.solid ? of_a : beyond(b, radius(pair.b), a)});
 }
 
 /// Distance of the sphere around a body from a half-space [m].
@@ -72,21 +78,22 @@ double MovingPoints::above(const Model::PairBlock& pair, const FloatingBody& sta
 double MovingPoints::swing_of(const Model::PairBlock& pair, std::span<const Travel> travels) const noexcept {
   double out = 0;
   for (const int k : {pair.a, pair.b})
-    out += std::sqrt(2 * travels[static_cast<std::size_t>(k)].energy) * body(k).candidates.largest_give();
+    if (k >= 0)
+      out += std::sqrt(2 * travels[static_cast<std::size_t>(k)].energy) * body(k).candidates.largest_give();
   return out;
 }
 
 /// Largest distance at which the points of two bodies may touch within the travels [m].
 double MovingPoints::margin(const Model::PairBlock& pair, std::span<const Travel> travels) const noexcept {
   return swing_of(pair, travels) + travels[static_cast<std::size_t>(pair.a)].distance +
-         travels[static_cast<std::size_t>(pair.b)].distance;
+         (pair.b < 0 ? 0 : travels[static_cast<std::size_t>(pair.b)].distance);
 }
 
 double MovingPoints::clearance(const Model::PairBlock& pair, std::span<const FloatingBody> bodies,
                                std::span<const Travel> energies) const noexcept {
   double least = std::numeric_limits<double>::infinity();
   const FloatingBody& of_a = bodies[static_cast<std::size_t>(pair.a)];
-  if (pair.b < 0) {
+  if (pair.is_half_space()) {
     for (int i = pair.first_point; i < pair.first_point + pair.candidates_of_a; ++i) {
       const Point& point = points_[static_cast<std::size_t>(i)];
       least = std::min(least, point.height(of_a) - swing_of(point, energies));
@@ -96,14 +103,15 @@ double MovingPoints::clearance(const Model::PairBlock& pair, std::span<const Flo
   const double swing = swing_of(pair, energies), spheres = apart(pair, bodies);
   if (spheres > swing) return spheres - swing;
   if (const double within = inside(pair, bodies); within > swing) return within - swing;
-  // A point of a face is at most as far from its nearest candidate as that of an equilateral triangle.
+  // A point of a face is at most as far from its nearest candidate as that of an equilateral triangle. Over
+  // an obstacle, all candidates of a are points.
   double facet = 0;
   Vector3d out_of_a = Vector3d::Zero();
   for (const int k : {pair.a, pair.b})
-    facet = std::max(facet, body(k).shape().element_size() / std::sqrt(3.0));
+    if (k >= 0) facet = std::max(facet, body(k).shape().element_size() / std::sqrt(3.0));
   for (int i = pair.first_point; i < pair.first_point + pair.candidates(); ++i) {
     const Point& point = points_[static_cast<std::size_t>(i)];
-    const Side own = side(point.own().body, bodies), other = side(point.other().body, bodies);
+    const Side own = side(point.own(), bodies), other = side(point.other(), bodies);
     const Vector3d x = other.place_of(point.place, own);
     if (other.shape.box().exteriorDistance(x) >= least) continue;
     const Foot foot = other.shape.closest(x, least + other.shape.camber());
@@ -121,13 +129,13 @@ double MovingPoints::clearance(const Model::PairBlock& pair, std::span<const Flo
 double MovingPoints::gap_along(const Model::PairBlock& pair, std::span<const FloatingBody> bodies,
                                const Vector3d& n) const noexcept {
   double gap = 0;
-  for (const int k : {pair.a, pair.b}) {
-    const Side one = side(k, bodies);
-    const Vector3d outward = (k == pair.a ? 1 : -1) * (one.state.axes.transpose() * n);
+  for (const double sign : {1.0, -1.0}) {
+    const Side one = sign > 0 ? side(pair.a, bodies) : side_of_b(pair, bodies);
+    const Vector3d outward = sign * (one.state.axes.transpose() * n);
     double farthest = -std::numeric_limits<double>::infinity();
     for (const Vector3d& x : one.shape.surface().node)
       farthest = std::max(farthest, outward.dot(x - one.centre));
-    gap -= farthest + one.shape.camber() + (k == pair.a ? 1 : -1) * n.dot(one.state.position);
+    gap -= farthest + one.shape.camber() + sign * n.dot(one.state.position);
   }
   return gap;
 }
@@ -154,7 +162,7 @@ void MovingPoints::watch(std::span<const FloatingBody> bodies, std::span<const T
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     const Model::PairBlock& pair = pairs_[k];
     if (!is_live(pair, bodies)) continue;
-    if (pair.b >= 0) {
+    if (!pair.is_half_space()) {
       const double reach = margin(pair, travels);
       double away = apart(pair, bodies);
       if (away < reach && !forces.pairs()[k].carries) away = std::max(away, inside(pair, bodies));
@@ -201,12 +209,13 @@ void MovingPoints::find_feet(int number, std::span<const FloatingBody> bodies, d
     const bool pressed = has_force(i, forces);
     point.distance = std::max(spheres, std::abs(point.distance) - travelled);
     if (point.distance < reach || pressed) {
-      const Side own = side(point.own().body, bodies), other = side(point.other().body, bodies);
+      const Side own = side(point.own(), bodies), other = side(point.other(), bodies);
       const Vector3d x = other.place_of(point.place, own);
-      point.distance = other.shape.box().exteriorDistance(x);
+      const double slide = 2 * point.spread;  // along its creases, at most
+      point.distance = other.shape.box().exteriorDistance(x) - slide;
       if (point.distance < reach || pressed) {
-        const Foot foot = other.shape.closest(x, pressed ? std::numeric_limits<double>::infinity() : reach,
-                                              point.foot.element);
+        const Foot foot = other.shape.closest(
+            x, pressed ? std::numeric_limits<double>::infinity() : reach + slide, point.foot.element);
         point.distance = reach;
         if (foot.element >= 0) point.meet(foot, own, other);
         if (std::abs(point.distance) < margin || pressed) watch(i);
@@ -223,7 +232,7 @@ void MovingPoints::list_summits(int number, std::span<const FloatingBody> bodies
   const Side own = side(pair.a, bodies);
   Point summit = points_[static_cast<std::size_t>(pair.first_summit())];
   summits_.clear();
-  if (pair.b < 0) {
+  if (pair.is_half_space()) {
     const Vector3d n = own.state.axes.transpose() * summit.row.row(0).transpose();
     // height = g − n·(c + A (X − centre) − initial)
     const double at_centre =
@@ -235,7 +244,7 @@ void MovingPoints::list_summits(int number, std::span<const FloatingBody> bodies
     }
     return;
   }
-  const Side other = side(pair.b, bodies);
+  const Side other = side_of_b(pair, bodies);
   const double reach = margin + rise_of(pair);
   const auto is_curved = [](const Side& of, const Foot& foot) {
     return of.shape.surface().element[static_cast<std::size_t>(foot.element)].curved;
@@ -264,9 +273,11 @@ void MovingPoints::list_summits(int number, std::span<const FloatingBody> bodies
 
 /// Whether no candidate around one is nearer to the other body.
 bool MovingPoints::is_nearest(const Point& point) const noexcept {
+  const Model::PairBlock& pair = pairs_[static_cast<std::size_t>(point.pair)];
   const std::vector<int>& numbers =
       point_of_[static_cast<std::size_t>(point.pair)][point.kind == Kind::candidate_of_b ? 1 : 0];
-  return std::ranges::none_of(body(point.own().body).shape().around(point.candidate), [&](int beside) {
+  const BodySurface& own = point.kind == Kind::candidate_of_b ? shape_of_b(pair) : body(pair.a).shape();
+  return std::ranges::none_of(own.around(point.candidate), [&](int beside) {
     const int number = numbers[static_cast<std::size_t>(beside)];
     return number >= 0 &&
            std::abs(points_[static_cast<std::size_t>(number)].distance) < std::abs(point.distance);
@@ -313,8 +324,8 @@ void MovingPoints::list_near(int number, std::span<const FloatingBody> bodies, d
     Point& point = points_[static_cast<std::size_t>(i)];
     if (!(square_way(point, summit) < near * near)) continue;
     if (near_.size() < near_.capacity()) near_.push_back({i, number});
-    if (pair.b < 0 || is_watched_[static_cast<std::size_t>(i)]) continue;
-    const Side own = side(point.own().body, bodies), other = side(point.other().body, bodies);
+    if (pair.is_half_space() || is_watched_[static_cast<std::size_t>(i)]) continue;
+    const Side own = side(point.own(), bodies), other = side(point.other(), bodies);
     const Foot foot = other.shape.closest(other.place_of(point.place, own),
                                           std::abs(summit.distance) + near + other.shape.camber());
     if (foot.element >= 0) point.meet(foot, own, other);
@@ -328,7 +339,7 @@ void MovingPoints::find_crossings(int number, std::span<const FloatingBody> bodi
   const Model::PairBlock& pair = pairs_[static_cast<std::size_t>(number)];
   const int first = pair.first_point + pair.candidates(), end = pair.first_summit();
   if (first == end) return;
-  const Side a = side(pair.a, bodies), b = side(pair.b, bodies);
+  const Side a = side(pair.a, bodies), b = side_of_b(pair, bodies);
   const std::vector<WorldSurface::Crease>&of_a = a.shape.surface().crease, &of_b = b.shape.surface().crease;
   const auto node = [](const Side& of, const WorldSurface::Crease& crease, std::size_t k) {
     return of.shape.surface().node[static_cast<std::size_t>(crease.node[k])];

@@ -71,6 +71,14 @@ int ricochet_scene_body(ricochet_scene* scene, const char* name, const ricochet_
 int ricochet_scene_angular_velocity(ricochet_scene* scene, const char* body, const double* angular_velocity);
 int ricochet_scene_half_space(ricochet_scene* scene, const char* name, const double* point,
                               const double* normal);
+/* An obstacle of another shape around a point, with its axis along z before it is rotated: "sphere", "cylinder",
+ * "capsule", "cone", "torus" with the sizes radius, radius_small, length, of which those that the shape does not
+ * have are not read; or "box" with its edges along x, y, z [m]. inside: not 0 if bodies are inside. */
+int ricochet_scene_obstacle(ricochet_scene* scene, const char* name, const char* shape, int inside,
+                            const double* point, const double* rotate_deg, const double* sizes);
+/* A closed surface from an STL file, whose coordinates times scale are metres. */
+int ricochet_scene_obstacle_mesh(ricochet_scene* scene, const char* name, const char* path, double scale,
+                                 int inside, const double* point, const double* rotate_deg);
 /* direction: a vector; gap, reach: one number [m]. */
 int ricochet_scene_pair(ricochet_scene* scene, const char* a, const char* b, const double* direction,
                         const double* gap, const double* reach);

@@ -3,7 +3,9 @@
 // and beside them what meshes, kernels and files need. SI units; vectors are in world axes.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -59,20 +61,50 @@ struct Slide {
   bool operator==(const Slide&) const = default;
 };
 
-/// Rigid half-space {x : (x − point)·normal ≤ 0}.
-struct HalfSpace {
+/// A closed surface of flat triangles. Edges at which they meet at less than 29° are smooth: there, the
+/// surface between the nodes is curved.
+struct SurfaceMesh {
+  std::vector<Vector3> node{};  ///< [m]
+  std::vector<std::array<std::uint32_t, 3>> triangle{};
+  bool operator==(const SurfaceMesh&) const = default;
+};
+
+/// What bounds an obstacle. The axis of a shape is z before the obstacle is rotated, and its middle is the
+/// origin.
+enum class Shape {
+  half_space,  ///< {x : (x − point)·normal ≤ 0}
+  sphere,      ///< of `radius`
+  cylinder,    ///< of `radius` and `length`, with flat ends
+  capsule,     ///< a cylinder of `radius` and `length` between two hemispheres
+  box,         ///< with the edges `size`
+  cone,        ///< of `length`, with `radius` at its lower end, and `radius_small` at its upper end
+  torus,       ///< a tube of `radius_small` around a circle of `radius`
+  mesh,        ///< the closed surface `mesh`
+};
+
+/// On which side of its surface bodies are.
+enum class ObstacleSide { outside, inside };
+
+/// A rigid obstacle.
+struct Obstacle {
   std::string name;
-  Vector3 point{};     ///< [m]
-  Vector3 normal{};    ///< outward, of any nonzero length
+  Vector3 point{};     ///< of the surface of a half-space; of others, where their origin is [m]
+  Vector3 normal{};    ///< outward, of any nonzero length; of a half-space only
   Vector3 velocity{};  ///< along its surface [m/s], as of a conveyor belt; felt by pairs with friction only
   std::vector<Slide> slides{};  ///< further motions along its surface
-  bool operator==(const HalfSpace&) const = default;
+  Shape shape = Shape::half_space;
+  ObstacleSide side = ObstacleSide::outside;  ///< of all but half-spaces, as are the following ones
+  Vector3 rotate_deg{};                       ///< about the fixed axes x, then y, then z, through `point`
+  double radius = 0, radius_small = 0, length = 0;  ///< [m]
+  Vector3 size{};                                   ///< along x, y, z [m]
+  SurfaceMesh mesh{};
+  bool operator==(const Obstacle&) const = default;
 };
 
 /// Two surfaces that may touch, by name.
 struct Pair {
   std::string a;                       ///< a body
-  std::string b;                       ///< a body or a half-space
+  std::string b;                       ///< a body or an obstacle
   std::optional<Vector3> direction{};  ///< of contact, out of a; default: from the surface normals
   /// Moves body a along the direction until the closest points have this gap [m].
   std::optional<double> gap{};
@@ -97,7 +129,7 @@ struct Pickup {
 
 struct Scene : ContactScheme, Stepping, RigidBodies {
   std::vector<Body> bodies{};
-  std::vector<HalfSpace> obstacles{};
+  std::vector<Obstacle> obstacles{};
   std::vector<Pair> pairs{};
   std::vector<Pickup> pickups{};
   std::vector<Forcing> forcing{};

@@ -86,7 +86,7 @@ std::string separated(const contact::Summary& summary) {
 
 std::vector<std::string> motions_without_friction(const scene::Scene& scene) {
   std::vector<std::string> out;
-  for (const HalfSpace& obstacle : scene.obstacles) {
+  for (const Obstacle& obstacle : scene.obstacles) {
     const bool driven = std::ranges::count(scene.loads.motions, obstacle.name, &scene::Forcing::obstacle) > 0;
     if ((obstacle.velocity == Vector3{} && !driven) || scene.contact.rubs(obstacle.name)) continue;
     out.push_back(

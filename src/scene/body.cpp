@@ -192,16 +192,64 @@ const SectionOf<Damping> damping_keys{
       "one. Not for Ritz vectors and not with `flexibility_error`, which leave no mode its number",
       "[1e-3, 2e-3]"}}};
 
-const SectionOf<HalfSpace> obstacle_keys{
+namespace {
+
+template <Shape... shapes>
+bool is_one(const Obstacle& obstacle) {
+  return ((obstacle.shape == shapes) || ...);
+}
+constexpr auto& is_mesh = is_one<Shape::mesh>;
+constexpr auto& is_half_space = is_one<Shape::half_space>;
+bool is_solid(const Obstacle& obstacle) { return !obstacle.is_half_space(); }
+
+}  // namespace
+
+const SectionOf<Obstacle> obstacle_keys{
     "[obstacles.NAME]",
-    "A rigid half-space, which can replace one of the two bodies of a pair.",
-    {{"point", &HalfSpace::point, "m", initial, any(), "a point of its surface"},
-     {"normal", direction<HalfSpace>(&HalfSpace::normal), "",
-      required("the direction out of the obstacle, for example [0, 0, 1]"), any(),
-      "outward normal of the obstacle"},
-     {"velocity", &HalfSpace::velocity, "m/s", initial, any(),
-      "velocity along its surface, in world axes, like that of a conveyor belt; a component along the normal "
-      "is refused. It acts through `friction` only, and not with `scheme = \"static\"`"}}};
+    "A rigid obstacle, which can replace one of the two bodies of a pair: a half-space, a "
+    "[shape](scene.md#obstacles), or a closed surface.",
+    {{"shape",
+      choice<Obstacle>(&Obstacle::shape,
+                       {"half-space", "sphere", "cylinder", "capsule", "box", "cone", "torus", "mesh"}),
+      "", initial, any(),
+      "what bounds it. Shapes have their axis along z before `rotate_deg`, and their middle at `point`. "
+      "Without "
+      "this key, an obstacle with a `surface` is a `\"mesh\"`"},
+     {"point", &Obstacle::point, "m", initial, any(),
+      "of a half-space: a point of its surface; of a shape: its middle; of a mesh: where its origin is"},
+     {"normal", Access<Obstacle>(direction<Obstacle>(&Obstacle::normal)).only(is_half_space, "a half-space"),
+      "", "– of a half-space", any(), "outward normal of a half-space"},
+     {"velocity", Access<Obstacle>(&Obstacle::velocity).only(is_half_space, "a half-space"), "m/s", initial,
+      any(),
+      "velocity of a half-space along its surface, in world axes, like that of a conveyor belt; a component "
+      "along the normal is refused. It acts through `friction` only, and not with `scheme = \"static\"`"},
+     {"side", choice<Obstacle>(&Obstacle::side, {"outside", "inside"}).only(is_solid, "a shape or a surface"),
+      "", initial, any(),
+      "where bodies are: `\"inside\"` makes a bowl of a sphere, and a tube of a cylinder"},
+     {"rotate_deg", Access<Obstacle>(&Obstacle::rotate_deg).only(is_solid, "a shape or a surface"), "degrees",
+      initial, any(), "rotations about the fixed axes x, then y, then z, through `point`"},
+     {"radius",
+      Access<Obstacle>(&Obstacle::radius)
+          .only(is_one<Shape::sphere, Shape::cylinder, Shape::capsule, Shape::cone, Shape::torus>,
+                "a round shape"),
+      "m", "– of a round shape", at_least("0"),
+      "radius; of a cone at its lower end; of a torus that of the circle around which its tube is"},
+     {"radius_small",
+      Access<Obstacle>(&Obstacle::radius_small).only(is_one<Shape::cone, Shape::torus>, "a cone or a torus"),
+      "m", initial, at_least("0"),
+      "of a cone: radius at its upper end, 0 for a tip; of a torus: radius of its tube"},
+     {"length",
+      Access<Obstacle>(&Obstacle::length)
+          .only(is_one<Shape::cylinder, Shape::capsule, Shape::cone>, "a cylinder, a capsule or a cone"),
+      "m", "– of these shapes", above("0"), "along the axis; of a capsule without its two hemispheres"},
+     {"size", Access<Obstacle>(&Obstacle::size).only(is_one<Shape::box>, "a box"), "m", "– of a box",
+      above("0"), "edges of a box along x, y, z"},
+     {"surface", Access<Obstacle>(&Obstacle::surface).only(is_mesh, "a mesh"), "", "– of a mesh", any(),
+      "an STL file of a closed surface. Edges at which its triangles meet at less than 29° are smooth; "
+      "there, the "
+      "surface between the nodes is curved"},
+     {"scale", Access<Obstacle>(&Obstacle::scale).only(is_mesh, "a mesh"), "1", initial, above("0"),
+      "factor on the coordinates of the file, for example 1e-3 for millimetres"}}};
 
 namespace {
 
@@ -245,9 +293,21 @@ Body read_body(const std::string& name, const Table& table, const std::vector<st
   return body;
 }
 
-HalfSpace read_obstacle(const std::string& name, const Table& table, const Scene& scene) {
-  HalfSpace obstacle{.name = name};
+Obstacle read_obstacle(const std::string& name, const Table& table, const Scene& scene) {
+  Obstacle obstacle;
+  obstacle.name = name;
+  if (table.has("surface")) obstacle.shape = Shape::mesh;
   obstacle_keys.read(table, obstacle);
+  const auto need = [&](const char* key, const char* what, bool needed) {
+    if (needed && !table.has(key)) table.complain(key, std::string("is missing: ") + what);
+  };
+  need("normal", "the direction out of the obstacle, for example [0, 0, 1]", obstacle.is_half_space());
+  need("surface", "name an STL file", obstacle.shape == Shape::mesh);
+  need("size", "give the edges along x, y, z in m, for example [1, 1, 0.2]", obstacle.shape == Shape::box);
+  need("radius", "give a number in m",
+       is_one<Shape::sphere, Shape::cylinder, Shape::capsule, Shape::cone, Shape::torus>(obstacle));
+  need("length", "give a number in m", is_one<Shape::cylinder, Shape::capsule, Shape::cone>(obstacle));
+  need("radius_small", "give a number in m", obstacle.shape == Shape::torus);
   if (const double along = along_normal(obstacle, obstacle.velocity); along != 0)
     table.complain("velocity", fmt::format("has the component {:.6g} m/s along the normal: an obstacle "
                                            "moves along its surface; leave this component out",

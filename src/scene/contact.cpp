@@ -191,7 +191,7 @@ void read_pair(const Table& table, const Scene& scene, const Contact& contact, P
   if (pair.a.empty()) return;
   if (pair.a == pair.b) table.complain("between", "must name two different bodies");
   std::vector<std::string> names = names_of(scene.bodies);
-  for (const HalfSpace& obstacle : scene.obstacles) names.push_back(obstacle.name);
+  for (const Obstacle& obstacle : scene.obstacles) names.push_back(obstacle.name);
   for (const std::string& name : {pair.a, pair.b})
     check_exists(table, "between", "body or obstacle", name, names);
   if (scene.find_body(pair.a) == nullptr && scene.find_body(pair.b) == nullptr)
@@ -227,7 +227,7 @@ void add_all_pairs(const Scene& scene, const Pair& shared, std::vector<Pair>& pa
   };
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
     for (std::size_t j = k + 1; j < scene.bodies.size(); ++j) add(scene.bodies[k].name, scene.bodies[j].name);
-    for (const HalfSpace& obstacle : scene.obstacles) add(scene.bodies[k].name, obstacle.name);
+    for (const Obstacle& obstacle : scene.obstacles) add(scene.bodies[k].name, obstacle.name);
   }
   std::erase_if(pairs, [](const Pair& pair) { return !pair.touch; });
 }

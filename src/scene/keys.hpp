@@ -279,7 +279,7 @@ extern const SectionOf<FineBall> refine_keys;
 extern const SectionOf<Material> material_keys;
 extern const SectionOf<CentreLine> about_keys;
 extern const SectionOf<Damping> damping_keys;
-extern const SectionOf<HalfSpace> obstacle_keys;
+extern const SectionOf<Obstacle> obstacle_keys;
 extern const SectionOf<Modes> modes_keys;
 extern const SectionOf<Contact> contact_keys;
 extern const SectionOf<Pair> pair_keys;

@@ -164,7 +164,11 @@ void check_slide(const Table& table, const Scene& scene, const Forcing& motion) 
   for (const char* key : {"body", "group"})
     if (table.has(key))
       table.complain(key, "belongs to the motion of a support: leave it out, or leave obstacle out");
-  if (const double along = along_normal(*scene.find_obstacle(motion.obstacle), motion.vector); along != 0)
+  const Obstacle& obstacle = *scene.find_obstacle(motion.obstacle);
+  if (!obstacle.is_half_space())
+    table.complain("obstacle",
+                   "is no half-space, and only half-spaces move along their surface: leave this motion out");
+  if (const double along = along_normal(obstacle, motion.vector); along != 0)
     table.complain("vector", fmt::format("has the component {:.6g} m along the normal of obstacles.{}: an "
                                          "obstacle moves along its surface; leave this component out",
                                          along, motion.obstacle));

@@ -23,8 +23,8 @@ const Body* Scene::find_body(const std::string& name) const {
   return found == bodies.end() ? nullptr : &*found;
 }
 
-const HalfSpace* Scene::find_obstacle(const std::string& name) const {
-  const auto found = std::ranges::find(obstacles, name, &HalfSpace::name);
+const Obstacle* Scene::find_obstacle(const std::string& name) const {
+  const auto found = std::ranges::find(obstacles, name, &Obstacle::name);
   return found == obstacles.end() ? nullptr : &*found;
 }
 
@@ -85,7 +85,7 @@ Vector3 point_in_body(const Body& body, Vector3 world) {
   return in_body(body, world);
 }
 
-double along_normal(const HalfSpace& obstacle, const Vector3& vector) {
+double along_normal(const Obstacle& obstacle, const Vector3& vector) {
   double along = 0;
   for (std::size_t k = 0; k < 3; ++k) along += obstacle.normal[k] * vector[k];
   // 1e-9: above the round-off of directions that a scene gives with ten digits

@@ -14,6 +14,7 @@
 #include "src/scene/data/loads.hpp"
 #include "src/scene/data/modes.hpp"
 #include "src/scene/data/motion.hpp"
+#include "src/scene/data/obstacle.hpp"
 #include "src/scene/data/output.hpp"
 #include "src/scene/data/time.hpp"
 
@@ -42,8 +43,8 @@ struct Scene {
   std::string settings{};
   /// Sorted by name, then copies of mallets; empty with contact.table.
   std::vector<Body> bodies;
-  std::vector<Strike> strikes{};     ///< [[strikes]], already applied to bodies and pairs
-  std::vector<HalfSpace> obstacles;  ///< with a unit normal
+  std::vector<Strike> strikes{};    ///< [[strikes]], already applied to bodies and pairs
+  std::vector<Obstacle> obstacles;  ///< half-spaces with a unit normal
   Modes modes;
   Contact contact;
   Motion motion;
@@ -52,7 +53,7 @@ struct Scene {
   Output output;
 
   const Body* find_body(const std::string& name) const;
-  const HalfSpace* find_obstacle(const std::string& name) const;
+  const Obstacle* find_obstacle(const std::string& name) const;
   bool operator==(const Scene&) const = default;
 };
 
@@ -60,7 +61,7 @@ struct Scene {
 Scene with_finite_rotation(Scene scene, std::string reason);
 
 /// The component of a vector along the normal of the obstacle; exactly 0 if it is round-off.
-double along_normal(const HalfSpace& obstacle, const Vector3& vector);
+double along_normal(const Obstacle& obstacle, const Vector3& vector);
 
 /// Accuracy of a scene that leaves its modes open and gives none.
 inline constexpr double default_accuracy = 1e-2;

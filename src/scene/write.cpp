@@ -92,7 +92,7 @@ std::string to_toml(const Scene& scene) {
     if (body.copy_of.empty())
       text += fmt::format("\n[bodies.{}]\n{}", body.name, body_keys.write(body, folder));
   for (const Strike& strike : scene.strikes) text += "\n[[strikes]]\n" + strike_keys.write(strike);
-  for (const HalfSpace& obstacle : scene.obstacles)
+  for (const Obstacle& obstacle : scene.obstacles)
     text += fmt::format("\n[obstacles.{}]\n{}", toml_string(obstacle.name), obstacle_keys.write(obstacle));
   if (!tabular) text += "\n[modes]\n" + modes_keys.write(scene.modes);
   if (tabular || !scene.contact.pairs.empty())

@@ -7,6 +7,7 @@
 
 #include "contact/api/scene_model.hpp"
 #include "contact/files/history_file.hpp"
+#include "contact/files/surface_file.hpp"
 #include "contact/pairing/placement.hpp"
 #include "kernels/read.hpp"
 #include "src/scene/scene.hpp"
@@ -18,7 +19,11 @@ Scene library_scene(const scene::Scene& scene, const KernelPointers& kernels) {
   Scene out{scene.contact, scene.time, scene.motion};
   for (std::size_t k = 0; k < scene.bodies.size() && k < kernels.size(); ++k)
     out.bodies.emplace_back(scene.bodies[k]).kernel = SharedKernel(SharedKernel(), kernels[k]);
-  out.obstacles = scene.obstacles;
+  for (const scene::Obstacle& obstacle : scene.obstacles) {
+    out.obstacles.emplace_back(obstacle);
+    if (obstacle.shape == Shape::mesh)
+      out.obstacles.back().mesh = contact::read_surface(obstacle.surface, obstacle.scale);
+  }
   out.pairs.assign(scene.contact.pairs.begin(), scene.contact.pairs.end());
   out.gravity = scene.loads.gravity;
   return out;
@@ -38,7 +43,7 @@ void read_histories(const scene::Scene& scene, Scene& out) {
       if (driven.obstacle.empty())
         out.forcing.push_back(std::move(made));
       else
-        std::ranges::find(out.obstacles, driven.obstacle, &HalfSpace::name)
+        std::ranges::find(out.obstacles, driven.obstacle, &Obstacle::name)
             ->slides.push_back({made.vector, std::move(made.time), std::move(made.factor)});
     }
   };

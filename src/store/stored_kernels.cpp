@@ -56,7 +56,7 @@ contact::Placement PlacementStore::place(const scene::Scene& scene, const Kernel
   const Scene library = library_scene(scene, kernels);
   Key key{{}, library.obstacles, library.pairs, library.rotation};
   // Pairing depends neither on the velocity of obstacles nor on friction.
-  for (HalfSpace& obstacle : key.obstacles) obstacle.velocity = {};
+  for (Obstacle& obstacle : key.obstacles) obstacle.velocity = {};
   for (Pair& pair : key.pairs) pair.friction.reset();
   const std::vector<contact::PlacedBody> bodies = bodies_of(library);
   for (const contact::PlacedBody& body : bodies)

@@ -53,7 +53,7 @@ class PlacementStore {
   };
   struct Key {
     std::vector<Body> bodies;
-    std::vector<HalfSpace> obstacles;
+    std::vector<Obstacle> obstacles;
     std::vector<Pair> pairs;
     Rotation rotation = Rotation::linear;  ///< finite: pairs hold all candidates
     bool operator==(const Key&) const = default;

@@ -37,7 +37,7 @@ struct Falling {
     }
     scene.bodies[0].translate = {0.4, 0, 0.5};
     scene.bodies[1].translate = {0, 0, 0.3};
-    scene.obstacles.push_back({.name = "floor", .normal = {0, 0, 1}});
+    scene.obstacles.push_back({{.name = "floor", .normal = {0, 0, 1}}});
     for (const auto& [a, b] : {std::pair("high", "low"), {"high", "floor"}, {"low", "floor"}}) {
       scene::Pair& pair = scene.contact.pairs.emplace_back();
       pair.a = a;

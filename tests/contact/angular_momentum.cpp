@@ -13,7 +13,7 @@ using namespace ricochet::contact;
 using namespace ricochet::contact::test;
 
 const Vector3d up(0, 0, 1);
-const std::vector<HalfSpace> ground{{"floor", Vector3d::Zero(), up}};
+const std::vector<Obstacle> ground{{"floor", Vector3d::Zero(), up}};
 
 TEST(Spin, gives_the_momenta_and_the_energy_of_a_rigid_body) {
   Kernel kernel = rigid_plate();

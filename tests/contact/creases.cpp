@@ -123,7 +123,7 @@ TEST(Creases, of_a_tilted_box_are_at_their_true_distance_from_a_floor_and_from_a
       const Vector3d at(-0.2, -0.2, height - lowest(brick, Q));
       const PlacedBody a{"a", &brick, Q, at};
       // 1e-14: coordinates of about 1
-      EXPECT_NEAR(smallest_gap(pair(a, HalfSpace{"b", Vector3d::Zero(), up}, freely)), height, 1e-14);
+      EXPECT_NEAR(smallest_gap(pair(a, Obstacle{"b", Vector3d::Zero(), up}, freely)), height, 1e-14);
       for (const int m : {1, 3}) {
         const Kernel plate = table(m);
         EXPECT_NEAR(smallest_gap(pair(a, {"b", &plate}, freely)), height, 1e-14) << tilt.transpose();
@@ -235,7 +235,7 @@ TEST(CurvedElements, that_overlap_by_a_small_share_of_their_bulge_touch) {
   ball.surface.centroid = ball.surface.node;
   ball.surface.bulge.assign(ball.surface.size(), 0.001);
   const auto at = [&](double height) {
-    return pair({"a", &ball, upside_down(), height * up}, HalfSpace{"b", Vector3d::Zero(), up}, freely);
+    return pair({"a", &ball, upside_down(), height * up}, Obstacle{"b", Vector3d::Zero(), up}, freely);
   };
   EXPECT_EQ(smallest_gap(at(1 - 4e-5)), 0);
   EXPECT_NE(complaint_of([&] { at(1 - 6e-5); }).find("overlap by 6e-05 m"), std::string::npos);
@@ -279,8 +279,8 @@ TEST(TrueDistance, of_boxes_edges_and_balls_is_that_of_the_drawing) {
   const Matrix3d Q = turn(7 * degree, {1, 0, 0}) * turn(10 * degree, {0, 1, 0});
   const PlacedBody tilted{"a", &bar, Q, Vector3d(-0.5, 0, 0.003 - lowest(bar, Q))};
   EXPECT_NEAR(true_distance(tilted, {"b", &plate}, freely)->distance, 0.003, 5e-5);
-  EXPECT_NEAR(true_distance(tilted, HalfSpace{"b", Vector3d::Zero(), up})->distance, 0.003, 1e-14);
-  EXPECT_EQ(true_distance(tilted, HalfSpace{"b", up, up})->distance, 0);
+  EXPECT_NEAR(true_distance(tilted, Obstacle{"b", Vector3d::Zero(), up})->distance, 0.003, 1e-14);
+  EXPECT_EQ(true_distance(tilted, Obstacle{"b", up, up})->distance, 0);
   // Their poles lie between nodes: on chords, they would be h²/8R = 3e-3 apart for each ball.
   const Kernel ball = smooth_cap(5, 1, 0.4);
   for (const double angle : {0.0, 0.05}) {

@@ -21,7 +21,7 @@ using namespace ricochet::contact::test;
 constexpr auto uzawa = EquilibriumOptions::Solver::uzawa;
 constexpr double length = 2, weight = 3;  // the rods have ρA = EA = 1; weight per length
 
-const HalfSpace wall{"wall", Vector3d::Zero(), Vector3d::UnitX()};
+const Obstacle wall{"wall", Vector3d::Zero(), Vector3d::UnitX()};
 
 Model standing(const Kernel& kernel, double gap, double pull = -weight) {
   return build_model({{"rod", &kernel, Matrix3d::Identity(), {gap, 0, 0}}}, {wall},

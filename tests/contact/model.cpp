@@ -285,7 +285,7 @@ TEST(Bodies, that_hold_one_axis_alone_can_not_be_thrown_along_another) {
 TEST(Names, that_do_not_fit_are_refused) {
   const Kernel kernel = ball(1);
   const std::vector<PlacedBody> one{{"ball", &kernel, Matrix3d::Identity(), 3 * up}};
-  const std::vector<HalfSpace> floor{{"floor", Vector3d::Zero(), up}};
+  const std::vector<Obstacle> floor{{"floor", Vector3d::Zero(), up}};
   const auto build = [&](std::vector<PlacedBody> bodies, const PairRequest& request) {
     return complaint_of([&] { build_model(bodies, floor, {request}, Vector3d::Zero()); });
   };

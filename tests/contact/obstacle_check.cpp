@@ -14,7 +14,7 @@ using namespace ricochet::contact;
 using namespace ricochet::contact::test;
 using ::testing::Contains;
 
-const std::vector<HalfSpace> floor_at_0{{"floor", Vector3d::Zero(), Vector3d(0, 0, 1)}};
+const std::vector<Obstacle> floor_at_0{{"floor", Vector3d::Zero(), Vector3d(0, 0, 1)}};
 
 /// A rigid plate of 2 m whose candidates are at z = 0, with a flange whose lowest point is at z = `flange`.
 Kernel flanged(double flange) {

@@ -230,14 +230,14 @@ TEST(OneComponent, serves_its_own_line_in_both_senses_and_no_other) {
   EXPECT_THAT(tilted, HasSubstr("the kernel of \"a\" holds the motion along [1, 0, 0] alone"));
   EXPECT_THAT(complaint_of([&] { pair(a, turned, freely); }), HasSubstr("Set contact.direction = [1, 0, 0]"));
   EXPECT_THAT(complaint_of([&] {
-                pair(a, HalfSpace{"floor", Vector3d::Zero(), up}, freely);
+                pair(a, Obstacle{"floor", Vector3d::Zero(), up}, freely);
               }),
               HasSubstr("alone"));
 }
 
 TEST(HalfSpaces, every_point_that_looks_at_one_meets_its_foot) {
   const Kernel kernel = cap(6, 1);
-  const HalfSpace floor{"floor", {7, 8, -2}, up};
+  const Obstacle floor{"floor", {7, 8, -2}, up};
   const Pairing pairing = pair({"a", &kernel, upside_down(), Vector3d::Zero()}, floor, freely);
   EXPECT_EQ(pairing.unpaired, 0);
   for (const auto& point : pairing.points) {
@@ -328,7 +328,7 @@ TEST(Gap, that_does_not_change_along_the_way_is_refused) {
 TEST(Gap, of_zero_touches) {
   const Kernel small = cap(6, 1, 0.3);
   const Pairing pairing = pair({"a", &small, upside_down(), 1.7 * up},
-                               HalfSpace{"floor", Vector3d::Zero(), up}, {"a", "floor", {}, 0.0, {}});
+                               Obstacle{"floor", Vector3d::Zero(), up}, {"a", "floor", {}, 0.0, {}});
   double nearest = 1;
   for (const auto& point : pairing.points) nearest = std::min(nearest, point.gap);
   EXPECT_EQ(nearest, 0);
@@ -337,7 +337,7 @@ TEST(Gap, of_zero_touches) {
 
 TEST(Reach, drops_pairs_that_start_too_far_apart) {
   const Kernel kernel = cap(8, 1);
-  const HalfSpace wall{"wall", 1.1 * up, -up};
+  const Obstacle wall{"wall", 1.1 * up, -up};
   const Pairing all = pair({"a", &kernel}, wall, freely);
   const Pairing near = pair({"a", &kernel}, wall, {"a", "wall", {}, {}, 0.15});
   const auto within =
@@ -367,7 +367,7 @@ TEST(Centroids, of_patches_set_the_gap_to_a_wall) {
   const Kernel kernel = lopsided(cap(6, 1), 0.02, {1, 1, 1});
   const Matrix3d Q = turn(0.2, {1, 2, 0.5});
   const PlacedBody a{"a", &kernel, Q, {0.1, 0.2, 0.3}};
-  const Pairing pairing = pair(a, HalfSpace{"wall", 2 * up, -up}, {"a", "wall", {}, {}, {}});
+  const Pairing pairing = pair(a, Obstacle{"wall", 2 * up, -up}, {"a", "wall", {}, {}, {}});
   ASSERT_EQ(pairing.points.size(), kernel.surface.size());
   for (const auto& point : pairing.points) {
     const Vector3d mean = Q * Eigen::Map<const Vector3d>(&kernel.surface.centroid[3 * point.of_a[0].first]);
@@ -418,7 +418,7 @@ TEST(Bulges, of_both_patches_add_up_and_are_never_negative) {
       EXPECT_NEAR(point.gap, 0.3, round_off);
       EXPECT_NEAR(point.bulge, sum, round_off);
     }
-    for (const auto& point : pair({"a", &lower}, HalfSpace{"wall", up, -up}, freely).points)
+    for (const auto& point : pair({"a", &lower}, Obstacle{"wall", up, -up}, freely).points)
       EXPECT_NEAR(point.bulge, std::max(a, 0.0), round_off);
   }
 }
@@ -447,7 +447,7 @@ Kernel far_away() {
 TEST(Overlap, by_round_off_of_places_far_from_the_origin_is_touching) {
   const Kernel kernel = far_away();
   for (const double angle : {0.1, 0.5, 1.0, 2.0, 3.0}) {
-    const Pairing pairing = pair({"a", &kernel, turn(angle, up)}, HalfSpace{"floor", 1e6 * up, up}, freely);
+    const Pairing pairing = pair({"a", &kernel, turn(angle, up)}, Obstacle{"floor", 1e6 * up, up}, freely);
     for (const auto& point : pairing.points) EXPECT_LT(point.gap, 1e-8) << angle;
   }
 }
@@ -455,7 +455,7 @@ TEST(Overlap, by_round_off_of_places_far_from_the_origin_is_touching) {
 TEST(Overlap, far_from_the_origin_is_refused_where_it_is_more_than_round_off) {
   const Kernel kernel = far_away();
   const std::string text = complaint_of([&] {
-    pair({"a", &kernel, turn(0.5, up)}, HalfSpace{"floor", (1e6 + 1e-6) * up, up}, freely);
+    pair({"a", &kernel, turn(0.5, up)}, Obstacle{"floor", (1e6 + 1e-6) * up, up}, freely);
   });
   EXPECT_THAT(text, HasSubstr("overlap by"));
 }
@@ -464,7 +464,7 @@ TEST(Gap, of_zero_is_reached_by_bodies_far_from_the_origin) {
   const Kernel kernel = far_away();
   const Matrix3d turned = turn(0.3, Vector3d(1, 2, 3));
   const Pairing pairing =
-      pair({"a", &kernel, turned}, HalfSpace{"floor", Vector3d::Zero(), up}, {"a", "floor", {}, 0.0, {}});
+      pair({"a", &kernel, turned}, Obstacle{"floor", Vector3d::Zero(), up}, {"a", "floor", {}, 0.0, {}});
   double nearest = 1;
   for (const auto& point : pairing.points) nearest = std::min(nearest, point.gap);
   EXPECT_LT(nearest, 1e-8);

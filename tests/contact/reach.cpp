@@ -94,7 +94,7 @@ Kernel stairs(const Plate& options, double rise) {
 
 TEST(KernelsWithinReach, hold_what_any_pair_of_the_body_needs) {
   const Kernel kernel = stairs({.points = 6}, 0.01);
-  const std::vector<HalfSpace> floors = {{"low", {0, 0, -0.001}, up}, {"high", {0, 0, -0.0005}, up}};
+  const std::vector<Obstacle> floors = {{"low", {0, 0, -0.001}, up}, {"high", {0, 0, -0.0005}, up}};
   const auto needed = paired_candidates(
       place({{"a", &kernel}}, floors, {{"a", "low", {}, {}, 0.012}, {"a", "high", {}, {}, 0.025}}));
   EXPECT_THAT(needed[0], ElementsAre(0, 1, 2));
@@ -102,7 +102,7 @@ TEST(KernelsWithinReach, hold_what_any_pair_of_the_body_needs) {
 
 TEST(KernelsWithinReach, make_the_same_model) {
   const Kernel kernel = stairs({.points = 6, .ratio = 0.01}, 0.01);
-  const std::vector<HalfSpace> floor = {{"floor", Vector3d::Zero(), up}};
+  const std::vector<Obstacle> floor = {{"floor", Vector3d::Zero(), up}};
   const auto built = [&](const Kernel& of) {
     return build_model({{"a", &of, Matrix3d::Identity(), {0, 0, 0.001}, {0, 0, -1}}}, floor,
                        {{"a", "floor", {}, {}, 0.025}}, Vector3d(0, 0, -9.81));
@@ -121,7 +121,7 @@ TEST(KernelsWithinReach, make_the_same_model) {
 /// that of few candidates.
 std::vector<std::string> warnings(double rise, double reach) {
   const Kernel kernel = stairs({.points = 3}, rise);
-  const std::vector<HalfSpace> floor = {{"floor", Vector3d::Zero(), up}};
+  const std::vector<Obstacle> floor = {{"floor", Vector3d::Zero(), up}};
   const Model model = build_model({{"plate", &kernel, Matrix3d::Identity(), {0, 0, 0.001}, {0, 0, -1}}},
                                   floor, {{"plate", "floor", {}, {}, reach}}, Vector3d::Zero());
   constexpr double step = 1e-5;

@@ -144,9 +144,9 @@ TEST(Contact, that_does_not_end_within_the_longest_run_is_warned_of_even_if_load
 
 TEST(ObstaclesThatMove, without_friction_are_warned_of) {
   scene::Scene scene;
-  scene.obstacles = {{.name = "belt", .normal = {0, 0, 1}, .velocity = {1, 0, 0}},
-                     {.name = "floor", .normal = {0, 0, 1}},
-                     {.name = "table", .normal = {0, 0, 1}}};
+  for (const char* name : {"belt", "floor", "table"})
+    scene.obstacles.push_back({{.name = name, .normal = {0, 0, 1}}});
+  scene.obstacles[0].velocity = {1, 0, 0};
   scene.loads.motions.emplace_back().obstacle = "table";
   scene.contact.pairs.resize(2);
   scene.contact.pairs[0].a = scene.contact.pairs[1].a = "box";

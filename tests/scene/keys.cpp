@@ -34,8 +34,15 @@ direction = [0, 0, 1]
 )");
 /// A run that ends when bodies have parted.
 const std::string endless = changed(barest, "duration = 0.01", "duration = \"until parted\"");
+/// The same with a cone, and with a mesh as the obstacle.
+const std::string coned = changed(barest, "normal = [0, 0, 1]", "shape = \"cone\"\nradius = 1\nlength = 1");
+const std::string of_mesh = changed(barest, "normal = [0, 0, 1]", "surface = \"anvil.stl\"");
 /// A scene to which a key may be added.
 const std::string& with_room_for(const Section& section, const Key& key) {
+  if (&section == &obstacle_keys && key.name == "scale") return of_mesh;
+  if (&section == &obstacle_keys &&
+      (key.name == "side" || key.name == "rotate_deg" || key.name == "radius_small"))
+    return coned;
   if (key.name == "table") return tabular;
   if (&section == &about_keys) return cylindrical;
   if (key.name == "longest") return endless;

@@ -403,6 +403,22 @@ TEST(Friction, is_varied_by_overrides) {
       (Friction{0.5, 0.1, 1}));
 }
 
+TEST(Obstacles, have_a_shape_or_a_surface) {
+  const auto of = [](const std::string& table) {
+    return scene_of(smallest, {"obstacles.floor={" + table + "}"}).obstacles[0];
+  };
+  EXPECT_TRUE(of("normal=[0,0,1]").is_half_space());
+  const Obstacle bowl = of("shape=\"sphere\",radius=0.1,side=\"inside\"");
+  EXPECT_EQ(bowl.shape, Shape::sphere);
+  EXPECT_EQ(bowl.side, ObstacleSide::inside);
+  EXPECT_EQ(bowl.radius, 0.1);
+  const Obstacle anvil = of("surface=\"anvil.stl\"");
+  EXPECT_EQ(anvil.shape, Shape::mesh);
+  EXPECT_EQ(anvil.surface.filename(), "anvil.stl");
+  EXPECT_EQ(anvil.scale, 1);
+  EXPECT_EQ(of("shape=\"cone\",radius=0.1,length=0.3").radius_small, 0);
+}
+
 TEST(Obstacles, move_along_their_surface) {
   EXPECT_EQ(scene_of(smallest).obstacles[0].velocity, Vector3{});
   EXPECT_THAT(scene_of(smallest, {"obstacles.floor.velocity=[1,-2,0]"}).obstacles[0].velocity,

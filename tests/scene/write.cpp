@@ -77,7 +77,12 @@ TEST(Resolved, scene_with_each_form_of_a_value_reads_back) {
       {"contact.friction=0.3", "contact.scheme=static", "contact.increments=7"},
       {"contact.friction={static=0.3,dynamic=0.3,stribeck_velocity=0.1}"},
       {"contact.friction={static=0.4,dynamic=0.1,stribeck_velocity=0.01}",
-       "obstacles.floor.velocity=[0.5,-1,0]"}};
+       "obstacles.floor.velocity=[0.5,-1,0]"},
+      {"obstacles.floor={shape=\"sphere\",radius=0.1,side=\"inside\",point=[0,0,0.1]}"},
+      {"obstacles.floor={shape=\"cone\",radius=0.1,length=0.2,rotate_deg=[0,90,0]}"},
+      {"obstacles.floor={shape=\"torus\",radius=0.1,radius_small=0.02}"},
+      {"obstacles.floor={shape=\"box\",size=[0.1,0.2,0.3]}"},
+      {"obstacles.floor={surface=\"anvil.stl\",scale=1e-3}"}};
   for (const auto& form : forms) expect_to_come_back(smallest, form);
   for (const char* law :
        {"{}", "{ratio=0.1}", "{loss_factor=0.002}", "{rayleigh=[3,1e-7]}", "{viscosity=1e-6}",

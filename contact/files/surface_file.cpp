@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "contact/files/surface_file.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+#include "ricochet/error.hpp"
+
+namespace ricochet::contact {
+namespace {
+
+constexpr std::size_t header = 80, facet = 50;  // bytes of a binary file, and of one of its triangles
+
+/// Triangles by their corners, joined where the file has the same numbers.
+class JoinedCorners {
+ public:
+  JoinedCorners(const std::filesystem::path& path, double scale) : path_(path), scale_(scale) {}
+
+  void add(const Vector3& corner) {
+    Vector3 x = corner;
+    for (double& coordinate : x) {
+      if (!std::isfinite(coordinate))
+        throw InputError(fmt::format("{}: triangle {} has a coordinate that is not finite. Export it anew.",
+                                     path_.string(), mesh_.triangle.size() + 1));
+      coordinate = scale_ * coordinate + 0.0;  // −0 is 0
+    }
+    const auto [found, is_new] = number_.emplace(x, static_cast<std::uint32_t>(mesh_.node.size()));
+    if (is_new) mesh_.node.push_back(x);
+    corner_[count_++] = found->second;
+    if (count_ < 3) return;
+    count_ = 0;
+    // Slivers whose corners coincide in single precision have no area.
+    if (corner_[0] != corner_[1] && corner_[1] != corner_[2] && corner_[2] != corner_[0])
+      mesh_.triangle.push_back(corner_);
+  }
+  bool is_whole() const { return count_ == 0; }
+  SurfaceMesh take() { return std::move(mesh_); }
+
+ private:
+  const std::filesystem::path& path_;
+  double scale_;
+  SurfaceMesh mesh_;
+  std::map<Vector3, std::uint32_t> number_;
+  std::array<std::uint32_t, 3> corner_{};
+  std::size_t count_ = 0;
+};
+
+std::uint32_t word_at(const std::string& bytes, std::size_t at) {
+  std::uint32_t out = 0;
+  for (std::size_t k = 4; k-- > 0;) out = out << 8 | static_cast<unsigned char>(bytes[at + k]);
+  return out;
+}
+
+void read_binary(const std::string& bytes, JoinedCorners& out) {
+  for (std::size_t at = header + 4; at < bytes.size(); at += facet)
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      Vector3 x{};
+      for (std::size_t k = 0; k < 3; ++k)
+        x[k] = std::bit_cast<float>(word_at(bytes, at + 12 * (corner + 1) + 4 * k));
+      out.add(x);
+    }
+}
+
+/// Reads "vertex x y z" anywhere in the text. Returns false for a vertex without three numbers.
+bool read_text(std::string_view text, JoinedCorners& out) {
+  constexpr std::string_view space = " \t\r\n", vertex = "vertex";
+  int missing = 0;
+  Vector3 x{};
+  while (true) {
+    const std::size_t begin = text.find_first_not_of(space);
+    if (begin == std::string_view::npos) return missing == 0;
+    text.remove_prefix(begin);
+    std::string_view word = text.substr(0, text.find_first_of(space));
+    text.remove_prefix(word.size());
+    if (missing > 0) {
+      if (word.starts_with('+')) word.remove_prefix(1);
+      double& value = x[static_cast<std::size_t>(3 - missing)];
+      const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+      if (error != std::errc() || end != word.data() + word.size()) return false;
+      if (--missing == 0) out.add(x);
+    } else if (word == vertex) {
+      missing = 3;
+    }
+  }
+}
+
+}  // namespace
+
+SurfaceMesh read_surface(const std::filesystem::path& path, double scale) {
+  const auto refuse = [&](const char* what) { throw InputError(fmt::format("{}: {}", path.string(), what)); };
+  std::error_code failure;
+  std::ifstream file(path, std::ios::binary);
+  if (!std::filesystem::is_regular_file(path, failure) || !file)
+    refuse("no such file. Name an STL file of a closed surface.");
+  const std::string bytes(std::istreambuf_iterator<char>(file), {});
+  JoinedCorners out(path, scale);
+  const bool is_binary =
+      bytes.size() >= header + 4 && bytes.size() == header + 4 + facet * std::size_t{word_at(bytes, header)};
+  if (is_binary)
+    read_binary(bytes, out);
+  else if (!bytes.starts_with("solid") || !read_text(bytes, out) || !out.is_whole())
+    refuse(
+        "is no STL file, or is incomplete. Export the surface as STL, for example by gmsh FILE -2 -format "
+        "stl.");
+  SurfaceMesh mesh = out.take();
+  if (mesh.triangle.empty()) refuse("has no triangles. Export the surface anew.");
+  return mesh;
+}
+
+}  // namespace ricochet::contact
