@@ -17,7 +17,7 @@ from ricochet.films.fields import QUANTITIES, colour_field
 from ricochet.interchange.rotations import quaternion_of
 from ricochet.pictures.loaded_result import LoadedResult
 from ricochet.pictures.moving_surfaces import amplification, moving_surfaces
-from ricochet.pictures.planes import normals_of, square_of, upward
+from ricochet.pictures.planes import normals_of, planes_of, solids_of, square_of, upward
 from ricochet.pictures.style import GREY, NORMAL, colour_of, prefixed
 from ricochet.pictures.viewpoint import clearest
 from ricochet.result_file import expected
@@ -220,12 +220,13 @@ def add_body(
 
 
 def add_obstacles(document: Document, result: LoadedResult, box: tuple[Array, Array]) -> None:
-    """Adds the part of each plane obstacle that is near the bodies."""
-    for name, plane in result.scene.get("obstacles", {}).items():
-        corners = square_of(plane, *box)
-        middle = corners.mean(axis=0)
+    """Adds the part of each half-space that is near the bodies, and the other obstacles."""
+    square = np.array([[0, 1, 2], [0, 2, 3]])
+    planes = {name: (square_of(plane, *box), square) for name, plane in planes_of(result.scene).items()}
+    for name, (place, element) in (planes | solids_of(result.file)).items():
+        middle = place.mean(axis=0)
         glass = document.material(name, GREY, GLASS)
-        mesh = document.mesh(name, corners - middle, np.array([[0, 1, 2], [0, 2, 3]]), glass)
+        mesh = document.mesh(name, place - middle, element, glass)
         document.node(name, mesh, translation=middle)
 
 

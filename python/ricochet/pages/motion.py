@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ricochet.arrays import Array
 from ricochet.interchange.rotations import product
 from ricochet.pictures.loaded_result import LoadedResult
-from ricochet.pictures.planes import gravity_of, normals_of, square_of, upward
+from ricochet.pictures.planes import gravity_of, normals_of, planes_of, solids_of, square_of, upward
 from ricochet.pictures.moving_surfaces import (
     MovingSurface,
     Poses,
@@ -308,7 +308,11 @@ def motion_of(result: LoadedResult, folder: Path, scene: dict[str, Any]) -> dict
                 "element": packed([[0, 1, 2], [0, 2, 3]], "u4"),
                 "normal": planes[name],
             }
-            for name, plane in scene.get("obstacles", {}).items()
+            for name, plane in planes_of(scene).items()
+        ]
+        + [
+            {"name": name, "node": packed(node), "element": packed(element, "u4")}
+            for name, (node, element) in solids_of(result.file).items()
         ],
         "gravity": gravity_of(scene),
         "view": {"base": view.base, "azimuth": view.azimuth, "elevation": view.elevation},

@@ -1,17 +1,37 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The plane obstacles of a scene, and the direction that points up in its pictures."""
+"""The obstacles of a scene, planes and surfaces, and the direction that points up in its pictures."""
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ricochet.arrays import Array
+from ricochet.result_file import File
 
 WALL = 0.9  # a normal within acos(0.9) = 26° of x is that of a wall, because x is horizontal by custom
 
 
+def planes_of(scene: dict[str, Any]) -> dict[str, Any]:
+    """The tables of the half-spaces, by name."""
+    obstacles = scene.get("obstacles", {})
+    return {
+        name: table for name, table in obstacles.items() if table.get("shape", "half-space") == "half-space"
+    }
+
+
+def solids_of(file: File) -> dict[str, tuple[Array, NDArray[np.int64]]]:
+    """(n,3) nodes [m] and (t,3) triangles of the obstacles of a result that have a surface, by name."""
+    found = {}
+    for number in file.names("/obstacles"):
+        group = f"/obstacles/{number}"
+        node, element = file.array(f"{group}/node", None, 3), file.array(f"{group}/element", None, 3)
+        found[file.text(group, "name") or number] = node, element.astype(np.int64)
+    return found
+
+
 def normals_of(scene: dict[str, Any]) -> dict[str, Array]:
-    """(3) unit normals of the obstacles, out of them, by name."""
-    found = {name: np.array(plane["normal"], float) for name, plane in scene.get("obstacles", {}).items()}
+    """(3) unit normals of the half-spaces, out of them, by name."""
+    found = {name: np.array(plane["normal"], float) for name, plane in planes_of(scene).items()}
     return {name: normal / np.linalg.norm(normal) for name, normal in found.items()}
 
 
@@ -22,7 +42,7 @@ def gravity_of(scene: dict[str, Any]) -> Array | None:
 
 
 def upward(scene: dict[str, Any]) -> Array | None:
-    """(3) the unit vector that points up: against gravity; without gravity, the normal of the obstacles if they
+    """(3) the unit vector that points up: against gravity; without gravity, the normal of the half-spaces if they
     are parallel and no wall. Otherwise None."""
     gravity, normals = gravity_of(scene), list(normals_of(scene).values())
     if gravity is not None:
@@ -33,7 +53,7 @@ def upward(scene: dict[str, Any]) -> Array | None:
 
 
 def square_of(plane: dict[str, Any], low: Array, high: Array) -> Array:
-    """(4,3) corners of the part of an obstacle that is near the box of the bodies, from `low` to `high` [m]."""
+    """(4,3) corners of the part of a half-space that is near the box of the bodies, from `low` to `high` [m]."""
     point, normal = np.array(plane.get("point", [0, 0, 0]), float), np.array(plane["normal"], float)
     normal /= np.linalg.norm(normal)
     centre = (low + high) / 2

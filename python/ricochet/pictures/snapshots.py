@@ -11,12 +11,12 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import Normalize, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Polygon, Rectangle
+from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
 from ricochet.arrays import Array
 from ricochet.pictures.loaded_result import LoadedResult
-from ricochet.pictures.planes import normals_of, square_of, upward
+from ricochet.pictures.planes import normals_of, solids_of, square_of, upward
 from ricochet.pictures.moving_surfaces import MovingSurface, amplification
 from ricochet.pictures.style import WIDTH, colour_of, fit, largest_of, legend_below, normals, prefixed
 from ricochet.pictures.viewpoint import clearest
@@ -79,7 +79,9 @@ def snapshots_picture(result: LoadedResult, surfaces: dict[str, MovingSurface], 
     obstacles = scene.get("obstacles", {})
     if len(planes) > 1 and (up := upward(scene)) is not None:  # the walls of a box would cover what is in it
         planes = {name: normal for name, normal in planes.items() if normal @ up > 0.1} or planes
-    floors = [square_of(obstacles[name], *box) @ turn.T for name in planes]
+    floors = [(square_of(obstacles[name], *box) @ turn.T)[None, :, :2] for name in planes]
+    solids = solids_of(result.file)
+    floors += [(node @ turn.T)[element][:, :, :2] for node, element in solids.values()]
 
     # Bars are drawn beside tall pictures and below wide ones.
     beside, rows = shape > 1.3 and not whole, -(-len(chosen) // 3)
@@ -109,7 +111,7 @@ def snapshots_picture(result: LoadedResult, surfaces: dict[str, MovingSurface], 
         r, c = divmod(cell, 3)
         ax = figure.add_subplot(grid[r, c] if whole else grid[r, 2 * c] if beside else grid[2 * r, c])
         for floor in floors:
-            ax.add_patch(Polygon(floor[:, :2], facecolor=FLOOR, edgecolor=FLOOR, zorder=0))
+            ax.add_collection(PolyCollection(list(floor), facecolors=FLOOR, edgecolors=FLOOR, zorder=0))
         bodies.append(ax)
         paint(ax, result, surfaces, places[cell], turn, fields[cell], most)
         if amplify != 1:
@@ -136,7 +138,7 @@ def snapshots_picture(result: LoadedResult, surfaces: dict[str, MovingSurface], 
         names.append("without deformation")
     if floors:
         handles.append(Rectangle((0, 0), 1, 1, color=FLOOR))
-        names.append(", ".join(planes))
+        names.append(", ".join([*planes, *solids]))
     legend_below(figure, handles, names)
     scale = "true to scale" if amplify == 1 else f"deformation drawn {amplify:,.0f} times as large"
     count = "one moment" if len(chosen) == 1 else f"{len(chosen)} moments"

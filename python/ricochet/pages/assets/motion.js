@@ -320,13 +320,13 @@ class Motion {
     if (body.rim) this.send(body, [...cssColour("--ink"), 1], {lit: false, lines: body.rim});
   }
 
-  /** Draws the planes seen from their front, behind the bodies, or those seen from their back, as glass before the bodies. */
+  /** Draws the planes seen from their front, behind the bodies, or those seen from their back and shapes, as glass before the bodies. */
   drawPlanes(front) {
     const gl = this.gl, eye = this.target.map((x, i) => x + 4 * this.size * this.turn()[2][i]);
     for (const plane of this.obstacles.filter(plane => plane.visible)) {
-      if (dot(plane.normal, eye.map((x, i) => x - plane.node[i])) > 0 !== front) continue;
+      if ((plane.normal ? dot(plane.normal, eye.map((x, i) => x - plane.node[i])) > 0 : false) !== front) continue;
       if (front) gl.disable(gl.DEPTH_TEST);
-      this.send(plane, front ? [...cssColour("--floor"), 1] : [0.5, 0.5, 0.5, 0.28], {lit: false});
+      this.send(plane, front ? [...cssColour("--floor"), 1] : [0.5, 0.5, 0.5, 0.28], {lit: !plane.normal});
       gl.enable(gl.DEPTH_TEST);
     }
   }
