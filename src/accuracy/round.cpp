@@ -20,7 +20,9 @@ double modes_in_band(const scene::Scene& scene, std::size_t k, const kernels::Ke
   const double wave = scene::wave_speeds(scene.bodies[k]).mean;
   if (scene.modes.basis == scene::Basis::modes || wave == 0) return found;
   const double omega = RadPerSecond(band).value;
-  return std::max(found, kernels::expected_count(kernel.mass, kernel.inertia, wave)(omega * omega));
+  return std::max(
+      found, kernels::expected_count(kernels::box_of(kernel.mass, kernel.inertia), wave,
+                                     scene::mean_poisson(scene.bodies[k].materials.front()))(omega * omega));
 }
 
 /// Smallest side of a box with the inertia of a body [m].

@@ -9,6 +9,7 @@
 #include "src/elasticity/element.hpp"
 #include "src/elasticity/pattern.hpp"
 #include "src/mesh/element_shape.hpp"
+#include "src/mesh/extent.hpp"
 #include "src/scene/elastic_law.hpp"
 
 namespace ricochet::elasticity {
@@ -104,8 +105,12 @@ Body assemble(const Mesh& mesh, const std::vector<scene::Material>& materials, c
   body.rigid_load = Eigen::MatrixXd::Zero(body.local_rows, 6);
 
   const std::vector<Material> laws = materials_of(materials, mesh.dim);
-  std::vector<double> waves;
-  for (const scene::Material& material : materials) waves.push_back(scene::wave_speeds(material).mean);
+  std::vector<double> waves, poisson;
+  for (const scene::Material& material : materials) {
+    waves.push_back(scene::wave_speeds(material).mean);
+    poisson.push_back(mesh.dim == 1 ? 0 : scene::mean_poisson(material));
+  }
+  std::array<double, 3> means{};  // ∫ dV, ∫ c⁻³ dV, ∫ ν dV
   Imposing imposing(mesh, moved);
   std::array<double, 10> moments{};
   std::string complaint;
@@ -133,7 +138,6 @@ Body assemble(const Mesh& mesh, const std::vector<scene::Material>& materials, c
             only_bent(mesh, block, e) ? " or lower the element order" : "");
         break;
       }
-      body.wave_speed = std::max(body.wave_speed, waves[label]);
       mass.setZero();
       for (int a = 0; a < n; ++a)
         for (int d = 0; d < n; ++d)
@@ -168,6 +172,10 @@ Body assemble(const Mesh& mesh, const std::vector<scene::Material>& materials, c
       parallel::check(
           MatSetValuesBlocked(body.mass, n, rows.data(), n, columns.data(), mass.data(), ADD_VALUES));
       if (mesh.own[b][e] == 0) continue;
+      const double volume = element.measure().sum();
+      means[0] += volume;
+      means[1] += volume * std::pow(waves[label], -3);
+      means[2] += volume * poisson[label];
       const Eigen::MatrixXd points = element.shape() * element.position();  // (q,3)
       for (Eigen::Index q = 0; q < points.rows(); ++q) {
         const double w = laws[label].density * element.measure()(q);
@@ -181,7 +189,13 @@ Body assemble(const Mesh& mesh, const std::vector<scene::Material>& materials, c
   parallel::agree(mesh.comm, complaint);
   finish_inertia(mesh.comm, moments, body);
   body.imposed = imposing.take();
-  body.wave_speed = parallel::largest(mesh.comm, body.wave_speed);
+  parallel::sum(mesh.comm, means.data(), means.size());
+  body.wave_speed = std::cbrt(means[0] / means[1]);
+  body.poisson = means[2] / means[0];
+  if (mesh.dim == 3) {
+    body.volume = means[0];
+    body.surface = mesh::surface_of(mesh);
+  }
 
   finish_rows(mesh, stiffest, body);
   return body;

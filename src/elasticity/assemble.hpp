@@ -26,8 +26,11 @@ struct Body {
   double total_mass = 0;            ///< [kg]
   Vector3 centre{};                 ///< [m]
   std::array<double, 9> inertia{};  ///< about the centre [kg m²]
-  double wave_speed = 0;            ///< largest mean √(E/ρ) of a material [m/s]
-  Imposed imposed;                  ///< forcing by moving supports
+  double volume = 0, surface = 0;   ///< of a solid that has elements [m³, m²], otherwise 0
+  /// √(E/ρ), in a body of several materials such that as many waves fit into it (the mean of 1/c³) [m/s]
+  double wave_speed = 0;
+  double poisson = 0.3;  ///< mean Poisson's ratio; 0.3 if it is unknown
+  Imposed imposed;       ///< forcing by moving supports
 };
 
 /// Assembles K and M. Messages refer to the mesh as `file`; `moved` is as for Imposing. Collective. Needs a

@@ -327,7 +327,9 @@ Body read_matrices(Mesh& mesh, const std::filesystem::path& path, const std::vec
         fmt::format("{}: the mass is {:.6g} kg along x, {:.6g} along y, {:.6g} along z: row 3·node + k must "
                     "be displacement k of a node, and masses must be equal in all directions. {}",
                     path.string(), sums.mass[0], sums.mass[1], sums.mass[2], mesh::body_file_advice));
-  body.wave_speed = std::sqrt(*std::ranges::max_element(sums.stretch) / body.total_mass);
+  // A uniform stretch without contraction has the stiffness of pressure waves.
+  const double nu = body.poisson, pressure = *std::ranges::max_element(sums.stretch) / body.total_mass;
+  body.wave_speed = std::sqrt(pressure * (1 + nu) * (1 - 2 * nu) / (1 - nu));
   finish_rows(mesh, sums.stiffest, body);
   return body;
 }

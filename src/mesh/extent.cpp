@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "src/mesh/extent.hpp"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -93,6 +94,44 @@ std::int64_t held_on_lines(const Mesh& mesh) {
   for (int c = 0; c < 3; ++c)
     if (found[c] > 0 && found[3 + c] == 0) bits |= std::int64_t{1} << c;
   return bits;
+}
+
+double surface_of(const Mesh& mesh) {
+  struct Face {
+    std::array<std::int64_t, 4> corner;  // sorted; −1 before those of a triangle
+    double area;
+    auto operator<=>(const Face& other) const { return corner <=> other.corner; }
+    bool operator==(const Face& other) const { return corner == other.corner; }
+  };
+  std::vector<Face> faces;
+  const auto at = [&](std::int64_t node) {
+    return Eigen::Map<const Eigen::Vector3d>(&mesh.position[3 * static_cast<std::size_t>(node)]);
+  };
+  for (const Block& block : mesh.blocks) {
+    const auto shape = outward_faces(reference_element(block.gmsh_type).family);
+    for (std::size_t first = 0; first < block.node.size(); first += block.nodes_per_element)
+      for (const auto& corners : shape) {
+        std::array<std::int64_t, 4> corner{-1, -1, -1, -1};
+        for (std::size_t k = 0; k < corners.size(); ++k)
+          corner[k] = block.node[first + static_cast<std::size_t>(corners[k])];
+        const Eigen::Vector3d a = at(corner[2]) - at(corner[0]),
+                              b = at(corner[corners.size() - 1]) - at(corner[1]);
+        const Eigen::Vector3d side = corners.size() == 3 ? Eigen::Vector3d(at(corner[1]) - at(corner[0])) : b;
+        std::ranges::sort(corner);
+        // The rank that owns the first corner holds both elements of a face, if there are two.
+        const auto lowest = static_cast<std::size_t>(corner[4 - corners.size()]);
+        if (mesh.owned(mesh.node[lowest]) >= 0) faces.push_back({corner, a.cross(side).norm() / 2});
+      }
+  }
+  std::ranges::sort(faces);
+  std::vector<double> area{0};
+  for (auto face = faces.begin(); face != faces.end();) {
+    const auto next = std::find_if(face, faces.end(), [&](const Face& other) { return other != *face; });
+    if (next - face == 1) area[0] += face->area;
+    face = next;
+  }
+  parallel::sum(mesh.comm, area);
+  return area[0];
 }
 
 }  // namespace ricochet::mesh

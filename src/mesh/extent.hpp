@@ -19,4 +19,8 @@ std::vector<double> outline_of(const Mesh& mesh);
 /// rods and for bodies without elements. Collective. Needs a GmshSession.
 std::int64_t held_on_lines(const Mesh& mesh);
 
+/// Area of the boundary of a solid with elements [m²], with edges of faces taken as straight. Collective.
+/// Needs a GmshSession.
+double surface_of(const Mesh& mesh);
+
 }  // namespace ricochet::mesh

@@ -13,7 +13,12 @@ namespace ricochet::modes {
 namespace {
 
 ExpectedCount expected_count(const elasticity::Body& body) {
-  return kernels::expected_count(body.total_mass, body.inertia, body.wave_speed);
+  kernels::Extent extent = kernels::box_of(body.total_mass, body.inertia);
+  if (body.surface > 0) {
+    extent.volume = body.volume;
+    extent.surface = body.surface;
+  }
+  return kernels::expected_count(extent, body.wave_speed, body.poisson);
 }
 
 }  // namespace

@@ -54,6 +54,17 @@ TEST(Outline, of_a_ball_covers_it_within_one_per_cent) {
   }
 }
 
+TEST(Surface, of_a_block_is_that_of_its_faces_on_any_number_of_ranks) {
+  const mesh::GmshSession gmsh;
+  for (const char* kind : {"tet", "hex"}) {
+    const test::SharedFile file(".geo", test::block_geo(kind, 3, 0));
+    for (const int order : {1, 2}) {
+      const scene::Body body = test::body_of(file.path(), order);
+      EXPECT_NEAR(mesh::surface_of(test::mesh_of(body)), 6, 1e-12) << kind << order;
+    }
+  }
+}
+
 std::int64_t fixed_on_lines(const std::map<std::string, std::string>& support) {
   const mesh::GmshSession gmsh;
   std::string geo = test::block_geo("tet", 2, 0);
