@@ -15,6 +15,8 @@ namespace {
 
 constexpr int name_width = 42;  // "part: slices, round 1 of 4 (2 at a time)"
 
+}  // namespace
+
 double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -26,8 +28,6 @@ std::string duration_of(double seconds) {
                        static_cast<double>(static_cast<int>(seconds) % 60));
   return fmt::format("{:.1f} h", seconds / 3600);
 }
-
-}  // namespace
 
 double peak_memory_mib() {
   rusage usage{};

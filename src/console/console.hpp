@@ -15,6 +15,12 @@ namespace ricochet::console {
 /// Peak resident memory of this process [MiB].
 double peak_memory_mib();
 
+/// Time since some moment [s].
+double now();
+
+/// A time as text: seconds, minutes or hours.
+std::string duration_of(double seconds);
+
 /// Shows the progress of long phases on stderr, with their times and memory.
 ///
 /// On a terminal, a phase is one line that is redrawn in place at most ten times a second. Otherwise, as in a

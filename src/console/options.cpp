@@ -99,6 +99,10 @@ void add_kernel_options(CLI::App& app, Options& options) {
          "--verify", options.verify,
          "Count the modes of the stored kernels again with K and M, and stop: status 1 if a count differs")
       ->excludes(check);
+  app.add_flag("--plan", options.plan,
+               "State memory and time on 1, 2, 4, … ranks from measured work, with a job for SLURM, and stop")
+      ->excludes("--check")
+      ->excludes("--verify");
   app.add_option("--view-up-to", options.view_mib,
                  "Keep the visualisation surface of a body if it takes at most this many MiB, although the "
                  "scene has no output.view (default: 0)")
@@ -111,7 +115,7 @@ Elsewhere elsewhere_of(const Program& program) {
   Elsewhere elsewhere{{"-n", "ricochet kernel, modes and run"},
                       {"--ranks", "ricochet kernel, modes and run"}};
   const std::vector<const char*> of_others =
-      program.impacts ? std::vector{"--check", "--verify", "--view-up-to"}
+      program.impacts ? std::vector{"--check", "--verify", "--plan", "--view-up-to"}
                       : std::vector{"--vtk", "--batch", "--fclib", "--fclib-every", "--write-scene"};
   for (const char* option : of_others)
     elsewhere[option] = program.impacts ? "ricochet kernel" : "ricochet impact";

@@ -20,12 +20,13 @@ struct Options {
   std::filesystem::path out;           ///< --out; default: `out/` beside the scene
   bool dry_run = false;                ///< print the resolved scene and stop
   bool quiet = false;
-  bool check = false;                 ///< ricochet-kernel: check the request, compute nothing
-  bool verify = false;                ///< ricochet-kernel: count the modes of stored kernels again
-  double view_mib = 0;                ///< ricochet-kernel: size up to which a surface is kept unasked [MiB]
-  bool vtk = false;                   ///< ricochet-contact: write the motion for ParaView
-  bool batch = false;                 ///< ricochet-contact: requests on stdin, answers on stdout
-  std::filesystem::path fclib;        ///< ricochet-contact: folder of complementarity problems; empty: none
+  bool check = false;           ///< ricochet-kernel: check the request, compute nothing
+  bool verify = false;          ///< ricochet-kernel: count the modes of stored kernels again
+  bool plan = false;            ///< ricochet-kernel: state memory and time on 1, 2, 4, … ranks and stop
+  double view_mib = 0;          ///< ricochet-kernel: size up to which a surface is kept unasked [MiB]
+  bool vtk = false;             ///< ricochet-contact: write the motion for ParaView
+  bool batch = false;           ///< ricochet-contact: requests on stdin, answers on stdout
+  std::filesystem::path fclib;  ///< ricochet-contact: folder of complementarity problems; empty: none
   std::filesystem::path write_scene;  ///< ricochet-contact: file for the scene with chosen settings
   int fclib_every = 1;                ///< every n-th step with contact is written
   Watch watch{};                      ///< for programs that call an impact as a function

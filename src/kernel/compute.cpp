@@ -28,9 +28,23 @@ namespace {
 /// left out.
 constexpr double beyond_search = 0.5, left_out = 0.5;
 
+/// What was planned for a search, from when on.
+struct Planned {
+  double mib = 0, seconds = 0, since = 0;
+
+  /// What the search has needed, beside the plan; nothing if none was made. Collective.
+  std::string met(MPI_Comm comm) const {
+    if (seconds == 0) return "";
+    return fmt::format("; {:.0f} of {:.0f} MiB planned, {} of {}",
+                       parallel::largest(comm, console::peak_memory_mib()), mib,
+                       console::duration_of(console::now() - since), console::duration_of(seconds));
+  }
+};
+
 /// Computes modes or Ritz vectors, and the lifts of moving supports.
 modes::ModeSet find_modes(const scene::KernelRequest& request, Discretised& made,
-                          const std::filesystem::path& checkpoint, MPI_Comm comm, console::Console& console) {
+                          const std::filesystem::path& checkpoint, MPI_Comm comm, console::Console& console,
+                          Planned& planned) {
   const scene::Modes& wanted = request.modes;
   const auto lift = [&](double sigma) {
     made.sources.lift = reduction::static_lift(*made.teams, made.mesh, made.matrices, *made.factor, sigma);
@@ -39,7 +53,11 @@ modes::ModeSet find_modes(const scene::KernelRequest& request, Discretised& made
   if (fitted) lift(reduction::shift_near_zero(*wanted.up_to));
   const modes::Progress progress{
       .begin = [&](const std::string& phase) { console.begin(request.body.name + ": " + phase); },
-      .counted = [&](std::int64_t modes) { check_memory(request, made, modes, comm, console); },
+      .counted =
+          [&](std::int64_t modes, std::int64_t slices, double seconds) {
+            check_memory(request, made, modes, slices, seconds, comm, console);
+            planned = {needed_mib(request, made, modes, made.teams->count(), comm), seconds, console::now()};
+          },
       .at = [&](std::int64_t done, std::int64_t total) { console.advance(done, total); }};
   const Eigen::Index pressed = made.pressed.cols();
   Eigen::MatrixXd loads;
@@ -136,8 +154,9 @@ kernels::Kernel compute(scene::KernelRequest& request, const std::filesystem::pa
   console.end(request.points ? fmt::format("{} of {} within reach", patches.geometry.size(), made.candidates)
                              : fmt::format("{} on the contact surface", made.candidates));
 
-  const modes::ModeSet modes = find_modes(request, made, checkpoint, comm, console);
-  console.end(summary_of(request, modes));
+  Planned planned;
+  const modes::ModeSet modes = find_modes(request, made, checkpoint, comm, console, planned);
+  console.end(summary_of(request, modes) + planned.met(comm));
 
   console.begin(body.name + ": trace");
   kernels::Kernel kernel;

@@ -35,9 +35,6 @@ mesh::Mesh hand_out(mesh::GlobalMesh whole, const parallel::Teams& teams) {
 /// stated memory and of the memory that is not usable.
 constexpr double buffers_mib = 24;
 
-/// Delayed pivots and buffers need more memory than estimated.
-constexpr double usable = 0.85;
-
 /// Largest visualisation surface of all nodes in a kernel [MiB]. Larger ones have the corners of elements
 /// alone: they consist of so many faces that these are small.
 constexpr double all_nodes_mib = 64;
@@ -56,10 +53,10 @@ std::int64_t starting_loads(const Discretised& made) {
 
 /// Memory that the search for modes needs on this rank [MiB].
 /// @param count  number of modes, if known
+/// @param teams  that share their shapes
 double expected_mib(const scene::Modes& wanted, const Discretised& made, std::int64_t count,
-                    std::int64_t per_shift) {
+                    std::int64_t per_shift, int teams) {
   const std::int64_t rows = made.matrices.local_rows;
-  const int teams = made.teams->count();
   const bool fitted = wanted.basis == scene::Basis::contact;
   double loads = 0, adapted = 0;
   if (fitted || wanted.flexibility_error) {
@@ -73,21 +70,17 @@ double expected_mib(const scene::Modes& wanted, const Discretised& made, std::in
   return std::max(adapted, loads + search);
 }
 
-/// Whether the kernel contains a residual flexibility.
-bool has_flexibility(const scene::KernelRequest& request, const Discretised& made) {
-  return request.modes.residual_flexibility && made.patches.geometry.size() > 0;
-}
-
 /// Memory that the residual flexibility needs on this rank [MiB], besides that of the factorisation, which is
 /// freed before. Modes that are projected out add a little.
-double flexibility_mib(const scene::KernelRequest& request, const Discretised& made, std::int64_t modes) {
+double flexibility_mib(const scene::KernelRequest& request, const Discretised& made, std::int64_t modes,
+                       int teams) {
   if (!has_flexibility(request, made)) return 0;
   const reduction::Loads border =
       reduction::beside({made.pressed, made.sources.receiver.sparseView(),
                          made.matrices.rigid_load.sparseView(), made.sources.load.sparseView()});
   const auto mib_of = [](double numbers) { return sizeof(double) * numbers / base::mib; };
   const auto loads = static_cast<double>(border.cols()), rows = static_cast<double>(made.matrices.local_rows),
-             shapes = mib_of(rows * static_cast<double>(modes)) / made.teams->count();
+             shapes = mib_of(rows * static_cast<double>(modes)) / teams;
   // With a picture: factors again, and the response of its nodes, as they come, gathered and stored.
   const auto seen = 3 * static_cast<double>(made.mesh.visualisation.node.size()) +
                     static_cast<double>(made.sources.view_stress.cols());
@@ -157,6 +150,10 @@ Discretised assembled(const scene::KernelRequest& request, Source& source, int c
 
 }  // namespace
 
+bool has_flexibility(const scene::KernelRequest& request, const Discretised& made) {
+  return request.modes.residual_flexibility && made.patches.geometry.size() > 0;
+}
+
 bool is_compressed(const scene::KernelRequest& request, const Discretised& made) {
   const kernels::Surface& surface = made.patches.geometry;
   return has_flexibility(request, made) && request.turns && surface.components == 3 &&
@@ -207,10 +204,10 @@ Discretised discretise(scene::KernelRequest& request, double view_mib, OpenedMes
     double need = 0;
     for (const std::int64_t per_shift : {260, 130, 65}) {
       made.modes_per_shift = per_shift;
-      need = parallel::largest(comm, expected_mib(request.modes, made, expected, per_shift));
+      need = parallel::largest(comm, expected_mib(request.modes, made, expected, per_shift, count));
       if (need <= usable * room || (per_shift == 130 && count > 1)) break;
     }
-    const double flexibility = parallel::largest(comm, flexibility_mib(request, made, expected)),
+    const double flexibility = parallel::largest(comm, flexibility_mib(request, made, expected, count)),
                  most_needed = std::max(need, flexibility);
     console.end(fmt::format("{} unknowns; {:.0f} MiB needed of {:.0f} a rank", made.matrices.total_rows,
                             made.resident_mib + most_needed + buffers_mib, made.resident_mib + room));
@@ -231,16 +228,26 @@ Discretised discretise(scene::KernelRequest& request, double view_mib, OpenedMes
   }
 }
 
-void check_memory(const scene::KernelRequest& request, const Discretised& made, std::int64_t modes,
-                  MPI_Comm comm, console::Console& console) {
-  const double before = made.resident_mib;
+double needed_mib(const scene::KernelRequest& request, const Discretised& made, std::int64_t modes, int teams,
+                  MPI_Comm comm) {
   const double need =
-      parallel::largest(comm, std::max(expected_mib(request.modes, made, modes, made.modes_per_shift),
-                                       flexibility_mib(request, made, modes)));
+      parallel::largest(comm, std::max(expected_mib(request.modes, made, modes, made.modes_per_shift, teams),
+                                       flexibility_mib(request, made, modes, teams)));
+  return made.resident_mib + need + buffers_mib;
+}
+
+void check_memory(const scene::KernelRequest& request, const Discretised& made, std::int64_t modes,
+                  std::int64_t slices, double seconds, MPI_Comm comm, console::Console& console) {
+  const double before = made.resident_mib,
+               whole = needed_mib(request, made, modes, made.teams->count(), comm),
+               need = whole - before - buffers_mib;
   const double now = parallel::largest(comm, base::resident_bytes() / base::mib),
                there = std::max(now, before) + parallel::available_mib(comm);
-  console.end(fmt::format("{} eigenvalues; {:.0f} MiB needed of {:.0f} a rank", modes,
-                          before + need + buffers_mib, there));
+  console.end(fmt::format("{} eigenvalues; {:.0f} MiB needed of {:.0f} a rank{}", modes, whole, there,
+                          seconds > 0
+                              ? fmt::format("; {} {} planned, {}", slices, slices == 1 ? "slice" : "slices",
+                                            console::duration_of(seconds))
+                              : ""));
   if (need > usable * (there - before))
     throw InputError(fmt::format(
         "{}: {} modes would need {:.0f} MiB a rank, {:.0f} are free: use more machines, a coarser mesh or "

@@ -12,6 +12,9 @@
 
 namespace ricochet::kernel {
 
+/// Share of the free memory that a run uses: delayed pivots and buffers need more than estimated.
+inline constexpr double usable = 0.85;
+
 /// A body on every team of ranks, with an analysed factorisation.
 struct Discretised {
   std::unique_ptr<parallel::Teams> teams;
@@ -30,6 +33,9 @@ struct Discretised {
 /// Whether the residual flexibility of the body is compressed as it is computed.
 bool is_compressed(const scene::KernelRequest& request, const Discretised& made);
 
+/// Whether the kernel contains a residual flexibility.
+bool has_flexibility(const scene::KernelRequest& request, const Discretised& made);
+
 /// Assembles the matrices and analyses their factorisation, on as many teams as memory allows: ranks that
 /// each hold the whole body and process their own slices are faster than ranks that share one. If memory is
 /// short, the slices become smaller. A contact-adapted basis needs few factorisations, so all ranks form one
@@ -39,10 +45,17 @@ bool is_compressed(const scene::KernelRequest& request, const Discretised& made)
 Discretised discretise(scene::KernelRequest& request, double view_mib, OpenedMeshes& meshes, MPI_Comm comm,
                        console::Console& console);
 
-/// States the memory that a search for this number of modes needs. Collective; throws InputError on every
-/// rank if there is less.
+/// Memory of the rank that needs most for a kernel with this number of modes [MiB]: a search of it, the
+/// residual flexibility, and what is there before. Collective.
+/// @param teams  that share the shapes
+double needed_mib(const scene::KernelRequest& request, const Discretised& made, std::int64_t modes, int teams,
+                  MPI_Comm comm);
+
+/// States the memory that a search for this number of modes needs, and the slices and the time that are
+/// planned for it. Collective; throws InputError on every rank if there is less memory.
+/// @param seconds  0: unknown
 void check_memory(const scene::KernelRequest& request, const Discretised& made, std::int64_t modes,
-                  MPI_Comm comm, console::Console& console);
+                  std::int64_t slices, double seconds, MPI_Comm comm, console::Console& console);
 
 /// Checks on the mesh of a body whether its kernel can be computed. Collective; throws InputError on every
 /// rank if it cannot.

@@ -14,6 +14,8 @@
 #include "src/accuracy/scene_dial.hpp"
 #include "src/kernel/compute.hpp"
 #include "src/kernel/discretise.hpp"
+#include "src/kernel/imported_modes.hpp"
+#include "src/kernel/plan.hpp"
 #include "src/kernel/verify.hpp"
 #include "src/scene/derive.hpp"
 #include "src/scene/read.hpp"
@@ -82,6 +84,32 @@ class Kernels {
       if (std::none_of(requests_.begin(), earlier, alike) && stored(k).empty())
         check_body(requests_[k], meshes_, comm_, console_);
     }
+  }
+
+  /// Plans the kernels that must be computed.
+  std::vector<KernelPlan> plan() {
+    std::vector<KernelPlan> plans;
+    for (std::size_t k = 0; k < size(); ++k) {
+      const std::string& name = requests_[k].body.name;
+      const auto earlier = requests_.begin() + static_cast<std::ptrdiff_t>(k);
+      const bool derived = std::any_of(requests_.begin(), earlier, [&](const scene::KernelRequest& other) {
+        return other.hash == requests_[k].hash || scene::similarity(other, requests_[k]);
+      });
+      if (derived || !stored(k).empty()) continue;
+      const scene::KernelRequest request = limited_to(requests_[k], needs_[k]);
+      bool derivable = false;
+      parallel::on_first_rank(comm_,
+                              [&] { derivable = scene::derive_from_any(folder_, request).has_value(); });
+      if (parallel::of_rank(comm_, 0, derivable) ||
+          (request.body.imported() && holds_modes(request.body, comm_)))
+        continue;
+      if (request.modes.solver != "ricochet")
+        throw InputError(fmt::format("{}: modes.solver = {}: only the time of \"ricochet\" can be planned",
+                                     name, request.modes.solver));
+      plans.push_back(plan_kernel(limited_to(requests_[k], worth_computing(requests_, needs_, k)), meshes_,
+                                  comm_, console_));
+    }
+    return plans;
   }
 
   /// Derives or computes the k-th kernel unless it is there.
@@ -179,6 +207,33 @@ std::vector<std::filesystem::path> compute_kernels(const scene::Scene& scene, bo
   return written;
 }
 
+/// Arguments of `ricochet kernel` that ask for the same kernels.
+std::vector<std::string> words_of(const console::Options& options) {
+  std::vector<std::string> words{options.scene.string()};
+  for (const std::string& override : options.overrides) words.insert(words.end(), {"--set", override});
+  words.insert(words.end(), {"--out", options.out.string()});
+  return words;
+}
+
+/// Plans the kernels of a scene, and prints the plan. Collective.
+void plan_kernels(const scene::Scene& given, const console::Options& options, MPI_Comm comm,
+                  console::Console& console) {
+  scene::Scene scene;
+  parallel::on_all_ranks(comm, [&] {
+    store::KernelStore store;
+    if (accuracy::missing_settings(given, options.out, store))
+      throw InputError(
+          fmt::format("{}: accuracy = {:.3g}: its settings are found by computing kernels, which cannot be "
+                      "planned: give modes, and order and size of the bodies, instead",
+                      given.file.string(), *given.accuracy));
+    scene = accuracy::closed(given, options.out, store).scene;
+  });
+  const std::vector<KernelPlan> plans = Kernels(scene, options, comm, console).plan();
+  if (parallel::rank_of(comm) != 0) return;
+  std::cout << (plans.empty() ? "every kernel is there or can be derived: nothing to compute\n"
+                              : plan_text(plans, words_of(options)));
+}
+
 }  // namespace
 
 int run_kernel(const console::Options& options, MPI_Comm comm) {
@@ -203,6 +258,10 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
                            [comm] { return parallel::largest(comm, console::peak_memory_mib()); });
   if (scene.bodies.empty())
     console.say("the scene takes its responses from contact.table: nothing to compute");
+  if (options.plan) {
+    plan_kernels(scene, options, comm, console);
+    return 0;
+  }
   const auto compute = [&](const scene::Scene& closed, bool check) {
     return compute_kernels(closed, check, options, comm, console);
   };

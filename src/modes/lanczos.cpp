@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "kernels/algebra.hpp"
 #include "src/modes/symmetric.hpp"
 #include "src/modes/tall.hpp"
 
@@ -173,7 +174,14 @@ struct ConvergedRange {
   Index first = 0, end = 0;
   Interval covered;
   bool complete = false;
+  Interval sought;  ///< from the lowest to the highest Ritz value of those that are sought
 };
+
+/// Eigenvalues closer than this share of their mean distance belong together: no slice ends between them.
+constexpr double close_together = 0.5;
+
+/// Largest number of eigenvalues by which an interval is extended to end in a gap.
+constexpr Index most_beyond = 64;
 
 ConvergedRange converged_of(const Ritz& ritz, double sigma, const Interval& wanted, Index modes_below,
                             const LanczosOptions& options, bool exhausted) {
@@ -182,27 +190,50 @@ ConvergedRange converged_of(const Ritz& ritz, double sigma, const Interval& want
   // The next Ritz value outside must have appeared, to this accuracy; otherwise, one inside might still be
   // missing.
   const double shown = 1e-2;
-  const auto relative = [&](Index i) {
-    return ritz.residual[i] * std::abs(ritz.lambda[i] / (ritz.lambda[i] - sigma));
+  const auto appeared = [&](Index i) {
+    return i >= 0 && i < ritz.lambda.size() &&
+           ritz.residual[i] * std::abs(ritz.lambda[i] / (ritz.lambda[i] - sigma)) <= shown;
   };
   const Index m = ritz.lambda.size();
-  const auto start = static_cast<Index>(std::lower_bound(ritz.lambda.begin(), ritz.lambda.end(), sigma) -
-                                        ritz.lambda.begin());
-  ConvergedRange range{start, start, {sigma, sigma}, false};
-  while (range.end < m && ritz.residual[range.end] <= bound && ritz.lambda[range.end] <= wanted.to)
-    ++range.end;
-  while (range.first > 0 && ritz.residual[range.first - 1] <= bound &&
-         ritz.lambda[range.first - 1] >= wanted.from)
-    --range.first;
-  const bool right =
-      exhausted || (range.end < m && ritz.lambda[range.end] > wanted.to && relative(range.end) <= shown);
+  const auto place = [&](double lambda) {
+    return static_cast<Index>(std::lower_bound(ritz.lambda.begin(), ritz.lambda.end(), lambda) -
+                              ritz.lambda.begin());
+  };
+  const Index start = place(sigma), lowest = place(wanted.from), beyond = place(wanted.to);
+  const double gap =
+      close_together * (wanted.to - wanted.from) / static_cast<double>(std::max<Index>(1, beyond - lowest));
+  const auto distance = [&](Index i) { return ritz.lambda[i] - ritz.lambda[i - 1]; };
+  // A multiple eigenvalue at the end of the number sought belongs to it as a whole, and one more shows where
+  // it ends.
+  Index counted = std::min(m, start + static_cast<Index>(options.above.value_or(0)));
+  while (counted > 0 && counted < m &&
+         ritz.lambda[counted] < (1 + kernels::multiple_mode) * ritz.lambda[counted - 1])
+    ++counted;
+  const Index end = std::clamp<Index>(options.above ? counted + 1 : beyond, start, m),
+              first = std::min(lowest, start);
+  Index to = end, from = first;
+  while (to > start && to < m && to < end + most_beyond && distance(to) < gap) ++to;
+  while (from > 0 && from < start && from > first - most_beyond && distance(from) < gap) --from;
+  ConvergedRange range{start, start, {sigma, sigma}, false, {sigma, sigma}};
+  if (to > start) range.sought.to = ritz.lambda[to - 1];
+  if (from < start) range.sought.from = ritz.lambda[from];
+  while (range.end < to && ritz.residual[range.end] <= bound) ++range.end;
+  while (range.first > from && ritz.residual[range.first - 1] <= bound) --range.first;
+  const bool right = exhausted || (range.end == to && appeared(to));
   // If the interval extends to zero, the inertia gives the number of modes.
-  const bool left = wanted.from <= 0
-                        ? start - range.first == modes_below
-                        : exhausted || (range.first > 0 && ritz.lambda[range.first - 1] < wanted.from &&
-                                        relative(range.first - 1) <= shown);
-  range.covered.to = right ? wanted.to : range.end > start ? ritz.lambda[range.end - 1] : sigma;
-  range.covered.from = left ? wanted.from : range.first < start ? ritz.lambda[range.first] : sigma;
+  const bool left = wanted.from <= 0 ? start - range.first == modes_below
+                                     : exhausted || (range.first == from && appeared(from - 1));
+  if (range.end > start) range.covered.to = ritz.lambda[range.end - 1];
+  if (range.first < start) range.covered.from = ritz.lambda[range.first];
+  // A complete interval ends within the gap, or where it was wanted to if that is farther.
+  if (right) {
+    if (range.end > start && range.end < m) range.covered.to += distance(range.end) / 4;
+    if (!options.above || exhausted) range.covered.to = std::max(range.covered.to, wanted.to);
+  }
+  if (left) {
+    if (range.first < start && range.first > 0) range.covered.from -= distance(range.first) / 4;
+    range.covered.from = std::min(range.covered.from, wanted.from);
+  }
   range.complete = left && right;
   return range;
 }
@@ -235,7 +266,7 @@ Converged lanczos(const Operators& operators, Factorisation& factor, const Inter
         converged_of(ritz, sigma, wanted, factor.below() - operators.below_zero, options, basis.exhausted());
     if (progress) progress(range.end - range.first, 0);
     if (range.complete || last) break;
-    const double before = std::exchange(worst, worst_inside(ritz, wanted));
+    const double before = std::exchange(worst, worst_inside(ritz, range.sought));
     const Index m = basis.inner_size();
     double wait = 0.15 * static_cast<double>(m);
     if (looked > 0 && worst < 1e-2 && worst < before)

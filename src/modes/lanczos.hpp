@@ -2,6 +2,8 @@
 // Block Lanczos about one shift.
 #pragma once
 
+#include <optional>
+
 #include "src/modes/operators.hpp"
 
 namespace ricochet::modes {
@@ -16,6 +18,9 @@ struct LanczosOptions {
   Eigen::Index block = 16;    ///< columns of a block; bounds the multiplicity of modes found at once
   Eigen::Index basis = 1200;  ///< largest number of basis vectors
   std::uint64_t seed = 1;     ///< of the first start vector; the others take the numbers after it
+  /// Number of eigenvalues sought above the shift, and at least one more; without it, those up to the end of
+  /// the interval.
+  std::optional<std::int64_t> above{};
 };
 
 /// Options of a search for modes that one with `options` has missed: start vectors none of which that search
@@ -30,7 +35,8 @@ struct Converged {
   Eigen::MatrixXd shape;   ///< (local rows, n), M-orthonormal to about the square of the tolerance
 };
 
-/// Computes the elastic modes in `wanted`, as far as the basis allows. Collective on the team.
+/// Computes the elastic modes in `wanted`, as far as the basis allows. Collective on the team. The end of an
+/// interval among nearly equal eigenvalues is moved into a gap beyond them, so that one shift finds them all.
 ///
 /// Block Lanczos iteration for (K − σM)⁻¹M, with the σ of the factors, in the inner product of M (Grimes,
 /// Lewis & Simon 1994). Rigid modes are deflated, and each step includes one full orthogonalisation. Take a

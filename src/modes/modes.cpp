@@ -30,6 +30,11 @@ std::int64_t expected_modes(const elasticity::Body& body, Hertz up_to) {
   return std::min(body.free_rows / per_mode, static_cast<std::int64_t>(std::min(count, 1e15))) + 6;
 }
 
+Request request_of(const elasticity::Body& body, Request request) {
+  request.expected = expected_count(body);
+  return request;
+}
+
 void refuse_more_than_there_are(std::optional<std::int64_t> count, const elasticity::Body& body) {
   if (body.free_rows == 0)
     throw InputError("the supports hold every node of the mesh: hold fewer, or refine the mesh");
@@ -44,9 +49,7 @@ ModeSet compute_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
   refuse_more_than_there_are(request.count, body);
   const Operators operators(mesh, body);
   if (request.up_to) operators.refuse_band(*request.up_to, true);
-  Request closer = request;
-  closer.expected = expected_count(body);
-  return modes_by_eps(teams, operators, body.stiffness, body.mass, factor, closer,
+  return modes_by_eps(teams, operators, body.stiffness, body.mass, factor, request_of(body, request),
                       CheckpointFolder(teams, operators, request.checkpoint), progress);
 }
 

@@ -60,15 +60,20 @@ struct Progress {
   /// Called when a phase begins, on every rank.
   std::function<void(const std::string& phase)> begin = [](const std::string&) {};
   /// Called once the number of modes up to the end of the search is known, on every rank, before memory for
-  /// them is allocated. May throw InputError on every rank.
-  std::function<void(std::int64_t modes)> counted = [](std::int64_t) {};
+  /// them is allocated, with the number of slices planned and the time that is left [s], planned from
+  /// measured work; 0: unknown. May throw InputError on every rank.
+  std::function<void(std::int64_t modes, std::int64_t slices, double seconds)> counted =
+      [](std::int64_t, std::int64_t, double) {};
   /// Called within a phase, on any rank.
   parallel::Progress at = [](std::int64_t, std::int64_t) {};
 };
 
-/// Number of modes up to a frequency, estimated by Weyl's law from mass, inertia and wave speed, and at most
-/// the number that the mesh resolves.
+/// Number of modes up to a frequency, estimated by the laws of kernels::expected_count, and at most the
+/// number that the mesh resolves.
 std::int64_t expected_modes(const elasticity::Body& body, Hertz up_to);
+
+/// The request with the number of modes that is expected of a body, from which shifts are planned.
+Request request_of(const elasticity::Body& body, Request request);
 
 /// Throws InputError if a body has fewer modes than `count`, or none.
 void refuse_more_than_there_are(std::optional<std::int64_t> count, const elasticity::Body& body);

@@ -21,17 +21,6 @@ constexpr double too_close = 1e-7;
 
 double hertz(double lambda) { return std::sqrt(std::max(lambda, 0.0)) / (2 * std::numbers::pi); }
 
-/// Moves to the front the last task of each of as many equal parts of the spectrum as there are teams, then
-/// the one before it, and so on. The first counts are then spread over the spectrum.
-std::vector<Task> in_order(const std::vector<Task>& ascending, std::size_t teams) {
-  if (ascending.size() % teams != 0) return ascending;
-  const std::size_t each = ascending.size() / teams;
-  std::vector<Task> tasks;
-  for (std::size_t round = 1; round <= each; ++round)
-    for (std::size_t t = 0; t < teams; ++t) tasks.push_back(ascending[(t + 1) * each - round]);
-  return tasks;
-}
-
 /// The eigenvalues that the slices keep, ascending.
 std::vector<double> lambda_of(const std::vector<Slice>& slices, const std::vector<Share>& share) {
   std::vector<double> lambda;
@@ -77,12 +66,14 @@ class Searcher {
     if (const auto plan = checkpoint_.plan()) {
       end_ = plan->end;
       tasks = resume(plan->tasks);
+      progress_.counted(end_.below, std::ssize(tasks), 0);
     } else {
       progress_.begin("inertia counts");
-      tasks = choose_tasks();
+      SearchPlan planned = make_plan();
+      tasks = std::move(planned.task);
       checkpoint_.save({end_, tasks});
+      progress_.counted(end_.below, std::ssize(tasks), planned.seconds);
     }
-    progress_.counted(end_.below);
     work(tasks);
     if (finish(8)) return std::move(found_);
     if (can_be_dense() && rows() <= most_dense_rows) {
@@ -97,6 +88,19 @@ class Searcher {
                     hertz(gap.from), hertz(gap.to)));
   }
 
+  /// Chooses the tasks, and measures how much time they will take.
+  SearchPlan make_plan() {
+    std::vector<Task> tasks = choose_tasks();
+    // Teams whose factors were not needed do not measure.
+    Pace pace;
+    if (factor_seconds_ > 0) pace = measure(operators_, factor_, factor_seconds_);
+    for (double* part : {&pace.factor, &pace.vector, &pace.pair, &pace.projected})
+      *part = parallel::largest(teams_.world(), *part);
+    const double seconds = dense_ ? expected_dense_seconds(pace, rows())
+                                  : expected_seconds(pace, model(), tasks, teams_.count());
+    return {model(), end_, dense_, std::move(tasks), pace, seconds};
+  }
+
  private:
   std::int64_t rows() const { return operators_.total_rows; }
 
@@ -108,8 +112,9 @@ class Searcher {
   /// The number of elastic modes requested; known once the end has been counted, or by request.
   std::int64_t modes() const { return (request_.count ? count_ : end_.below) - rigid_; }
 
-  /// A few more eigenvalues than requested, so that a plan is unlikely to end too early.
-  double sought() const { return 1.04 * static_cast<double>(count_) + 8; }
+  /// One more eigenvalue than requested shows where the last one ends. The highest slice goes on until it has
+  /// found them all.
+  double sought() const { return static_cast<double>(count_) + 1; }
 
   /// Chooses the solver and its tasks.
   std::vector<Task> choose_tasks() {
@@ -128,35 +133,21 @@ class Searcher {
   std::vector<Task> dense_task() const { return plan_shifts(model(), end_.sigma, end_.below + 1, 1); }
 
   /// Plans shifts for a number of modes. The end of the search is only estimated. K is factored at the first
-  /// shifts of the plan. If their counts require other shifts, it is planned anew; otherwise, these factors
-  /// are the first ones to be used.
+  /// shifts of the plan, and their counts correct it. It is then placed about these shifts, whose factors are
+  /// the first ones to be used, unless other shifts save more than their factors cost.
   std::vector<Task> plan_for_count() {
-    const auto teams = static_cast<std::size_t>(teams_.count());
     std::vector<Task> tasks;
-    std::vector<double> factored;
     for (int round = 0; round < 8; ++round) {
       end_ = {model().lambda_at(sought()), count_};
-      tasks = in_order(plan_shifts(model(), end_.sigma, request_.modes_per_shift, teams_.count()), teams);
-      const std::size_t first = std::min(teams, tasks.size());
-      // A shift may be as far from the middle of its interval as this share of its half-width. That costs
-      // vectors, and another round costs a factorisation and gains little once the counts are known.
-      const double off_centre = round < 2 ? 0.15 : 0.3;
-      bool fits = factored.size() == first;
-      for (std::size_t t = 0; t < first && fits; ++t) {
-        const auto [sigma, wanted] = tasks[t];
-        fits = std::abs(factored[t] - sigma) < off_centre * (wanted.to - wanted.from) / 2;
-      }
-      if (fits) {
-        for (std::size_t t = 0; t < first; ++t) {
-          tasks[t].sigma = factored[t];
-          // An iteration covers as much above its shift as below.
-          tasks[t].wanted.to = std::max(tasks[t].wanted.to, 2 * factored[t] - tasks[t].wanted.from);
-        }
-        break;
-      }
-      factored.clear();
-      for (std::size_t t = 0; t < first; ++t) factored.push_back(tasks[t].sigma);
-      probe(factored);
+      tasks = in_order(plan_shifts(model(), end_.sigma, request_.modes_per_shift, teams_.count()),
+                       teams_.count());
+      std::vector<double> factored;
+      for (std::size_t t = 0; t < std::min(tasks.size(), static_cast<std::size_t>(teams_.count())); ++t)
+        factored.push_back(tasks[t].sigma);
+      factored = probe(factored);
+      end_.sigma = model().lambda_at(sought());
+      if (const auto plan = plan_about(model(), end_.sigma, request_.modes_per_shift, factored))
+        return in_order(*plan, static_cast<int>(factored.size()));
     }
     return tasks;
   }
@@ -229,15 +220,21 @@ class Searcher {
   }
 
   /// Counts the eigenvalues below each entry of `sigma`, one entry per team, and adds the counts to the
-  /// probes.
-  void probe(const std::vector<double>& sigma) {
+  /// probes. Returns the shifts of the factors, which may have been raised.
+  std::vector<double> probe(const std::vector<double>& sigma) {
     std::vector<double> mine;
     if (static_cast<std::size_t>(teams_.mine()) < sigma.size()) {
-      factor_.factor(sigma[static_cast<std::size_t>(teams_.mine())]);
+      factor_seconds_ =
+          seconds_of(teams_.team(), [&] { factor_.factor(sigma[static_cast<std::size_t>(teams_.mine())]); });
       mine = {factor_.sigma(), static_cast<double>(factor_.below())};
     }
-    for (const auto& probe : from_each_team(mine))
-      if (!probe.empty()) probes_.push_back({probe[0], static_cast<std::int64_t>(probe[1])});
+    std::vector<double> factored;
+    for (const auto& probe : from_each_team(mine)) {
+      if (probe.empty()) continue;
+      probes_.push_back({probe[0], static_cast<std::int64_t>(probe[1])});
+      factored.push_back(probe[0]);
+    }
+    return factored;
   }
 
   void probe_up_to(double end) {
@@ -321,6 +318,7 @@ class Searcher {
       for (std::size_t t = 0; t < teams; ++t)
         if (!all[t].empty()) {
           const auto& m = all[t];
+          probes_.push_back({m[0], static_cast<std::int64_t>(m[1])});
           insert({{m[0], static_cast<std::int64_t>(m[1])}, {m[2], m[3]}, {m.begin() + 4, m.end()}},
                  static_cast<int>(t),
                  static_cast<int>(t) == teams_.mine() ? std::move(converged.shape) : Eigen::MatrixXd());
@@ -342,6 +340,15 @@ class Searcher {
     end_ = probes_.back();
   }
 
+  /// The number of modes that a task must find above its shift, now factored, if it ends the search for a
+  /// number of modes; as many as one shift can find.
+  std::optional<std::int64_t> above(const Task& task) const {
+    if (!request_.count || task.wanted.to <= end_.sigma) return std::nullopt;
+    const std::int64_t left = std::max<std::int64_t>(0, count_ - factor_.below()),
+                       half = request_.modes_per_shift / 2;
+    return left <= 3 * half / 2 ? left : half;
+  }
+
   /// Computes all modes of a task. Raises the shift if it coincides with a mode.
   Converged solve(const Task& task) {
     double sigma = task.sigma;
@@ -350,6 +357,7 @@ class Searcher {
     };
     for (int attempt = 0; attempt < 6; ++attempt) {
       factor_.factor(sigma);
+      options_.above = above(task);
       Converged converged = dense_ ? dense_modes(operators_, factor_.entries(), task.wanted)
                                    : lanczos(operators_, factor_, task.wanted, options_, bar);
       const Eigen::ArrayXd distance = (converged.lambda.array() / factor_.sigma() - 1).abs();
@@ -385,15 +393,15 @@ class Searcher {
   std::vector<Probe> probes_;
   Search found_;
   std::size_t done_ = 0, total_ = 0;
+  double factor_seconds_ = 0;  ///< of the last count; 0: this team has made none
 };
 
 }  // namespace
 
 double expected_mib(const Factorisation& factor, std::int64_t local_rows, std::int64_t modes,
                     std::int64_t modes_per_shift, int teams) {
-  // A Lanczos basis grows to about three vectors per mode.
   const auto column = static_cast<double>(local_rows) * sizeof(double) / (1 << 20);
-  const double basis = 3.2 * static_cast<double>(std::min(modes, modes_per_shift)) * column,
+  const double basis = most_vectors * static_cast<double>(std::min(modes, modes_per_shift)) * column,
                shapes = static_cast<double>(modes) / teams * column;
   return factor.expected_mib() + shapes + std::max(basis, shapes);
 }
@@ -415,6 +423,11 @@ std::optional<Cut> cut_of(const parallel::Teams& teams, Factorisation& factor,
     if (cut->at.below == below_zero + static_cast<std::int64_t>(kept)) break;
   }
   return cut;
+}
+
+SearchPlan plan_search(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,
+                       const Request& request) {
+  return Searcher(teams, operators, factor, request, Checkpoint(), {}).make_plan();
 }
 
 Search search(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,

@@ -4,6 +4,7 @@
 
 #include "src/modes/checkpoint.hpp"
 #include "src/modes/modes.hpp"
+#include "src/modes/pace.hpp"
 #include "src/modes/slicing.hpp"
 
 namespace ricochet::modes {
@@ -41,6 +42,20 @@ std::optional<Cut> cut_of(const parallel::Teams& teams, Factorisation& factor,
 /// more below it. Throws SolverError if there is no such shift. Collective on all ranks.
 Probe end_of_search(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,
                     const Request& request);
+
+/// A search that has been planned, but not made.
+struct SearchPlan {
+  CountModel model;        ///< with the counts of the shifts that were factored
+  Probe end;               ///< of a number of modes, with an estimated shift
+  bool dense = false;      ///< whether the dense solver takes less time than slices
+  std::vector<Task> task;  ///< in the order of work
+  Pace pace;
+  double seconds = 0;  ///< that the search would still take, with the factors at hand
+};
+
+/// Plans a search like `search`, and measures its pace. Collective on all ranks.
+SearchPlan plan_search(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,
+                       const Request& request);
 
 /// Finds the elastic modes up to `request.up_to`, or at least `request.count` modes in total. The number of
 /// modes between neighbouring shifts equals the inertia count. Throws SolverError if this cannot be achieved.

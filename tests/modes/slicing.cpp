@@ -83,6 +83,55 @@ TEST(CountModel, goes_through_its_probes_and_inverts_itself) {
     EXPECT_NEAR(model.count_at(model.lambda_at(count)), count, 1e-6);
 }
 
+TEST(CountModel, never_decreases_between_the_counts_of_multiplets) {
+  // Twenty nearly equal eigenvalues at 100, and none until 150: one probe above, two within the gap.
+  const std::vector<Probe> probes{
+      {50, 6 + 30}, {99.9, 6 + 60}, {100.1, 6 + 80}, {149, 6 + 80}, {200, 6 + 110}};
+  const CountModel model(rigid, probes, [](double lambda) { return std::pow(lambda, 1.5) / 25; });
+  for (const Probe& probe : probes)
+    EXPECT_NEAR(model.count_at(probe.sigma), static_cast<double>(probe.below), 1e-9);
+  double last = 0;
+  for (double lambda = 1; lambda < 1000; lambda *= 1.01) {
+    EXPECT_GE(model.count_at(lambda), last - 1e-9) << lambda;
+    last = model.count_at(lambda);
+  }
+  EXPECT_NEAR(model.count_at(model.lambda_at(75)), 75, 1e-6);
+}
+
+TEST(Plan, makes_use_of_the_shifts_that_were_factored) {
+  const auto lambda = spectrum();
+  const Probe end = probe_at(lambda, 1500.5);
+  const CountModel model(rigid, {probe_at(lambda, 600.5), end}, proportional);
+  for (const int teams : {1, 2, 3}) {
+    const std::vector<Task> ideal = plan_shifts(model, end.sigma, 60, teams);
+    const std::size_t each = ideal.size() / static_cast<std::size_t>(teams);
+    for (const double moved : {-0.05, 0.0, 0.2}) {
+      SCOPED_TRACE(testing::Message() << teams << " teams, moved by " << moved);
+      std::vector<double> factored;
+      for (std::size_t t = 0; t < static_cast<std::size_t>(teams); ++t) {
+        const Task& task = ideal[(t + 1) * each - 1];
+        factored.push_back(task.sigma + moved * (task.wanted.to - task.wanted.from) / 2);
+      }
+      const auto plan = plan_about(model, end.sigma, 60, factored);
+      ASSERT_TRUE(plan.has_value());
+      const std::vector<Task> first = in_order(*plan, teams);
+      for (std::size_t t = 0; t < factored.size(); ++t) EXPECT_EQ(first[t].sigma, factored[t]);
+      EXPECT_EQ(plan->front().wanted.from, 0);
+      EXPECT_GT(plan->back().wanted.to, end.sigma);
+      for (std::size_t s = 1; s < plan->size(); ++s) {
+        EXPECT_LT((*plan)[s].wanted.from, (*plan)[s - 1].wanted.to) << "no overlap";
+        EXPECT_LT((*plan)[s - 1].sigma, (*plan)[s].sigma);
+      }
+      EXPECT_LE(plan->size(), ideal.size() + 1);
+    }
+    // Shifts that are of no use: at a third of their places.
+    std::vector<double> low;
+    for (std::size_t t = 0; t < static_cast<std::size_t>(teams); ++t)
+      low.push_back(ideal[(t + 1) * each - 1].sigma / 3);
+    EXPECT_FALSE(plan_about(model, end.sigma, 60, low).has_value()) << teams;
+  }
+}
+
 TEST(Stitch, keeps_every_eigenvalue_below_the_end_once) {
   for (int teams : {1, 2, 3}) {
     const Case made(teams);
