@@ -2,6 +2,7 @@
 """gmsh cannot take the program down: whatever ends it is one line with its last message, without files, on any number of ranks."""
 
 import os
+import re
 import unittest
 from unittest import mock
 
@@ -41,6 +42,7 @@ class Mesher(ProgramTest):
         self.refused(kernel(self.scene, self.out, *sets, ranks=ranks), "ricochet-kernel: box.geo: ", *parts)
         self.assertFalse(self.out.exists() and list(self.out.iterdir()))
         left = [name for name in os.listdir("/tmp") if name not in before and name.endswith(".geo")]
+        left = [name for name in left if not re.fullmatch(r"ricochet-\d+-\d+\.geo", name)]  # of unit tests
         self.assertEqual(left, [])
 
     def test_states_what_gmsh_throws_through_openmp(self):
