@@ -203,10 +203,10 @@ class Motion {
   }
 
   /** The upper end of the colour scale: more than 1 % of the nodes of a body exceed it at none of the moments, by default at none of
-   *  those that are sampled. */
+   *  those that are sampled and those of the row of moments, as a short contact lies between samples. */
   top() {
     if (this.colour === "body") return 1;
-    return this.most[this.colour] ??= this.topAt(this.sampled(60).map(k => this.time[k]));
+    return this.most[this.colour] ??= this.topAt([...this.sampled(60), ...this.data.pictures ?? []].map(k => this.time[k]));
   }
   topAt(times) {
     const inMost = (body, time) => {
