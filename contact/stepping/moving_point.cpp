@@ -175,8 +175,10 @@ void MovingPoint::face(const Side& own, const Side& other) noexcept {
     const Vector3d facing = to_own * foot.normal;
     if (is_flat_obstacle(other, foot)) {  // as over a half-space
       top = own.shape.summit(top.element, -facing);
-      foot = other.shape.follow(foot, other.place_of(top.point - own.centre, own));
-      open = false;
+      const Vector3d x = other.place_of(top.point - own.centre, own);
+      foot = other.shape.follow(foot, x);
+      // Behind a far face of the obstacle, the summit is outside of it.
+      open = foot.distance < -own.shape.element_size() && other.shape.closest(x).distance > 0;
       break;
     }
     const Eigen::Matrix<double, 2, 3> T = tangents_of(top.normal);

@@ -264,14 +264,20 @@ TEST(Obstacles, that_are_boxes_act_by_their_faces_like_half_spaces) {
   PlacedBody body{.translation = {0.013, 0.007, 0.02}, .velocity = {0.1, 0.02, 0}};
   const Friction rough{0.3, 0.3, 0};
   const Obstacle plane{.name = "floor", .normal = up};
+  const auto over_box =
+      over(kernel, solid(rigid_box({0.4, 0.3, 0.1}, false), {0, 0, -0.05}), body, {0, 0, -g}, rough);
   auto flat = make_stepper(over(kernel, plane, body, {0, 0, -g}, rough), stepping(20'000)),
-       box = make_stepper(
-           over(kernel, solid(rigid_box({0.4, 0.3, 0.1}, false), {0, 0, -0.05}), body, {0, 0, -g}, rough),
-           stepping(20'000));
+       box = make_stepper(over_box, stepping(20'000));
+  double deepest = -1;
   while (flat->time() < 0.12) {
     ASSERT_EQ(flat->step(), StepStatus::ok);
-    while (box->time() < flat->time() - 1e-9) ASSERT_EQ(box->step(), StepStatus::ok);
+    while (box->time() < flat->time() - 1e-9) {
+      ASSERT_EQ(box->step(), StepStatus::ok);
+      deepest = std::max(deepest, (box->displacement().head(over_box->points()) - over_box->gap).maxCoeff());
+    }
   }
+  // No point counts as deep in the box because it is behind the far side, 0.1 m below.
+  EXPECT_LT(deepest, 1e-3 * radius);
   const Pose one = flat->poses()[0], other = box->poses()[0];
   EXPECT_GT(std::abs(one.spin.y()) * radius, 0.05);  // it has touched
   EXPECT_LT((one.position - other.position).norm(), 5e-3 * radius);
