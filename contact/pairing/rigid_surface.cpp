@@ -10,14 +10,15 @@
 #include <utility>
 
 #include "base/format.hpp"
+#include "kernels/crease_angle.hpp"
 
 namespace ricochet::contact {
 namespace {
 
 using Eigen::Vector3d;
 
-/// Cosine of the angle up to which faces that meet are smooth, as for the surfaces of bodies.
-const double smooth_edge = std::cos(29 * std::numbers::pi / 180);
+/// Cosine of the angle up to which faces that meet are smooth.
+const double smooth_edge = std::cos(kernels::crease_angle);
 
 /// Parts of a full circle, along a circle of revolution and along a meridian. They are to find points by; the
 /// points are then taken to the closed form.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/format.hpp"
+#include "kernels/crease_angle.hpp"
 #include "kernels/flexibility.hpp"
 #include "ricochet/error.hpp"
 
@@ -15,8 +16,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Cosine of the angle up to which faces that meet are one smooth face, as those of the kernels are.
-const double smooth = std::cos(29 * std::numbers::pi / 180);
+/// Cosine of the angle up to which faces that meet are one smooth face.
+const double smooth = std::cos(kernels::crease_angle);
 
 /// Index in the kernel of each candidate of the whole surface, or −1. Empty if the kernel contains all
 /// candidates.

@@ -6,19 +6,16 @@
 #include <Eigen/Dense>
 #include <cstdint>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <vector>
 
+#include "kernels/crease_angle.hpp"
 #include "src/elasticity/local_problem.hpp"
 #include "src/mesh/mesh.hpp"
 
 namespace ricochet::surface {
 
-/// Normals of neighbouring facets that differ by more belong to different sheets [rad]. Elements of order 2
-/// and higher stay far below it on rounded surfaces, as do plane ones with at least 12 around a circle.
-/// Chamfers and the edges of polygons lie above it.
-inline constexpr double crease_angle = 29 * std::numbers::pi / 180;
+using kernels::crease_angle;
 
 /// Hats on every vertex of the subdivided surface, before merging.
 ///

@@ -13,7 +13,7 @@ from pathlib import Path
 
 ROOMS = ("simd", "pairing", "bodies", "rows", "model", "complementarity", "law", "motion", "stepping")
 OWN = re.compile(
-    r"(base/(aligned|archive|format|processor|reserved)\.[ch]pp|kernels/(kernel\.cpp|flexibility\.[ch]pp|format\.hpp)|include/ricochet/\w+\.hpp|contact/(%s)/\w+\.[ch]pp|player/\w+\.[ch]pp)$"
+    r"(base/(aligned|archive|format|processor|reserved)\.[ch]pp|kernels/(crease_angle\.hpp|kernel\.cpp|flexibility\.[ch]pp|format\.hpp)|include/ricochet/\w+\.hpp|contact/(%s)/\w+\.[ch]pp|player/\w+\.[ch]pp)$"
     % "|".join(ROOMS)
 )
 STANDARD = "#include <bits/stdc++.h>\n#include <immintrin.h>\n"
