@@ -169,6 +169,43 @@ TEST(StoredState, is_refused_if_it_is_damaged) {
   EXPECT_NO_THROW(simulation.state(bytes));
 }
 
+/// Each measure of an obstacle that has a shape counts.
+TEST(StoredState, is_refused_if_the_shape_of_an_obstacle_differs) {
+  Scene scene = two_boxes(Rotation::finite);
+  Obstacle& ring = scene.obstacles.emplace_back();
+  ring.name = "ring";
+  ring.shape = Shape::torus;
+  ring.point = {3, 0, 0};
+  ring.radius = 0.3;
+  ring.radius_small = 0.1;
+  const Simulation::State state = Simulation(scene).save();
+  EXPECT_TRUE(Simulation(scene).restore(state));
+  const std::vector<std::function<void(Obstacle&)>> changes{
+      [](Obstacle& one) { one.point[0] = 3.1; },
+      [](Obstacle& one) { one.rotate_deg[0] = 1; },
+      [](Obstacle& one) { one.radius = 0.31; },
+      [](Obstacle& one) { one.radius_small = 0.11; },
+      [](Obstacle& one) { one.side = ObstacleSide::inside; },
+      [](Obstacle& one) {
+        one.shape = Shape::cone;
+        one.length = 0.2;
+      },
+      [](Obstacle& one) {
+        one.shape = Shape::box;
+        one.size = {0.3, 0.2, 0.1};
+      },
+      [](Obstacle& one) {
+        one.shape = Shape::mesh;
+        one.mesh = {.node = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                    .triangle = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+      }};
+  for (std::size_t k = 0; k < changes.size(); ++k) {
+    Scene changed = scene;
+    changes[k](changed.obstacles.back());
+    EXPECT_FALSE(Simulation(changed).restore(state)) << k;
+  }
+}
+
 TEST(StoredState, is_refused_by_another_system) {
   const Scene scene = two_boxes(Rotation::finite);
   const Simulation::State state = Simulation(scene).save();

@@ -6,6 +6,7 @@ import struct
 import unittest
 
 import numpy as np
+from dimensions import dimensions_of
 from programs import ProgramTest, impact
 
 from ricochet.pictures.planes import solids_of
@@ -139,6 +140,9 @@ class Obstacles(ProgramTest):
         ((name, (node, element)),) = solids_of(result._file).items()
         self.assertEqual(name, "the bowl")
         self.assertLess(np.max(np.abs(np.linalg.norm(node - [0, 0, 0.05], axis=1) - 0.05)), 1e-15)
+        found = dimensions_of(result.path)
+        self.assertEqual(found["obstacles/1/node"], ["/obstacles/1/vertex", "/component"])
+        self.assertEqual(found["obstacles/1/element"], ["/obstacles/1/triangle", "/obstacles/1/corner"])
         edges = {(a, b) for t in element.tolist() for a, b in zip(t, t[1:] + t[:1])}
         self.assertEqual(edges, {(b, a) for a, b in edges})
 
