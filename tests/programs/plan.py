@@ -1,34 +1,15 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """ricochet kernel --plan: what a job needs before it runs, beside what the run says and needs."""
 
-import os
 import re
 import shlex
 import unittest
 
 from boxes import Box
+from memory import SCENE  # and no server: a fork of it shares memory with it
 from programs import ProgramTest, kernel
 
-os.environ.pop("RICOCHET_FORK_SERVER", None)  # a fork of it shares memory with it
-SCENE = """
-title = "Plan"
-[bodies.one]
-mesh = "box.msh"
-material = { density = 2.0, young = 3e6, poisson = 0.3 }
-contact = "foot"
-velocity = [0, 0, -1]
-[obstacles.floor]
-normal = [0, 0, 1]
-[modes]
-count = 330
-[contact]
-between = ["one", "floor"]
-reach = 0.02
-gap = 1e-4
-[time]
-rate_hz = 1e5
-duration = 4e-3
-"""
+MANY = SCENE.replace("count = 20", "count = 330").replace("gap =", "reach = 0.02\ngap =")
 BODIES = {"plate": ((1.0, 0.8, 0.06), (15, 14, 2)), "block": ((1.0, 0.9, 0.8), (9, 8, 8))}
 
 
@@ -37,7 +18,7 @@ class Plan(ProgramTest):
         size, cells = BODIES[body]
         self.write("box.msh", Box(size=size, cells=cells).gmsh())
         self.out = self.folder / f"out of {body}"
-        return self.write("a plan.toml", SCENE)
+        return self.write("a plan.toml", MANY)
 
     def plan(self, scene, *sets, ranks=1):
         done = self.succeed(kernel(scene, self.out, *sets, ranks=ranks, more=["--plan"]))
@@ -51,7 +32,7 @@ class Plan(ProgramTest):
                 text, rows = self.plan(scene)
                 self.assertEqual(list(rows)[:3], [1, 2, 4], text)
                 self.assertFalse(self.out.exists() and list(self.out.iterdir()), "a plan leaves files")
-                self.assertRegex(text, r"one: \d+ unknowns, 330 modes; measured: \S+ s for a factorisation")
+                self.assertRegex(text, r"box: \d+ unknowns, 330 modes; measured: \S+ s for a factorisation")
                 for ranks in numbers:
                     done = self.succeed(kernel(scene, self.out / str(ranks), quiet=False, ranks=ranks))
                     stated = re.search(
@@ -67,7 +48,7 @@ class Plan(ProgramTest):
     def test_ends_with_a_job_for_slurm_that_asks_for_the_same_kernels(self):
         scene = self.scene_of("block")
         text, rows = self.plan(
-            scene, "modes.count=30", "bodies.one.material={ density = 2, young = 3, poisson = 0.2 }"
+            scene, "modes.count=30", "bodies.box.material={ density = 2, young = 3, poisson = 0.2 }"
         )
         words = shlex.split(text.splitlines()[-1])
         self.assertEqual(words[0], "sbatch")
@@ -77,7 +58,7 @@ class Plan(ProgramTest):
         self.assertLess(int(options["mem-per-cpu"].removesuffix("M")), 1.4 * float(rows[ranks][3]) + 50)
         self.assertRegex(options["time"], r"^\d\d:\d\d:00$")
         wanted = ["ricochet", "kernel", "-n", str(ranks), str(scene), "--set", "modes.count=30", "--set"]
-        wanted += ["bodies.one.material={ density = 2, young = 3, poisson = 0.2 }", "--out", str(self.out)]
+        wanted += ["bodies.box.material={ density = 2, young = 3, poisson = 0.2 }", "--out", str(self.out)]
         self.assertEqual(shlex.split(options["wrap"]), wanted)
 
     def test_has_no_work_if_the_kernel_is_there_and_no_plan_of_a_search_for_settings(self):

@@ -55,6 +55,17 @@ Physical Surface("side") = {{block[2]}};
 """
 
 
+def sliding_block(more):
+    """A block of block.geo, skewed_block(0.5), that lands on an edge, slides and turns by a fraction of a degree."""
+    body = """
+material = { density = 2.0, young = 3.0, poisson = 0.3 }
+velocity = [0.002, 0, -0.002]
+rotate_deg = [1, 0, 90]
+"""
+    contact, time = "gap = 1e-4\nfriction = 0.3", "rate_hz = 400\nduration = 3.0"
+    return block_on_floor("Slide", "count = 20", contact, time, body, more)
+
+
 def block_on_floor(title, modes, contact, time, body="", more=""):
     """A block of block.geo above a floor."""
     material = "material = { density = 2.0, young = 3.0, poisson = 0.3 }"

@@ -224,22 +224,13 @@ support = { left = "xyz" }
         self.assertEqual(peak["time_s"], result.stress["rod"].von_mises_time[worst])
         self.assertIsNone(peak["ratio_to_yield"])
 
-    # Both kinds of rotation have their own paths from forces to candidates. The block turns by a fraction of a degree.
+    # Both kinds of rotation have their own paths from forces to candidates.
     def test_finite_and_linear_rotation_agree_under_friction(self):
         self.write("block.geo", scenes.skewed_block(0.5))
-        body = """
-material = { density = 2.0, young = 3.0, poisson = 0.3 }
-velocity = [0.002, 0, -0.002]
-rotate_deg = [1, 0, 90]
-"""
         more = gauge("low", "block", "at_body = [0.5, 0.5, 0.15]\ndirection = [1, 0, 1]")
         more += gauge("skin", "block", "at_body = [0.5, 0, 0.3]")
         more += "[output]\nstress = true\nsnapshot_every = 1\n"
-        contact = "gap = 1e-4\nfriction = 0.3"
-        text = scenes.block_on_floor(
-            "Slide", "count = 20", contact, "rate_hz = 400\nduration = 3.0", body, more
-        )
-        scene = self.write("slide.toml", text)
+        scene = self.write("slide.toml", scenes.sliding_block(more))
         linear = impact(scene, self.out, "motion.rotation=linear")
         finite = impact(scene, self.out, "motion.rotation=finite")
         (time, one), (_, other) = histories(linear), histories(finite)
