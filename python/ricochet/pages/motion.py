@@ -62,6 +62,17 @@ class Drawn:
     deformation: Array  # (S) largest displacement by elastic modes at each moment [m]
 
 
+def fitted(
+    shape: Array, coordinates: Array, modal: Array | slice, static: Array | slice, most: int
+) -> tuple[Array, Array]:
+    """At most `most` fields and their amplitudes in place of modal and static ones. The static fields are sharp and small, so that
+    a fit to all fields would miss the place of contact."""
+    local = few_shapes(shape[:, static], coordinates[:, static], most // 2, LEFT_OUT)
+    wide = few_shapes(shape[:, modal], coordinates[:, modal], most - local[0].shape[1], LEFT_OUT)
+    fields, amount = (np.concatenate(parts, axis=1) for parts in zip(wide, local))
+    return fields, amount
+
+
 def stress_of(
     result: LoadedResult, folder: Path, name: str, of: Array, chosen: Array, share: float
 ) -> dict[str, Any]:
@@ -74,9 +85,7 @@ def stress_of(
     shape = shape[of].reshape(6 * len(of), -1)
     modes = result.snapshots[name].shape[1]
     most = max(2, int(share * STRESSES_MB * 2**20 / (12 * len(of))))
-    local = few_shapes(shape[:, modes:], coordinates[chosen, modes:], most // 2, LEFT_OUT)
-    wide = few_shapes(shape[:, :modes], coordinates[chosen, :modes], most - local[0].shape[1], LEFT_OUT)
-    fields, amount = (np.concatenate(parts, axis=1) for parts in zip(wide, local))
+    fields, amount = fitted(shape, coordinates[chosen], slice(modes), slice(modes, None), most)
     missed, largest = 0.0, 0.0
     for k in np.unique(np.linspace(0, len(chosen) - 1, 60).astype(int)):
         exact = shape @ coordinates[chosen[k]].astype(shape.dtype)
@@ -109,10 +118,7 @@ def body_of(name: str, surface: MovingSurface, chosen: Array, share: float, scen
     bending, static = np.split(
         np.flatnonzero(~surface.rigid), [surface.modes - np.count_nonzero(surface.rigid)]
     )
-    # The static fields are sharp and small, so that a fit to all fields would miss the place of contact.
-    local = few_shapes(shape[:, static], coordinates[:, static], most // 2, LEFT_OUT)
-    wide = few_shapes(shape[:, bending], coordinates[:, bending], most - local[0].shape[1], LEFT_OUT)
-    bent, amount = (np.concatenate(parts, axis=1) for parts in zip(wide, local))
+    bent, amount = fitted(shape, coordinates, bending, static, most)
     elastic, coordinates = shape[:, ~surface.rigid], coordinates[:, ~surface.rigid]
     some = np.unique(np.linspace(0, len(chosen) - 1, 60).astype(int))
     missed = np.abs(elastic @ coordinates[some].T - bent @ amount[some].T).max(initial=0)
