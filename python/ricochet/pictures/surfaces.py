@@ -11,7 +11,7 @@ from ricochet.arrays import Array, Floats
 from ricochet.drawing import Drawing
 from ricochet.files import save_picture
 from ricochet.pictures.colouring import borders, map_colours
-from ricochet.pictures.viewpoint import View, spread
+from ricochet.pictures.viewpoint import View, nearest, spread
 
 CELLS = 700  # along the longer side of a view
 ROOM = (4, 6)  # half of the width of a digit and of its height, in cells
@@ -30,10 +30,11 @@ def seen(drawing: Drawing, view: View) -> tuple[Array, Floats]:
     wide, tall = (np.ceil((high - low)[:2] / cell) + 5).astype(int)
     depth, shown = np.full(tall * wide, -np.inf), np.full(tall * wide, -1)
     for k, one in enumerate(drawing.surfaces):
-        points = spread(turned, one.element, 0.7)
+        points = spread(turned, one.element, 0.5)
         place = points[:, 1].astype(int) * wide + points[:, 0].astype(int)
-        np.maximum.at(depth, place, points[:, 2])
-        shown[place[points[:, 2] >= depth[place]]] = k
+        own = nearest(place, points[:, 2], tall * wide)
+        before = own > depth
+        depth[before], shown[before] = own[before], k
     return shown.reshape(tall, wide), depth.reshape(tall, wide)
 
 
