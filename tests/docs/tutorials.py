@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The tutorials behave as they describe. The examples are coarser here; scripts/verify --tutorials runs them
+"""The tutorials and the page on convergence behave as they describe. The examples are coarser here; scripts/verify --tutorials runs them
 unchanged."""
 
+import json
 import pathlib
 import tempfile
 import unittest
@@ -14,11 +15,15 @@ TUTORIALS = pages.SOURCE / "docs" / "tutorials"
 
 
 class Tutorials(unittest.TestCase):
-    def test_do_what_they_say_one_after_the_other(self):
+    def place(self):
         scope = tempfile.TemporaryDirectory(prefix="ricochet-page-")
         self.addCleanup(scope.cleanup)
         folder = pathlib.Path(scope.name)
         pages.make_folder(folder)
+        return folder
+
+    def test_do_what_they_say_one_after_the_other(self):
+        folder = self.place()
         out = folder / "meshes" / "bell" / "out"
 
         pages.Page(TUTORIALS / "bell.md", folder, quick=True).run()
@@ -38,6 +43,22 @@ class Tutorials(unittest.TestCase):
                 path.unlink()
         self.enterContext(slurm.node(folder / "slurm"))
         pages.Page(TUTORIALS / "cluster.md", folder, quick=True).run()
+
+    def test_the_page_on_convergence_varies_what_it_says(self):
+        folder = self.place()
+        pages.Page(pages.SOURCE / "docs/converged.md", folder, quick=True).run()
+        out = folder / "meshes/two-disks/out"
+        fine, given, coarse, points, estimated = (
+            json.loads((out / f"{name}.summary.json").read_text())
+            for name in ("fine-step", "two-disks", "coarse-step", "more-points", "estimated")
+        )
+        # Shorter steps lose less energy in contact (theory, section 11). Steps of
+        # 1 ms are too coarse and cause warnings.
+        self.assertLess(fine["energy_lost_contact"], given["energy_lost_contact"])
+        self.assertLess(given["energy_lost_contact"], coarse["energy_lost_contact"])
+        self.assertGreater(len(coarse["warnings"]), len(given["warnings"]))
+        self.assertGreater(points["candidates"], given["candidates"])
+        self.assertIsNotNone(estimated["error_estimate"]["spacing"])
 
 
 class Runner(unittest.TestCase):
