@@ -298,10 +298,13 @@ class Table {
   }
 
  private:
-  /// Elements everywhere that bring the share of the mesh to half of the accuracy, if they are affordable.
+  /// Elements everywhere that bring the share of the mesh to half of the accuracy, if they are affordable and
+  /// the round before has reduced the error, so that the expectation holds.
   Settings with_mesh_for(double share, Settings settings) const {
     settings = with_finer_mesh(std::move(settings));
-    if (share <= *scene_.accuracy / round_.estimate->scatter() / 2 * expected_of_level) return settings;
+    if (settings_.idle_rounds > 0 ||
+        share <= *scene_.accuracy / round_.estimate->scatter() / 2 * expected_of_level)
+      return settings;
     Settings finest = with_finer_mesh(settings);
     const bool affordable = excess(predicted(sizes_, settings_.found, finest.found),
                                    candidates_of(round_.model, settings_.found, finest.found))
@@ -500,6 +503,28 @@ Decision after_no_touch(const Table& table, const Settings& settings, const cont
 /// alone.
 constexpr int most_for_few_candidates = 3;
 
+/// A round that leaves more than this part of the smallest error so far is idle, and the search ends after as
+/// many of these in succession: estimates may grow once, on the first mesh that sees more of the contact.
+constexpr double still_as_large = 0.7;
+constexpr int most_idle_rounds = 2;
+
+/// The settings with what the error of their round adds to the history of the search. Stored settings may be
+/// those of another impact, whose history says nothing of this one.
+Settings with_error(Settings settings, const contact::Dialled& round) {
+  const double stored = std::exchange(settings.error, 0);
+  const auto is_known = [](const auto& share) { return share.second.has_value(); };
+  if (!round.estimate || !std::ranges::all_of(round.estimate->by_cause, is_known)) return settings;
+  const double error = round.estimate->total();
+  if (stored > 0 && std::abs(error - stored) > 1e-2 * stored) {
+    settings.least_error = 0;
+    settings.idle_rounds = 0;
+  }
+  const bool idle = settings.least_error > 0 && error > still_as_large * settings.least_error;
+  settings.idle_rounds = idle ? settings.idle_rounds + 1 : 0;
+  settings.least_error = settings.least_error > 0 ? std::min(settings.least_error, error) : error;
+  return settings;
+}
+
 bool refines_for_few(const Table& table, const Settings& settings, const contact::Dialled& round) {
   return table.has_local() && settings.for_few_candidates < most_for_few_candidates &&
          few_pressed(round.model, *round.quantities);
@@ -518,8 +543,9 @@ Settings tuned_by_pilot(const scene::Scene& scene, Settings settings, const cont
 
 }  // namespace
 
-Decision decide(const scene::Scene& scene, const Settings& settings, const contact::Dialled& round,
+Decision decide(const scene::Scene& scene, const Settings& of_round, const contact::Dialled& round,
                 const std::vector<BodySize>& sizes) {
+  const Settings settings = with_error(of_round, round);
   const Table table(scene, settings, round, sizes);
   if (!round.estimate) return after_no_touch(table, settings, round, sizes);
 
@@ -534,6 +560,10 @@ Decision decide(const scene::Scene& scene, const Settings& settings, const conta
     }
   const bool measured = std::ranges::none_of(rows, &Row::unknown);
   if (round.estimate->total() <= accuracy && measured) return {{}, ""};
+  if (measured && next.idle_rounds >= most_idle_rounds)
+    return {{},
+            fmt::format("{} rounds have not reduced the error of {:.2g} to {:g} of it", most_idle_rounds,
+                        of_round.least_error, still_as_large)};
 
   // What cannot be reduced may exceed the accuracy. The rest is then refined only until it matters less.
   std::vector<double> left, fixed;  // shares

@@ -87,6 +87,7 @@ Outcome outcome_of_round(const scene::Scene& scene, Settings settings, std::opti
         return;
       }
     const Decision decision = decide(scene, settings, dialled, sizes);
+    settings.error = dialled.estimate ? dialled.estimate->total() : 0;
     if (dialled.estimate) line = "error " + contact::formatted(*dialled.estimate);
     line += line.empty() ? "" : "; ";
     const auto few = dialled.quantities ? few_pressed(dialled.model, *dialled.quantities) : std::nullopt;

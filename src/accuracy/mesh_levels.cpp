@@ -51,6 +51,7 @@ Meshes coarsest_meshes(const scene::Scene& scene) {
     MeshSettings& mesh = out[body.name];
     mesh.order = body.order_open ? lowest_order : body.order;
     mesh.size_factor = body.order_open && body.size_open ? sizes.front() : body.size_factor;
+    mesh.refine = body.refine;  // none if they are open
   }
   return out;
 }

@@ -101,6 +101,9 @@ const SectionOf<Settings> settings_keys{"the settings",
                                          {"for_few_candidates", &Settings::for_few_candidates},
                                          {"pilot", scene::Access(&Settings::pilot).if_changed()},
                                          {"missed_by", scene::Access(&Settings::missed_by).if_changed()},
+                                         {"error", scene::Access(&Settings::error).if_changed()},
+                                         {"least_error", scene::Access(&Settings::least_error).if_changed()},
+                                         {"idle_rounds", scene::Access(&Settings::idle_rounds).if_changed()},
                                          {"found", Type::table},
                                          {"unknowns_before", Type::table}}};
 

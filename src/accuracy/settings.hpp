@@ -48,7 +48,10 @@ struct Settings {
   /// How often elements near contact became smaller only because few candidates were pressed.
   int for_few_candidates = 0;
   double missed_by =
-      0;  ///< distance that was left in the round before, in which nothing touched [m]; 0: none
+      0;             ///< distance that was left in the round before, in which nothing touched [m]; 0: none
+  double error = 0;  ///< of the round with these settings; 0: not measured yet
+  double least_error = 0;  ///< smallest error of the rounds before; 0: none was measured
+  int idle_rounds = 0;     ///< the last ones of these, which have hardly reduced it
   bool operator==(const Settings&) const = default;
 };
 

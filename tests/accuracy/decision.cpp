@@ -2,6 +2,7 @@
 // Decisions of the accuracy loop after a round with given shares of the error.
 #include "src/accuracy/decision.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -155,6 +156,57 @@ TEST(Decision, refines_the_mesh_with_a_band_that_its_elements_do_not_have) {
   EXPECT_EQ(found.reason, "mesh, modes");
   EXPECT_EQ(found.next->found.mesh, accuracy::meshes_at(scene, 2));
   EXPECT_EQ(decide(scene, settings, round, body_of(180, 3000)).reason, "modes");
+}
+
+/// The decision after rounds with these errors by the mesh, in succession.
+Decision after_rounds(const std::vector<double>& errors) {
+  const scene::Scene scene = open_scene();
+  Decision found{second_round(scene), ""};
+  for (const double error : errors)
+    found = decide(scene, found.next.value(), round_with({{Cause::mesh, error}}), small);
+  return found;
+}
+
+// 0.06 is below 0.7 · 0.1, and 0.08 is not.
+TEST(Decision, ends_after_two_rounds_that_have_hardly_reduced_the_error) {
+  EXPECT_TRUE(after_rounds({0.1, 0.12}).next);
+  for (const std::vector<double>& errors :
+       {std::vector{0.1, 0.12, 0.08}, std::vector{0.1, 0.06, 0.07, 0.05}}) {
+    const Decision found = after_rounds(errors);
+    EXPECT_FALSE(found.next);
+    EXPECT_EQ(found.reason, fmt::format("2 rounds have not reduced the error of {:g} to 0.7 of it",
+                                        *std::ranges::min_element(errors.begin(), errors.end() - 2)));
+  }
+  EXPECT_TRUE(after_rounds({0.1, 0.12, 0.06}).next);
+  EXPECT_EQ(after_rounds({0.1, 0.12, 0.009}).reason, "");
+}
+
+// After a round without effect, nothing supports the expectation that two orders at once would have more.
+TEST(Decision, goes_on_by_single_levels_after_a_round_that_has_not_reduced_the_error) {
+  const scene::Scene scene = open_scene();
+  EXPECT_EQ(after_rounds({0.1}).next.value().found.mesh, accuracy::meshes_at(scene, 3));
+  EXPECT_EQ(after_rounds({0.1, 0.05}).next.value().found.mesh, accuracy::meshes_at(scene, 5));
+  EXPECT_EQ(after_rounds({0.1, 0.12}).next.value().found.mesh, accuracy::meshes_at(scene, 4));
+}
+
+// The same impact ends its search where it has ended. Another one with the same bodies has its own history.
+TEST(Decision, repeats_the_end_of_a_search_of_the_same_impact_alone) {
+  const scene::Scene scene = open_scene();
+  accuracy::Settings stored = second_round(scene);
+  stored.error = 0.08;
+  stored.least_error = 0.1;
+  stored.idle_rounds = 1;
+  const auto after = [&](double error) {
+    return decide(scene, stored, round_with({{Cause::mesh, error}}), small);
+  };
+  EXPECT_FALSE(after(0.0801).next);
+  EXPECT_TRUE(after(0.3).next);
+}
+
+TEST(Meshes, keep_given_elements_near_contact) {
+  scene::Scene scene = open_scene();
+  scene.bodies[0].refine = {{.radius = 1e-3, .size = 1e-4}};
+  EXPECT_EQ(accuracy::meshes_at(scene, 2).at("part").refine, scene.bodies[0].refine);
 }
 
 TEST(Meshes, of_open_sizes_shrink_after_order_4_and_those_of_own_sizes_end_with_order_5) {

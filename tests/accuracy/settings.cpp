@@ -101,13 +101,16 @@ TEST(Settings, survive_text_with_every_member_whatever_its_value) {
   };
   for (int k = 0; k < 200; ++k) {
     Settings settings;
-    auto& [found, pilot, unknowns_before, rate, for_few_candidates, missed_by] = settings;
+    auto& [found, pilot, unknowns_before, rate, for_few_candidates, missed_by, error, least_error,
+           idle_rounds] = settings;
     draw_kernels(found);
     pilot = flip();
     if (flip()) unknowns_before["a-b_1"] = draw();
     rate = Hertz{draw()};
     for_few_candidates = static_cast<int>(random() % 5);
-    if (flip()) missed_by = draw();
+    for (double* const value : {&missed_by, &error, &least_error})
+      if (flip()) *value = draw();
+    idle_rounds = static_cast<int>(random() % 3);
     ASSERT_EQ(parse_settings(to_toml(settings)), settings) << to_toml(settings);
   }
 }
