@@ -65,11 +65,12 @@ std::string name_of(const Size& size, double friction, const Variant& variant) {
 
 /// A stepper at t = 0.1 s, when the plates have met and stay in contact.
 std::unique_ptr<Stepper> settled(const Size& size, double friction, const Variant& variant) {
-  auto stepper = contact::make_stepper(model_of(size, friction), {.scheme = ricochet::Scheme::compliant,
-                                                                  .step = 1 / rate,
-                                                                  .block = variant.block,
-                                                                  .precision = variant.precision,
-                                                                  .every_state = variant.every_state});
+  auto stepper =
+      contact::make_stepper(model_of(size, friction), {.contact = {.scheme = ricochet::Scheme::compliant},
+                                                       .step = 1 / rate,
+                                                       .block = variant.block,
+                                                       .precision = variant.precision,
+                                                       .every_state = variant.every_state});
   while (stepper->time() < 0.1)
     if (stepper->step() != ricochet::StepStatus::ok) std::abort();
   return stepper;
@@ -151,8 +152,8 @@ struct TurningScene {
 };
 
 StepOptions turning_options(int steps_per_sample) {
-  return {.scheme = ricochet::Scheme::compliant,
-          .rotation = ricochet::Rotation::finite,
+  return {.contact = {.scheme = ricochet::Scheme::compliant},
+          .rigid = {.rotation = ricochet::Rotation::finite},
           .step = 1 / rate,
           .steps_per_sample = steps_per_sample,
           .block = 1};

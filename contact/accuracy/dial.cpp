@@ -50,7 +50,7 @@ Hertz chosen_rate(Estimator& estimator, const DialRequest& request, double durat
                   const std::vector<Quantity>& requested) {
   const double known = std::round(request.rate.value * duration);
   double first = std::max(first_steps, std::round(known / 8)), steps = 0;
-  if (request.options.scheme == Scheme::impulse) {
+  if (request.options.contact.scheme == Scheme::impulse) {
     first = std::max(first, stable_steps(estimator.model(), duration));
     steps = std::max(known, 4 * first);
   } else {

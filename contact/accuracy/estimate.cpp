@@ -224,7 +224,7 @@ constexpr double near_reach = 0.9;
 StepOptions with_step(StepOptions options, double step) {
   const double sample = options.steps_per_sample * options.step;
   options.step = step;
-  if (options.scheme == Scheme::compliant)
+  if (options.contact.scheme == Scheme::compliant)
     options.steps_per_sample = std::max(1, static_cast<int>(std::lround(sample / step)));
   return options;
 }
@@ -283,7 +283,7 @@ std::optional<Errors> Estimator::step(const StepOptions& options) {
   const auto last = change(whole, quantities(with_step(options, options.step / 2)));
   if (!last) return std::nullopt;
   // Steps of the impulse scheme may be unstable at 2Δ.
-  const bool unstable = options.scheme == Scheme::impulse;
+  const bool unstable = options.contact.scheme == Scheme::impulse;
   const auto before =
       unstable ? std::nullopt : change(whole, quantities(with_step(options, 2 * options.step)));
   // Shorter steps also sample more modes, unless they all are.
@@ -299,7 +299,7 @@ std::optional<Errors> Estimator::precision(const StepOptions& options) {
   other.precision = is_single ? Precision::float64 : Precision::float32;
   const auto here = quantities(options);
   std::optional<Quantities> there;
-  if (options.scheme == Scheme::compliant && !subject_.at_rest) {
+  if (options.contact.scheme == Scheme::compliant && !subject_.at_rest) {
     there = quantities(other);
   } else {
     // These schemes have no products in single precision, so the frequencies are rounded instead.
@@ -343,7 +343,7 @@ std::optional<Errors> Estimator::above_band(const StepOptions& options, const Qu
 
 std::optional<Errors> Estimator::modes(const StepOptions& options, const Quantities& base) {
   if (subject_.at_rest && model_.has_residual) return none(base);
-  const auto end = options.scheme == Scheme::compliant ? ends_of_bands() : std::nullopt;
+  const auto end = options.contact.scheme == Scheme::compliant ? ends_of_bands() : std::nullopt;
   if (end && excites_few(model_, base.impulse, *end))
     if (const auto above = above_band(options, base, *end)) return above;
   const bool fewer = std::ranges::any_of(subject_.kernels, [](const kernels::Kernel& kernel) {

@@ -361,15 +361,10 @@ StepOptions step_options(const Scene& scene) {
         fmt::format("contact_rate_hz = {}: must be left out with the impulse scheme, and at most 1e6 times "
                     "rate_hz = {} otherwise.",
                     scene.contact_rate_hz.value_or(scene.rate_hz), scene.rate_hz));
-  return {.scheme = scene.scheme,
-          .admittance = scene.admittance,
-          .instant = scene.instant,
-          .restitution = scene.restitution,
-          .contact_step = scene.integration,
-          .rotation = scene.rotation,
+  return {.contact = scene,
+          .rigid = scene,
           .step = scene.step(),
           .steps_per_sample = static_cast<int>(ratio),
-          .max_pivots = scene.max_pivots,
           .precision = scene.precision};
 }
 

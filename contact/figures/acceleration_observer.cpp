@@ -54,7 +54,7 @@ void AccelerationObserver::observe(const Stepper& stepper) {
     channel.velocity = velocity;
     for (const double x : mean) channel.means.push_back(static_cast<float>(x));
     // Impulses have no acceleration at an instant.
-    if (options_.scheme == Scheme::impulse) note_peak(channel, mean, stepper.time());
+    if (options_.contact.scheme == Scheme::impulse) note_peak(channel, mean, stepper.time());
   }
 }
 

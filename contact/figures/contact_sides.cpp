@@ -10,7 +10,7 @@ ContactSides::ContactSides(const Model& model, const StepOptions& options)
                     &motion_.velocity_a, &motion_.velocity_b})
     x->setZero(m);
   pressed_.reserve(static_cast<std::size_t>(model.rows()));
-  if (options.scheme != Scheme::impulse) springs_ = model.springs();
+  if (options.contact.scheme != Scheme::impulse) springs_ = model.springs();
   share_a_.setZero(m);
   const Vector flexibility = model.patch_flexibility(), of_a = model.patch_flexibility_of_a();
   for (Eigen::Index i = 0; i < m; ++i)
@@ -48,7 +48,7 @@ void ContactSides::displacement(double time, const Vector& q, const Vector& p, V
   a += s_a_;
   b += s_b_;
   pressed_.clear();
-  for (Eigen::Index j = 0; j < p.size() && options_.scheme != Scheme::impulse; ++j)
+  for (Eigen::Index j = 0; j < p.size() && options_.contact.scheme != Scheme::impulse; ++j)
     if (p(j) != 0) pressed_.push_back(static_cast<int>(j));
   const Matrix& R_a = model_.residual_of_a();
   for (Eigen::Index i = 0; i < a.size() && !pressed_.empty(); ++i) {
@@ -78,7 +78,7 @@ const SidesMotion& ContactSides::after(const Stepper& stepper) noexcept {
   time_ = stepper.time();
   const ModalState& state = *stepper.modal();
   displacement(time_, state.q, stepper.end_force(), motion_.displacement_a, motion_.displacement_b);
-  if (options_.scheme == Scheme::impulse) {
+  if (options_.contact.scheme == Scheme::impulse) {
     along(state.v, motion_.velocity_a, motion_.velocity_b);
     for (std::size_t d = 0; d < model_.forcing.size(); ++d) {
       const double slope = model_.forcing[d].history.slope(time_);
@@ -95,7 +95,7 @@ const SidesMotion& ContactSides::after(const Stepper& stepper) noexcept {
 }
 
 void ContactSides::pass(const Stepper& stepper) noexcept {
-  if (options_.scheme == Scheme::impulse) return;
+  if (options_.contact.scheme == Scheme::impulse) return;
   before_.time = stepper.time();
   before_.q = stepper.modal()->q;
   before_.p = stepper.end_force();

@@ -47,7 +47,7 @@ EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium,
         "these bodies have several equilibria, and this is one of them. Lower contact.friction",
         equilibrium.ambiguous, equilibrium.increments));
   if (has_stress(model)) {
-    StressPeaks stress(model, {.scheme = Scheme::at_rest}, limits);
+    StressPeaks stress(model, {.contact = {.scheme = Scheme::at_rest}}, limits);
     stress.observe(equilibrium.time, equilibrium.q, equilibrium.force);
     out.stress = stress.peaks();
     out.gauges = stress.gauge_peaks();

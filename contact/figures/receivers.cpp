@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 
 Receivers::Receivers(const Model& model, const StepOptions& options)
     : model_(model),
-      compliant_(options.scheme == Scheme::compliant),
+      compliant_(options.contact.scheme == Scheme::compliant),
       motion_(model.receivers.size()),
       acceleration_(Vector::Zero(model.omega.size())) {
   const std::optional<Turning> turning = initial_turning(model, options);

@@ -24,7 +24,7 @@ RunChecks::RunChecks(const Model& model, double step, double wave_speed, std::ve
 
 void RunChecks::observe(const Stepper& stepper, const FigureObserver& figures) {
   // Impulses are larger the shorter the step, so they are no measure of pressure, and their spectrum is flat.
-  const bool compliant = stepper.options().scheme == Scheme::compliant;
+  const bool compliant = stepper.options().contact.scheme == Scheme::compliant;
   const Vector& q = stepper.modal()->q;
   if (figures.touching()) {
     linearity_.observe(stepper, figures.before(), figures.begins());

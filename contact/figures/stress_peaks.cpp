@@ -30,7 +30,7 @@ StressPeaks::StressPeaks(const Model& model, const StepOptions& options, std::ve
   limits_.resize(model.bodies.size());
   for (std::size_t k = 0; k < model.bodies.size(); ++k)
     if (has_surface_stress(*model.bodies[k].kernel)) surface_[k].emplace(*model.bodies[k].kernel);
-  if (options.scheme != Scheme::at_rest) note(0);
+  if (options.contact.scheme != Scheme::at_rest) note(0);
 }
 
 void StressPeaks::observe(const Stepper& stepper) noexcept {

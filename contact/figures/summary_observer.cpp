@@ -46,7 +46,7 @@ void SummaryObserver::observe(const Stepper& stepper) {
   if (figures_.touching()) {
     if (slipped_.size() > 0) observe_friction(*model, stepper);
     // Impulses have a flat spectrum, which steps bound and not modes.
-    if (stepper.options().scheme == Scheme::compliant)
+    if (stepper.options().contact.scheme == Scheme::compliant)
       band_->observe(stepper.time(), stepper.force(), stepper.turning());
   }
   if (!model->receivers.empty()) {
@@ -58,7 +58,7 @@ void SummaryObserver::observe(const Stepper& stepper) {
     stress_->observe(stepper);
   }
   out_.precision = stepper.options().precision;
-  out_.rotation = stepper.options().rotation;
+  out_.rotation = stepper.options().rigid.rotation;
   observe_energy(stepper.modal()->energy());
 }
 

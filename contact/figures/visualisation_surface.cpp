@@ -30,7 +30,7 @@ VisualisationSurface::VisualisationSurface(const Model& model, int body, const S
   const Index rows = shape_.rows();
   const auto omega = model.omega.segment(body_.first_mode, body_.modes);
   while (rigid_ < omega.size() && omega(rigid_) == 0) ++rigid_;
-  if (options.scheme == Scheme::compliant && options.rotation == Rotation::linear) {
+  if (options.contact.scheme == Scheme::compliant && options.rigid.rotation == Rotation::linear) {
     const auto correction = columns_of(view_.residual_flexibility, rows);
     if (correction.cols() > 0)
       flexibility_ = -(correction * model.static_selection[body].transpose().cast<float>());

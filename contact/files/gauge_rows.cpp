@@ -17,7 +17,7 @@ GaugeRows::GaugeRows(base::hdf5::Writer& file, const Model& model, const StepOpt
     file.attribute(group, "body", model.bodies[gauge.body].name);
     file.attribute(group, "point", std::span<const double>(gauge.kernel->point));
   }
-  if (step.scheme != Scheme::at_rest) push();
+  if (step.contact.scheme != Scheme::at_rest) push();
 }
 
 void GaugeRows::push() {

@@ -40,7 +40,7 @@ double least_bytes(const MotionSource& source, const RecorderOptions& options, s
 Recorder::Recorder(const MotionSource& source, const StepOptions& step, const RecorderOptions& options)
     : source_(source),
       step_(step.step),
-      turns_(source.modes() && step.rotation == Rotation::finite),
+      turns_(source.modes() && step.rigid.rotation == Rotation::finite),
       every_(options.every),
       snapshot_every_(options.snapshot_every),
       file_(options.path) {
@@ -73,10 +73,10 @@ Recorder::Recorder(const MotionSource& source, const StepOptions& step, const Re
       if (std::ranges::count(source_.bodies(), places->bodies[k].name, &MotionSource::Body::name) > 0)
         write_place(places->bodies[k], k, options);
   }
-  if (step.scheme != Scheme::impulse || source_.modes())
+  if (step.contact.scheme != Scheme::impulse || source_.modes())
     persistency_ = &file_.rows("/contact/persistency", {}, "W");
   if (const Model* const model = source_.modes()) add_model_rows(*model, step, options);
-  if (step.scheme == Scheme::at_rest) return;
+  if (step.contact.scheme == Scheme::at_rest) return;
   time_->append(0);
   const std::optional<Turning> turning =
       source_.modes() ? initial_turning(*source_.modes(), step) : std::nullopt;
@@ -85,7 +85,7 @@ Recorder::Recorder(const MotionSource& source, const StepOptions& step, const Re
 }
 
 Recorder::Recorder(const Model& model, const RecorderOptions& options)
-    : Recorder(model, {.scheme = Scheme::at_rest}, options) {}
+    : Recorder(model, {.contact = {.scheme = Scheme::at_rest}}, options) {}
 
 void Recorder::record(const Equilibrium& equilibrium) {
   const Model& model = *source_.modes();
@@ -176,7 +176,7 @@ void Recorder::add_model_rows(const Model& model, const StepOptions& step, const
   }
   if (has_gauges(model)) gauge_rows_.emplace(file_, model, step, options.receivers_every);
   if (!model.receivers.empty()) receiver_rows_.emplace(file_, model, step, options.receivers_every);
-  if (step.scheme == Scheme::at_rest) return;
+  if (step.contact.scheme == Scheme::at_rest) return;
   energy_->append(initial_energy(model));
   if (snapshots_) {
     const std::optional<Turning> turning = initial_turning(model, step);

@@ -23,7 +23,7 @@ Records::Records(const MotionSource& source, const StepOptions& step, const Reco
   if (keeps_energy) energy_.emplace(file_);
   if (options.gauges && model && has_gauges(*model))
     gauge_rows_.emplace(file_, *model, step, options.receivers_every);
-  if (step.scheme == Scheme::at_rest) return;
+  if (step.contact.scheme == Scheme::at_rest) return;
   if (time_) time_->append(0);
   bodies_row(source_.initial_state(), 0);
   if (energy_) energy_->append(initial_energy(*model));
@@ -36,7 +36,7 @@ Records::Records(const MotionSource& source, const StepOptions& step, const Reco
 }
 
 Records::Records(const Model& model, const RecordOptions& options)
-    : Records(model, {.scheme = Scheme::at_rest},
+    : Records(model, {.contact = {.scheme = Scheme::at_rest}},
               {.force = options.force, .gauges = options.gauges, .energy = options.energy}) {}
 
 void Records::record(const Stepper& stepper) {

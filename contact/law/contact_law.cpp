@@ -44,7 +44,7 @@ void multiply(const Symmetric& A, const Vector& x, Index n, Vector& y) noexcept 
 }
 
 SolveOptions options_of(const StepOptions& options) {
-  return {.same_matrix = true, .max_pivots = options.max_pivots};
+  return {.same_matrix = true, .max_pivots = options.contact.max_pivots};
 }
 
 std::vector<int> first_rows(Index n) {
@@ -84,7 +84,7 @@ ContactLaw::ContactLaw(const Model& model, const StepOptions& options)
   contacts_ = model.points();
   gap_.setConstant(std::numeric_limits<double>::infinity());
   gap_.head(contacts_) = model.gap;
-  moves_ = options.rotation == Rotation::finite;
+  moves_ = options.rigid.rotation == Rotation::finite;
   springs_ = model.springs();
   friction_ = model.friction;
   for (std::size_t f = 0; f < friction_.size(); ++f)

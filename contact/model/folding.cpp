@@ -45,7 +45,7 @@ void fold_mode(Model& model, int k, int n) {
 
 std::shared_ptr<const Model> fold(std::shared_ptr<const Model> model, const StepOptions& options) {
   std::vector<int> modes;
-  for (int n = 0; n < model->omega.size() && options.scheme == Scheme::compliant; ++n)
+  for (int n = 0; n < model->omega.size() && options.contact.scheme == Scheme::compliant; ++n)
     if (!sampled(model->omega(n), options.step)) modes.push_back(n);
   if (modes == model->folded.modes) return model;
   assert(model->folded.modes.empty());

@@ -163,7 +163,7 @@ std::vector<FloatingBody> floating_bodies(const Model& model) {
 }
 
 std::optional<Turning> initial_turning(const Model& model, const StepOptions& options) {
-  if (options.rotation != Rotation::finite) return std::nullopt;
+  if (options.rigid.rotation != Rotation::finite) return std::nullopt;
   Turning out{.poses = {}, .frames = model, .pushed = {}, .candidate_force = {}};
   out.pushed.resize(model.bodies.size());
   for (const FloatingBody& body : floating_bodies(model)) out.poses.push_back(body.pose());

@@ -25,7 +25,7 @@ constexpr double largest_turn = 1;
 constexpr int search_every = 16;
 
 void check(const StepOptions& options) {
-  if (options.scheme != Scheme::compliant)
+  if (options.contact.scheme != Scheme::compliant)
     throw InputError(
         "motion.rotation = \"finite\": needs contact.scheme = \"compliant\". Choose it, or set \"linear\".");
 }

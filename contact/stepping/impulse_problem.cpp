@@ -13,7 +13,7 @@ constexpr double least_norm = 1e-12;
 std::shared_ptr<const Eigen::MatrixXd> admittance_of(const StepSystem& system, const StepOptions& options) {
   const Matrix& B = system.model->B;
   auto out = std::make_shared<Eigen::MatrixXd>();
-  if (options.admittance == Admittance::jump)
+  if (options.contact.admittance == Admittance::jump)
     *out = B * B.transpose();
   else
     *out = B * (system.b / options.step).asDiagonal() * B.transpose();
@@ -53,7 +53,7 @@ SolveStatus ImpulseProblem::solve(ModalState& state, const Vector& u, ContactSol
   // v̂ = B x + ṡ: the velocity at t_k, or its mean over the next step
   const Vector* x = &state.next_v;
   const Vector* rate = &now.rate;
-  if (options_.admittance == Admittance::difference) {
+  if (options_.contact.admittance == Admittance::difference) {
     next_.s = now.s;
     if (state.forcing.any()) state.forcing.interval(now.to, now.to + options_.step, next_);
     Vector& moved = state.free_motion(state.next_q, state.next_v, next_);
@@ -66,7 +66,7 @@ SolveStatus ImpulseProblem::solve(ModalState& state, const Vector& u, ContactSol
   auto sub = sub_.begin(n);
   for (Eigen::Index j = 0; j < n; ++j) {
     const int i = touching_[j];
-    rhs_(j) = (1 + options_.restitution) * (system.model->B.row(i).dot(*x) + (*rate)(i));
+    rhs_(j) = (1 + options_.contact.restitution) * (system.model->B.row(i).dot(*x) + (*rate)(i));
     for (Eigen::Index l = 0; l < n; ++l) sub(l, j) = (*A_)(touching_[l], i);
   }
   const SolveStatus status = solver.solve(sub, rhs_.head(n), solution_.head(n));

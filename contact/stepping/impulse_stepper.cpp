@@ -6,7 +6,7 @@
 namespace ricochet::contact {
 
 ImpulseStepper::ImpulseStepper(std::shared_ptr<const Model> model, const StepOptions& options)
-    : Stepper(options, model->points(), {.max_pivots = options.max_pivots}, false),
+    : Stepper(options, model->points(), {.max_pivots = options.contact.max_pivots}, false),
       state_(std::move(model), options),
       problem_(state_, options) {
   state_.displacement(contact_.force, u_);

@@ -28,8 +28,8 @@ double model_bytes(const ModelSize& size) {
 double stepper_bytes(const ModelSize& size, const StepOptions& options) {
   const auto n = static_cast<double>(size.rows), m = static_cast<double>(size.points),
              near = static_cast<double>(size.near);
-  const bool rubs = size.rows > size.points, compliant = options.scheme == Scheme::compliant;
-  const bool conserving = options.contact_step == ContactStep::conserving && size.has_residual;
+  const bool rubs = size.rows > size.points, compliant = options.contact.scheme == Scheme::compliant;
+  const bool conserving = options.contact.integration == ContactStep::conserving && size.has_residual;
   const bool blocks = compliant && options.block != 1 && size.points > 0;
   // The factor of the active set of two solvers, and with friction three more matrices of the points that
   // touch.

@@ -18,23 +18,24 @@ void check(const Model& model, const StepOptions& o) {
   if (!(o.step > 0) || !std::isfinite(o.step))
     throw InputError(
         base::format("time step = {} s: must be positive and finite. Set time.rate_hz above 0.", o.step));
-  if (o.max_pivots < 1)
-    throw InputError(base::format("contact.max_pivots = {}: must be at least 1.", o.max_pivots));
-  if (o.steps_per_sample < 1 || (o.steps_per_sample > 1 && o.scheme != Scheme::compliant))
+  if (o.contact.max_pivots < 1)
+    throw InputError(base::format("contact.max_pivots = {}: must be at least 1.", o.contact.max_pivots));
+  if (o.steps_per_sample < 1 || (o.steps_per_sample > 1 && o.contact.scheme != Scheme::compliant))
     throw InputError(base::format(
         "contact steps per sample = {}: must be at least 1, and 1 with contact.scheme = \"impulse\".",
         o.steps_per_sample));
-  if (o.scheme == Scheme::at_rest)
+  if (o.contact.scheme == Scheme::at_rest)
     throw InputError("contact.scheme = \"static\": has no steps. Choose \"compliant\" or \"impulse\".");
-  if (o.scheme != Scheme::impulse) return;
+  if (o.contact.scheme != Scheme::impulse) return;
   if (!model.friction.empty())
     throw InputError(
         "contact.friction: needs contact.scheme = \"compliant\" or \"static\". Choose one, or leave friction "
         "out.");
-  if (!(o.restitution >= 0 && o.restitution <= 1))
-    throw InputError(base::format("contact.restitution = {}: must be between 0 and 1.", o.restitution));
+  if (!(o.contact.restitution >= 0 && o.contact.restitution <= 1))
+    throw InputError(
+        base::format("contact.restitution = {}: must be between 0 and 1.", o.contact.restitution));
   const double highest = model.omega.size() > 0 ? model.omega.maxCoeff() : 0;
-  if (o.admittance == Admittance::difference && highest * o.step >= std::numbers::pi)
+  if (o.contact.admittance == Admittance::difference && highest * o.step >= std::numbers::pi)
     throw InputError(base::format(
         "contact.admittance = \"difference\": omega_max * step = {:.4g} is not below pi (highest mode {:.6g} "
         "Hz). Use a step "
@@ -56,7 +57,8 @@ void ModeConstants::set_step(Eigen::Index n, double omega, double decay, double 
 }
 
 bool conserves(const Model& model, const StepOptions& options) {
-  if (options.scheme != Scheme::compliant || options.contact_step != ContactStep::conserving) return false;
+  if (options.contact.scheme != Scheme::compliant || options.contact.integration != ContactStep::conserving)
+    return false;
   if (!model.turns) return !model.R.isZero(0);
   return !model.folded.modes.empty() || std::ranges::any_of(model.bodies, [](const Bodies::Block& body) {
     return body.kernel->surface.has_flexibility();
@@ -67,7 +69,7 @@ std::shared_ptr<const StepSystem> make_step_system(std::shared_ptr<const Model> 
                                                    const StepOptions& options) {
   const Model& model = *shared;
   check(model, options);
-  const bool compliant = options.scheme == Scheme::compliant;
+  const bool compliant = options.contact.scheme == Scheme::compliant;
   const Eigen::Index N = model.omega.size(), m = model.points();
   assert(model.turns || (model.B.rows() == model.rows() && model.B.cols() == N));
   assert(model.turns || (model.R.rows() == model.rows() && model.R.cols() == model.rows()));

@@ -61,10 +61,11 @@ void Stepper::end_contact(int active, double persistency, const SolveResidual& r
 
 std::unique_ptr<Stepper> make_stepper(std::shared_ptr<const Model> model, const StepOptions& options) {
   model = fold(std::move(model), options);
-  if (options.rotation == Rotation::finite)
+  if (options.rigid.rotation == Rotation::finite)
     return std::make_unique<FloatingStepper>(std::move(model), options);
-  if (options.scheme == Scheme::impulse) {
-    if (options.instant == Instant::exact) return std::make_unique<EventStepper>(std::move(model), options);
+  if (options.contact.scheme == Scheme::impulse) {
+    if (options.contact.instant == Instant::exact)
+      return std::make_unique<EventStepper>(std::move(model), options);
     return std::make_unique<ImpulseStepper>(std::move(model), options);
   }
   if (options.block == 1 || model->points() == 0)

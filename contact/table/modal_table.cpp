@@ -38,14 +38,14 @@ void sample_free_motion(const Model& model, const StepOptions& options, std::int
       throw SolverError(base::format("the free motion stops being finite at t = {:.6g} s", motion->time()));
     const Vector &u = motion->displacement(), rate = model.B * motion->modal()->v;
     table.free.insert(table.free.end(), u.data(), u.data() + m);
-    if (options.scheme != Scheme::compliant)
+    if (options.contact.scheme != Scheme::compliant)
       table.free_velocity.insert(table.free_velocity.end(), rate.data(), rate.data() + m);
   }
 }
 
 /// Samples L responses: S for the compliant scheme, otherwise N and Ṅ.
 void sample_responses(const Model& model, const StepOptions& options, std::int64_t L, Table& table) {
-  const bool compliant = options.scheme == Scheme::compliant;
+  const bool compliant = options.contact.scheme == Scheme::compliant;
   const Eigen::Index m = model.gap.size();
   std::vector<Series> series;
   std::vector<Eigen::Index> column;
@@ -119,7 +119,8 @@ Table table_from_modes(const Model& given, const StepOptions& options, std::int6
   const std::shared_ptr<const Model> folded = fold(borrowed(given), options);
   const Model& model = *folded;
   // A mean rate needs one more sample and one more instant.
-  const int more = options.scheme != Scheme::compliant && options.admittance == Admittance::difference;
+  const int more =
+      options.contact.scheme != Scheme::compliant && options.contact.admittance == Admittance::difference;
   Table table;
   table.step = options.step;
   table.gap = model.gap;

@@ -41,7 +41,7 @@ Eigen::MatrixXd first_sample(std::span<const double> response, Eigen::Index m) {
 SampledResponse response_of(const Table& table, const StepOptions& options) {
   const std::size_t m = table.points(), width = m * m;
   SampledResponse out;
-  if (options.scheme == Scheme::compliant) {
+  if (options.contact.scheme == Scheme::compliant) {
     out.rows = static_cast<int>(m);
     if (!table.flexibility.empty()) {
       out.values = table.flexibility;
@@ -59,7 +59,7 @@ SampledResponse response_of(const Table& table, const StepOptions& options) {
     throw InputError(
         "contact.scheme = \"impulse\": the table holds no displacement and velocity. Add them, or use "
         "\"compliant\".");
-  const std::vector<double> rate = options.admittance == Admittance::jump
+  const std::vector<double> rate = options.contact.admittance == Admittance::jump
                                        ? table.velocity
                                        : difference(table.displacement, width, table.step);
   out.rows = static_cast<int>(2 * m);
@@ -102,8 +102,10 @@ const StepOptions& checked(const StepOptions& options, const Table& table) {
   if (std::abs(options.step - table.step) > 1e-9 * table.step)
     throw InputError(base::format("time.rate_hz = {:.12g}: the table has a step of {:.12g} s. Set {:.12g}.",
                                   1 / options.step, table.step, 1 / table.step));
-  if (options.scheme == Scheme::impulse && !(options.restitution >= 0 && options.restitution <= 1))
-    throw InputError(base::format("contact.restitution = {}: must be between 0 and 1.", options.restitution));
+  if (options.contact.scheme == Scheme::impulse &&
+      !(options.contact.restitution >= 0 && options.contact.restitution <= 1))
+    throw InputError(
+        base::format("contact.restitution = {}: must be between 0 and 1.", options.contact.restitution));
   return options;
 }
 
@@ -111,8 +113,8 @@ const StepOptions& checked(const StepOptions& options, const Table& table) {
 
 TableStepper::TableStepper(const Table& table, const StepOptions& options)
     : Stepper(checked(options, table), table.points(), {},
-              options.scheme == Scheme::compliant && options.contact_step == ContactStep::conserving &&
-                  !table.residual.empty()),
+              options.contact.scheme == Scheme::compliant &&
+                  options.contact.integration == ContactStep::conserving && !table.residual.empty()),
       free_(table.free),
       free_velocity_(table.free_velocity),
       gap_(table.gap),
@@ -120,16 +122,17 @@ TableStepper::TableStepper(const Table& table, const StepOptions& options)
       // Also sets S_ and available_, which are declared before it and come from the same arrays.
       convolution_([&] {
         const SampledResponse response = response_of(table, options);
-        S_ = semidefinite(response.at_once, options.scheme == Scheme::impulse);
+        S_ = semidefinite(response.at_once, options.contact.scheme == Scheme::impulse);
         if (table.tail == Tail::none)
           available_ =
               std::ssize(response.values) / (static_cast<std::int64_t>(response.rows) * table.points());
         return Convolution(response.values, response.rows, table.points(), table.tail);
       }()) {
   const Eigen::Index m = table.points();
-  const bool impulse = options.scheme == Scheme::impulse;
+  const bool impulse = options.contact.scheme == Scheme::impulse;
   const std::size_t width = m;
-  if (impulse && !free_.empty() && (options.admittance == Admittance::difference || free_velocity_.empty()))
+  if (impulse && !free_.empty() &&
+      (options.contact.admittance == Admittance::difference || free_velocity_.empty()))
     free_velocity_ = difference(free_, width, table.step);
   if (!free_.empty()) {
     available_ = std::min(available_, std::ssize(free_) / m - 1);
@@ -167,7 +170,7 @@ void TableStepper::free_motion(std::int64_t k, Vector& u) const noexcept {
 /// Computes ũ̇_k, or its mean over the next step.
 void TableStepper::free_rate(std::int64_t k, Vector& v) const noexcept {
   if (free_.empty()) {
-    const double later = options_.admittance == Admittance::difference ? 0.5 : 0.0;
+    const double later = options_.contact.admittance == Admittance::difference ? 0.5 : 0.0;
     v = rigid_velocity_ + ((static_cast<double>(k) + later) * options_.step) * rigid_acceleration_;
   } else {
     v = Eigen::Map<const Vector>(free_velocity_.data() + k * gap_.size(), gap_.size());
@@ -180,7 +183,7 @@ StepStatus TableStepper::step() noexcept {
   free_motion(k, next_u_);
   next_force_.setZero();
   SolveStatus status = SolveStatus::solved;
-  if (options_.scheme == Scheme::compliant) {
+  if (options_.contact.scheme == Scheme::compliant) {
     law_.free = next_u_ - convolution_.history();
     law_.start = u_;
     status = law_.solve({.R = R_, .S = S_, .S_mean = S_mean_}, contact_.mean, nullptr).status;
@@ -194,7 +197,7 @@ StepStatus TableStepper::step() noexcept {
   if (!next_u_.allFinite() || !next_force_.allFinite()) return StepStatus::not_finite;
 
   convolution_.push(next_force_);
-  const bool impulse = options_.scheme == Scheme::impulse;
+  const bool impulse = options_.contact.scheme == Scheme::impulse;
   const int active = static_cast<int>(((impulse ? next_force_ : next_end_).array() > 0).count());
   if (impulse) next_force_ /= options_.step;
   const double persistency = impulse ? 0 : -next_force_.dot(next_u_ - u_) / options_.step;
@@ -217,7 +220,7 @@ SolveStatus TableStepper::impulses() noexcept {
   rate_ -= convolution_.history().tail(m);
   const Eigen::Index n = touching_.size();
   for (Eigen::Index j = 0; j < n; ++j) {
-    rhs_(j) = (1 + options_.restitution) * rate_(touching_[j]);
+    rhs_(j) = (1 + options_.contact.restitution) * rate_(touching_[j]);
     for (Eigen::Index i = 0; i < n; ++i) sub_(i, j) = S_(touching_[i], touching_[j]);
   }
   const SolveStatus status = law_.solver().solve(sub_.topLeftCorner(n, n), rhs_.head(n), solution_.head(n));

@@ -59,7 +59,10 @@ struct ContactScheme {
   Instant instant = Instant::step;                    ///< of the impulse scheme
   double restitution = 0;                             ///< e of the impulse scheme, in [0, 1]
   ContactStep integration = ContactStep::conserving;  ///< of the compliant scheme
-  int max_pivots = std::numeric_limits<int>::max();   ///< bound on the work of a step, at least 1
+  /// Bound on the work of a step, at least 1: the number of changes of the active set in its solve. Where
+  /// points have springs (contact/complementarity/patch_spring.hpp), it bounds each of at most 8 linear
+  /// problems.
+  int max_pivots = std::numeric_limits<int>::max();
   bool operator==(const ContactScheme&) const = default;
 };
 

@@ -2,26 +2,17 @@
 // The options of time stepping.
 #pragma once
 
-#include <limits>
-
 #include "ricochet/scheme.hpp"
 
 namespace ricochet {
 
 struct StepOptions {
-  Scheme scheme = Scheme::compliant;
-  Admittance admittance = Admittance::jump;
-  Instant instant = Instant::step;                     ///< of the impulse scheme
-  double restitution = 0;                              ///< e of the impulse scheme, in [0, 1]
-  ContactStep contact_step = ContactStep::conserving;  ///< of the compliant scheme
-  Rotation rotation = Rotation::linear;                ///< of free bodies; finite: of the compliant scheme
-  double step = 0;                                     ///< Δ [s]
+  ContactScheme contact{};
+  RigidBodies rigid{};  ///< finite rotations: of the compliant scheme
+  double step = 0;      ///< Δ [s]
   /// Number of contact steps Δ per output sample. In free flight, the compliant scheme jumps from sample to
   /// sample; it makes contact steps only where a point could close.
   int steps_per_sample = 1;
-  /// Bound on the work of a step: the number of changes of the active set in its solve. Where points have
-  /// springs (contact/complementarity/patch_spring.hpp), it bounds each of at most 8 linear problems.
-  int max_pivots = std::numeric_limits<int>::max();
   /// Length of a look-ahead block: the number of steps of the compliant scheme computed by one matrix
   /// product. 1 turns blocks off; 0 chooses the length from the number of points. The result is the same to
   /// round-off.

@@ -15,7 +15,7 @@ namespace {
 /// memory.
 void check_table(const Impact& impact) {
   const auto points = impact.model->gap.size();
-  const double responses = impact.options.scheme == Scheme::impulse ? 2 : 1;
+  const double responses = impact.options.contact.scheme == Scheme::impulse ? 2 : 1;
   store::check_memory(
       impact.scene,
       fmt::format("contact.kernel = \"table\": {} steps of {} x {} points", impact.steps, points, points),

@@ -112,7 +112,7 @@ Need need_of(const scene::Scene& scene, const KernelPointers& kernels, const con
   const StepOptions options = step_options(scene);
   const double model = contact::model_bytes(size);
   Need out{.now = base::resident_bytes(), .more = model + buffers};
-  if (options.scheme == Scheme::at_rest) {
+  if (options.contact.scheme == Scheme::at_rest) {
     // The static flexibility, with and without springs, and the solver; with friction, counted in runs.
     const bool rubs = size.rows > size.points;
     out.more += (rubs ? 6.0 : 3.0) * sizeof(double) * static_cast<double>(size.rows * size.rows);

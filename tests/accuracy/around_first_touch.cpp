@@ -97,7 +97,7 @@ TEST(FirstTouch, with_linear_rotations_is_that_of_the_whole_scene) {
 
   StepOptions options = store::step_options(fall.scene);
   const Outcome turning = outcome(fall.model, options, touch.until, 1);
-  options.rotation = Rotation::linear;
+  options.rigid.rotation = Rotation::linear;
   const Outcome linear = outcome(part.model, options, part.scene.time.duration, 0);
   EXPECT_GT(turning.impulse.norm(), 0.1);
   // The body has turned by 0.013 when it leaves, and its arm changes by this part, and so do results.

@@ -66,7 +66,7 @@ Blow blow(double w, double restitution) {
       build_model({{"plate", &kernel, Matrix3d::Identity(), {3, 2, 0.01}, {0, 0, -1}, {0, w, 0}}}, ground,
                   {{"plate", "floor", {}, {}, {}}}, Vector3d::Zero());
   const auto stepper =
-      make_stepper(model, {.scheme = Scheme::impulse, .restitution = restitution, .step = 1e-4});
+      make_stepper(model, {.contact = {.scheme = Scheme::impulse, .restitution = restitution}, .step = 1e-4});
   const auto spin = [&](const Vector& v) {  // about the centre, inertia 1
     return Vector3d(model.angular_momentum(0, v, 0) - model.bodies[0].centre.cross(model.momentum(0, v, 0)));
   };

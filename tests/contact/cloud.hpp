@@ -192,7 +192,7 @@ inline std::shared_ptr<Model> over_floor(const Cloud& cloud, const Drop& drop,
 }
 
 inline StepOptions stepping(double rate, Rotation rotation = Rotation::finite, int per_sample = 1) {
-  return {.rotation = rotation, .step = 1 / rate, .steps_per_sample = per_sample, .block = 1};
+  return {.rigid = {.rotation = rotation}, .step = 1 / rate, .steps_per_sample = per_sample, .block = 1};
 }
 
 }  // namespace ricochet::contact::test

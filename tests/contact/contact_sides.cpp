@@ -117,7 +117,7 @@ TEST(SideVelocities, give_the_power_and_the_displacement_of_the_steps) {
   const double step = 0.02;
   for (const ContactStep law : {ContactStep::conserving, ContactStep::backward_euler})
     for (const int block : {0, 1}) {
-      const StepOptions options{.contact_step = law, .step = step, .block = block};
+      const StepOptions options{.contact = {.integration = law}, .step = step, .block = block};
       const auto rows = rows_of(rods(striker, struck), options, 450);
       double a = rows.front().u_a, b = rows.front().u_b;
       EXPECT_NEAR(rows.front().u_a, rows.front().v_a * step, 1e-14);  // contact begins in the first step
@@ -166,7 +166,8 @@ TEST(SideVelocities, are_zero_where_a_moving_support_presses_a_bar_on_a_wall) {
 /// Equal rods share their momentum: with e = 0, the ends leave the impulse together at 1/2.
 TEST(SideVelocities, under_impulses_are_those_just_after_them) {
   const Kernel kernel = rod(12, 10);
-  const auto rows = rows_of(rods(kernel, kernel), {.scheme = Scheme::impulse, .step = 0.02}, 100);
+  const auto rows =
+      rows_of(rods(kernel, kernel), {.contact = {.scheme = Scheme::impulse}, .step = 0.02}, 100);
   ASSERT_GT(rows.size(), 50U);
   for (const Row& row : rows) {
     EXPECT_NEAR(row.v_a, 0.5, 1e-12);

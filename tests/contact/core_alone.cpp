@@ -31,8 +31,8 @@ TEST(Core, steps_a_drop_by_every_scheme_without_the_libraries_above_it) {
   for (const StepOptions& options :
        {StepOptions{.step = step}, StepOptions{.step = step, .block = 1},
         StepOptions{.step = step, .precision = Precision::float32},
-        StepOptions{.scheme = Scheme::impulse, .step = step},
-        StepOptions{.scheme = Scheme::impulse, .instant = Instant::exact, .step = step}}) {
+        StepOptions{.contact = {.scheme = Scheme::impulse}, .step = step},
+        StepOptions{.contact = {.scheme = Scheme::impulse, .instant = Instant::exact}, .step = step}}) {
     const std::unique_ptr<Stepper> stepper = make_stepper(model, options);
     for (int k = 1; k < fall; ++k) {
       ASSERT_EQ(stepper->step(), StepStatus::ok);

@@ -136,9 +136,10 @@ TEST(StepShare, is_near_the_true_error_of_the_step) {
     for (const double step : {0.2, 0.05}) {
       Estimated estimated(subject(scheme == Scheme::compliant ? 1 : 12));
       Estimator& estimator = estimated.estimator;
-      const StepOptions options{.scheme = scheme, .step = step};
-      const auto fine = impact_quantities(estimator.model(), {.scheme = scheme, .step = step / 100},
-                                          std::llround(duration / step * 100));
+      const StepOptions options{.contact = {.scheme = scheme}, .step = step};
+      const auto fine =
+          impact_quantities(estimator.model(), {.contact = {.scheme = scheme}, .step = step / 100},
+                            std::llround(duration / step * 100));
       const double error = distance(*fine, *estimator.quantities(options)),
                    share = largest(estimator.step(options));
       // A step that hardly errs, as on a spring, has a share of this size by chance.
@@ -343,7 +344,7 @@ TEST(MeshShare, is_the_distance_from_the_impact_without_the_errors_that_kernels_
   const std::vector<Kernel> exact = rods(16), coarse = detuned(1e-5);
   const Subject with{.rebuild = collision, .kernels = coarse, .duration = duration};
   // Backward Euler damps the waves of the truncated shock, which are not smooth in the frequencies.
-  const StepOptions options{.contact_step = ContactStep::backward_euler, .step = 0.01};
+  const StepOptions options{.contact = {.integration = ContactStep::backward_euler}, .step = 0.01};
   const auto run = [&](const std::vector<Kernel>& kernels) {
     return *impact_quantities(collision(kernels), options, 3000);
   };

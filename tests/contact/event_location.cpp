@@ -38,7 +38,8 @@ Model above_floor(const Kernel& kernel, double height, double speed, double grav
 }
 
 StepOptions exact(double step, double restitution = 0) {
-  return {.scheme = Scheme::impulse, .instant = Instant::exact, .restitution = restitution, .step = step};
+  return {.contact = {.scheme = Scheme::impulse, .instant = Instant::exact, .restitution = restitution},
+          .step = step};
 }
 
 // By Galilei's laws, bounce k leaves at e^k √(2gh), and the flight after it lasts twice this speed divided by
@@ -133,8 +134,8 @@ TEST(ExactInstant, leaves_no_penetration_at_the_first_touch) {
   for (const double gap : {0.0, 0.0037, 0.0999, 0.31}) {
     double deepest[2];
     for (const Instant instant : {Instant::step, Instant::exact}) {
-      const auto stepper =
-          make_stepper(rods(kernel, gap), {.scheme = Scheme::impulse, .instant = instant, .step = 0.1});
+      const auto stepper = make_stepper(
+          rods(kernel, gap), {.contact = {.scheme = Scheme::impulse, .instant = instant}, .step = 0.1});
       while (stepper->active() == 0) ASSERT_EQ(stepper->step(), StepStatus::ok);
       EXPECT_EQ(stepper->steps(), static_cast<int>(gap / 0.1) + 1);
       deepest[instant == Instant::exact] = stepper->displacement()(0) - gap;
@@ -167,7 +168,7 @@ TEST(ExactInstant, is_the_first_at_which_any_point_closes) {
     Model free = many;
     free.gap.setConstant(1e9);
     constexpr int grid = 20000;
-    const auto fine = make_stepper(free, {.scheme = Scheme::impulse, .step = step / grid});
+    const auto fine = make_stepper(free, {.contact = {.scheme = Scheme::impulse}, .step = step / grid});
     double first = step, speed = 0;
     int point = -1;
     for (int k = 1; k <= grid && point < 0; ++k) {
@@ -198,7 +199,8 @@ TEST(ExactInstant, takes_no_memory) {
   for (const Admittance admittance : {Admittance::jump, Admittance::difference}) {
     const auto stepper = make_stepper(
         rods(kernel, 0.31),
-        {.scheme = Scheme::impulse, .admittance = admittance, .instant = Instant::exact, .step = 0.1});
+        {.contact = {.scheme = Scheme::impulse, .admittance = admittance, .instant = Instant::exact},
+         .step = 0.1});
     const long before = heap_counter::calls;
     for (int k = 0; k < 300; ++k)
       if (stepper->step() != StepStatus::ok) break;

@@ -94,7 +94,7 @@ TEST(Folding, leaves_models_alone_that_are_sampled_or_struck) {
   const Kernel bar = clamped_bar(12, length), free_rod = rod(9, length / 2);
   const auto model = std::make_shared<const Model>(bar_and_rod(bar, free_rod));
   EXPECT_EQ(fold(model, {.step = 0.1}), model);
-  EXPECT_EQ(fold(model, {.scheme = Scheme::impulse, .step = 1.5}), model);
+  EXPECT_EQ(fold(model, {.contact = {.scheme = Scheme::impulse}, .step = 1.5}), model);
   const auto folded = fold(model, {.step = 1.5});
   EXPECT_NE(folded, model);
   EXPECT_EQ(fold(folded, {.step = 1.5}), folded);

@@ -114,9 +114,9 @@ void expect_motion_of_modes(const Model& model, const StepOptions& options, int 
 }
 
 std::vector<StepOptions> all_schemes(double step) {
-  return {{.scheme = Scheme::compliant, .step = step},
-          {.scheme = Scheme::impulse, .step = step},
-          {.scheme = Scheme::impulse, .instant = Instant::exact, .step = step}};
+  return {{.contact = {.scheme = Scheme::compliant}, .step = step},
+          {.contact = {.scheme = Scheme::impulse}, .step = step},
+          {.contact = {.scheme = Scheme::impulse, .instant = Instant::exact}, .step = step}};
 }
 
 TEST(Forcing, moves_modes_of_any_damping_exactly_for_any_knots) {
@@ -209,9 +209,10 @@ TEST(Ledger, closes_with_loads_and_supports_that_change_within_steps) {
   int touching = 0;
   for (unsigned seed = 1; seed <= 10; ++seed)
     for (const StepOptions& options :
-         {StepOptions{.scheme = Scheme::compliant, .step = step},
-          StepOptions{.scheme = Scheme::impulse, .restitution = 0.3, .step = step},
-          StepOptions{.scheme = Scheme::impulse, .admittance = Admittance::difference, .step = step}}) {
+         {StepOptions{.contact = {.scheme = Scheme::compliant}, .step = step},
+          StepOptions{.contact = {.scheme = Scheme::impulse, .restitution = 0.3}, .step = step},
+          StepOptions{.contact = {.scheme = Scheme::impulse, .admittance = Admittance::difference},
+          .step = step}}) {
       const auto stepper = make_stepper(busy(step, 1e-3, seed), options);
       const double start = stepper->modal()->energy().ledger();
       double size = 0, worst = 0, gain = 0;
@@ -224,7 +225,7 @@ TEST(Ledger, closes_with_loads_and_supports_that_change_within_steps) {
         touching += stepper->active() > 0;
       }
       EXPECT_LT(worst, 1e-12 * size) << seed;
-      if (options.admittance == Admittance::jump) {
+      if (options.contact.admittance == Admittance::jump) {
         EXPECT_LT(gain, 1e-12 * size) << seed;
       }
     }
@@ -298,7 +299,7 @@ TEST(Bar, whose_foot_moves_follows_the_waves) {
   const Kernel bar = clamped_bar(200, length);
   const double speed = 0.3, step = 0.07;
   const Model model = bar_at_wall(bar, 50, {{"bar", "foot", true, {speed, 0, 0}, {{0, 1000}, {0, 1000}}}});
-  const auto stepper = make_stepper(model, {.scheme = Scheme::impulse, .step = step});
+  const auto stepper = make_stepper(model, {.contact = {.scheme = Scheme::impulse}, .step = step});
   double largest = 0;
   for (int k = 1; k <= 1000; ++k) {
     ASSERT_EQ(stepper->step(), StepStatus::ok);
@@ -324,7 +325,7 @@ TEST(Bar, pressed_by_its_foot_is_a_spring) {
     for (double& decay : bar.modes.decay_rate) decay = 0.5;
     const double travel = 0.03, gap = 0.01;
     const Model model = bar_at_wall(bar, gap, {{"bar", "foot", true, {travel, 0, 0}, {{3, 40}, {0, 1}}}});
-    const auto stepper = make_stepper(model, {.scheme = Scheme::compliant, .step = 0.1});
+    const auto stepper = make_stepper(model, {.contact = {.scheme = Scheme::compliant}, .step = 0.1});
     for (int k = 0; k < 2000; ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
     EXPECT_NEAR(stepper->force()(0), (travel - gap) / length, 1e-6 * travel / length) << modes;
     EXPECT_NEAR(stepper->displacement()(0), gap, 1e-15);
@@ -343,7 +344,7 @@ TEST(Bar, stretches_by_its_load_whichever_of_its_modes_are_static) {
     for (double& decay : bar.modes.decay_rate) decay = 0.15;
     const Model model =
         bar_at_wall(bar, 100, {{"bar", "tip", false, {2, 0, 0}, {{0, 30, 31.7}, {0, 0.5, 1}}}});
-    const auto stepper = make_stepper(model, {.scheme = Scheme::compliant, .step = step});
+    const auto stepper = make_stepper(model, {.contact = {.scheme = Scheme::compliant}, .step = step});
     while (stepper->time() < 300) ASSERT_EQ(stepper->step(), StepStatus::ok);
     EXPECT_NEAR(stepper->displacement()(0), 2 * length, 1e-9) << step;
     EXPECT_EQ(stepper->modal()->modes_in_residual() > 0, step > 0.5);
@@ -437,8 +438,9 @@ TEST(Forcing, is_refused_if_the_kernel_lacks_it_or_it_jumps_or_makes_bodies_over
 #if RICOCHET_HEAP_COUNTED
 TEST(Forcing, does_not_allocate) {
   for (const Scheme scheme : {Scheme::compliant, Scheme::impulse}) {
-    const auto stepper = make_stepper(busy(0.01, 1e-3, 4),
-                                      {.scheme = scheme, .admittance = Admittance::difference, .step = 0.01});
+    const auto stepper =
+        make_stepper(busy(0.01, 1e-3, 4),
+                     {.contact = {.scheme = scheme, .admittance = Admittance::difference}, .step = 0.01});
     const long before = heap_counter::calls;
     for (int k = 0; k < 300; ++k)
       if (stepper->step() != StepStatus::ok) break;

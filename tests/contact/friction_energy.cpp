@@ -51,8 +51,8 @@ void run(std::mt19937_64& random, Found& found) {
     for (Model::FrictionPoint& point : model.friction)
       point.law = {friction, friction * uniform(random), decades(-2, 1)};
   const ContactStep kind = uniform(random) < 0.5 ? ContactStep::conserving : ContactStep::backward_euler;
-  const auto stepper =
-      make_stepper(model, {.contact_step = kind, .step = step, .block = uniform(random) < 0.5 ? 1 : 0});
+  const auto stepper = make_stepper(
+      model, {.contact = {.integration = kind}, .step = step, .block = uniform(random) < 0.5 ? 1 : 0});
   const double start = 0.5 * model.v0.squaredNorm();
   double before = 0;
   for (int k = 0; k < 40; ++k, ++found.steps) {

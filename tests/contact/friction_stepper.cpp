@@ -21,7 +21,7 @@ constexpr double pi = std::numbers::pi;
 
 std::unique_ptr<Stepper> steps_of(const Model& model, double step, int block = 1,
                                   ContactStep kind = ContactStep::conserving) {
-  return make_stepper(model, {.contact_step = kind, .step = step, .block = block});
+  return make_stepper(model, {.contact = {.integration = kind}, .step = step, .block = block});
 }
 
 void advance(Stepper& stepper) { ASSERT_EQ(stepper.step(), StepStatus::ok); }
@@ -299,7 +299,7 @@ TEST(Blocks, with_friction_give_the_forces_of_single_steps) {
 
 TEST(Friction, is_refused_with_impulses) {
   const Model model = pressed(1, {0.3, 0.3, 0}, 1, 1e-6);
-  EXPECT_THROW(make_stepper(model, {.scheme = Scheme::impulse, .step = 1e-3}), InputError);
+  EXPECT_THROW(make_stepper(model, {.contact = {.scheme = Scheme::impulse}, .step = 1e-3}), InputError);
 }
 
 // A clone continues bitwise, sliding speeds and heats of slips included.

@@ -18,8 +18,8 @@ TEST(Impulse, returns_a_rigid_body_with_the_restitution_asked_for) {
     Model model = dropped(1, 1, 0.05);
     model.load.setZero();
     model.v0(0) = 3 * std::sqrt(mass);
-    const auto stepper =
-        make_stepper(model, {.scheme = Scheme::impulse, .restitution = restitution, .step = 0.01});
+    const auto stepper = make_stepper(
+        model, {.contact = {.scheme = Scheme::impulse, .restitution = restitution}, .step = 0.01});
     double impulse = 0;
     for (int k = 0; k < 10; ++k) {
       ASSERT_EQ(stepper->step(), StepStatus::ok);
@@ -37,7 +37,7 @@ TEST(Impulse, meets_the_obstacle_at_the_step_that_reaches_it_to_round_off) {
     Model model = dropped(1, 1, 0.01 * steps);
     model.load.setZero();
     model.v0(0) = std::sqrt(mass);
-    const auto stepper = make_stepper(model, {.scheme = Scheme::impulse, .step = 0.01});
+    const auto stepper = make_stepper(model, {.contact = {.scheme = Scheme::impulse}, .step = 0.01});
     for (int k = 0; k < steps - 1; ++k) stepper->step();
     EXPECT_EQ(stepper->active(), 0) << steps;
     stepper->step();
@@ -51,7 +51,7 @@ TEST(Impulse, is_shared_evenly_by_points_that_are_alike) {
   Model model = dropped(1, 5, 0.01);
   model.load.setZero();
   model.v0(0) = std::sqrt(mass);
-  const auto stepper = make_stepper(model, {.scheme = Scheme::impulse, .step = 0.02});
+  const auto stepper = make_stepper(model, {.contact = {.scheme = Scheme::impulse}, .step = 0.02});
   ASSERT_EQ(stepper->step(), StepStatus::ok);
   for (int i = 0; i < 5; ++i) EXPECT_NEAR(stepper->force()(i) * 0.02, mass / 5, 1e-3 * mass / 5);
   EXPECT_NEAR(stepper->force().sum() * 0.02, mass, 1e-11);
@@ -60,7 +60,7 @@ TEST(Impulse, is_shared_evenly_by_points_that_are_alike) {
 TEST(Impulse, never_gains_energy_and_stops_every_touching_point_with_more_points_than_modes) {
   for (int trial = 0; trial < 30; ++trial) {
     Model model = dropped(4, 12, 1e-3, static_cast<unsigned>(trial));
-    const auto stepper = make_stepper(model, {.scheme = Scheme::impulse, .step = 1e-4});
+    const auto stepper = make_stepper(model, {.contact = {.scheme = Scheme::impulse}, .step = 1e-4});
     double before = stepper->modal()->energy().total();
     int touching = 0;
     for (int k = 0; k < 2000; ++k) {

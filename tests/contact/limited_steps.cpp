@@ -50,7 +50,7 @@ TEST(LimitedStep, never_gains_energy_though_points_are_let_in) {
   for (int trial = 0; trial < 120; ++trial) {
     const Model model = flying(random, 4 + trial % 20);
     for (const double step : {1e-5, 1e-4, 1e-3}) {
-      const auto stepper = make_stepper(model, {.step = step, .max_pivots = 1 + trial % 3});
+      const auto stepper = make_stepper(model, {.contact = {.max_pivots = 1 + trial % 3}, .step = step});
       double size = stepper->modal()->energy().total();
       for (int k = 0; k < 400; ++k) {
         ASSERT_EQ(stepper->step(), StepStatus::ok);
@@ -71,7 +71,7 @@ TEST(LimitedStep, lets_no_point_in_deeper_once_the_forces_are_found) {
   int steps_after = 0;
   for (int trial = 0; trial < 60; ++trial) {
     const Model model = flying(random, 12);
-    const auto stepper = make_stepper(model, {.step = 1e-4, .max_pivots = 2});
+    const auto stepper = make_stepper(model, {.contact = {.max_pivots = 2}, .step = 1e-4});
     for (int k = 0; k < 400; ++k) {
       const Vector before = stepper->displacement().cwiseMax(model.gap);
       const auto limited = stepper->solver().limited;
@@ -102,7 +102,7 @@ Model on_six_points(double R) {
 TEST(LimitedStep, ends_without_penetration_after_the_bodies_have_parted) {
   Model model = on_six_points(1e-6);
   model.v0(0) = 1;  // returns 0.2 s after each bounce on R
-  const auto stepper = make_stepper(model, {.step = 1e-4, .max_pivots = 5});
+  const auto stepper = make_stepper(model, {.contact = {.max_pivots = 5}, .step = 1e-4});
   int limited = 0;
   bool parted = false;
   for (int k = 0; k < 4000; ++k) {
@@ -124,7 +124,7 @@ TEST(LimitedStep, ends_without_penetration_after_the_bodies_have_parted) {
 TEST(LimitedStep, rests_as_deep_as_it_was_left) {
   Model model = on_six_points(1e-4);
   model.decay(0) = 200;
-  const auto stepper = make_stepper(model, {.step = 1e-4, .max_pivots = 5});
+  const auto stepper = make_stepper(model, {.contact = {.max_pivots = 5}, .step = 1e-4});
   ASSERT_EQ(stepper->step(), StepStatus::ok);
   ASSERT_EQ(stepper->solver().limited, 1);
   const double depth = stepper->displacement().maxCoeff();
@@ -142,7 +142,7 @@ TEST(LimitedStep, reports_how_deep_it_let_a_point_in) {
   int seen = 0;
   for (int trial = 0; trial < 60; ++trial) {
     const Model model = flying(random, 15);
-    const auto stepper = make_stepper(model, {.step = 1e-4, .max_pivots = 2});
+    const auto stepper = make_stepper(model, {.contact = {.max_pivots = 2}, .step = 1e-4});
     for (int k = 0; k < 100; ++k) {
       ASSERT_EQ(stepper->step(), StepStatus::ok);
       if (stepper->solver().limited == 0)
@@ -163,7 +163,8 @@ TEST(LimitedStep, never_gains_energy_by_impulses_either) {
   for (int trial = 0; trial < 60; ++trial) {
     const Model model = flying(random, 15);
     const auto stepper = make_stepper(
-        model, {.scheme = Scheme::impulse, .restitution = 0.4 * (trial % 3), .step = 1e-4, .max_pivots = 2});
+        model, {.contact = {.scheme = Scheme::impulse, .restitution = 0.4 * (trial % 3), .max_pivots = 2},
+                .step = 1e-4});
     double before = stepper->modal()->energy().total(), size = before;
     for (int k = 0; k < 400; ++k) {
       ASSERT_EQ(stepper->step(), StepStatus::ok);
@@ -181,8 +182,8 @@ TEST(LimitedStep, is_the_plain_one_where_the_limit_is_not_met) {
   std::mt19937 random(5);
   for (const Scheme scheme : {Scheme::compliant, Scheme::impulse}) {
     const Model model = flying(random, 12);
-    const auto plain = make_stepper(model, {.scheme = scheme, .step = 1e-4});
-    const auto wide = make_stepper(model, {.scheme = scheme, .step = 1e-4, .max_pivots = 1000});
+    const auto plain = make_stepper(model, {.contact = {.scheme = scheme}, .step = 1e-4});
+    const auto wide = make_stepper(model, {.contact = {.scheme = scheme, .max_pivots = 1000}, .step = 1e-4});
     for (int k = 0; k < 2000; ++k) {
       ASSERT_EQ(plain->step(), StepStatus::ok);
       ASSERT_EQ(wide->step(), StepStatus::ok);
@@ -197,7 +198,8 @@ TEST(LimitedStep, is_the_plain_one_where_the_limit_is_not_met) {
 TEST(LimitedStep, needs_a_pivot_at_least) {
   std::mt19937 random(6);
   const Model model = flying(random, 3);
-  EXPECT_EQ(ricochet::test::complaint_of([&] { make_stepper(model, {.step = 1e-4, .max_pivots = 0}); }),
+  EXPECT_EQ(ricochet::test::complaint_of(
+                [&] { make_stepper(model, {.contact = {.max_pivots = 0}, .step = 1e-4}); }),
             "contact.max_pivots = 0: must be at least 1.");
 }
 
@@ -205,7 +207,7 @@ TEST(LimitedStep, needs_a_pivot_at_least) {
 TEST(LimitedStep, takes_no_memory) {
   std::mt19937 random(7);
   const Model model = flying(random, 40);
-  const auto stepper = make_stepper(model, {.step = 1e-4, .max_pivots = 2});
+  const auto stepper = make_stepper(model, {.contact = {.max_pivots = 2}, .step = 1e-4});
   const long before = heap_counter::calls;
   for (int k = 0; k < 10000; ++k)
     if (stepper->step() != StepStatus::ok) break;

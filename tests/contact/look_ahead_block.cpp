@@ -183,8 +183,8 @@ TEST(Blocks, give_those_of_two_plates_that_stay_in_contact) {
   const Model model = benchmarks::plates(6, 5, 80);
   for (const auto& [law, steps] :
        {std::pair{ContactStep::conserving, 512}, {ContactStep::backward_euler, 4096}}) {
-    const Difference difference =
-        compare(model, {.contact_step = law, .step = step, .block = 16, .every_state = false}, steps);
+    const Difference difference = compare(
+        model, {.contact = {.integration = law}, .step = step, .block = 16, .every_state = false}, steps);
     EXPECT_LT(difference.force, 1e-7);
     EXPECT_LT(difference.motion, 1e-7);
     EXPECT_GT(difference.touches, steps / 3);

@@ -29,7 +29,7 @@ std::vector<std::string> warnings_of(const ricochet::MaterialLimits& limits,
   const Kernel kernel = *plate({.modes = 1, .points = 3});
   const Model model = plate_on_floor(kernel, 1e-3, 0);
   constexpr double step = 1e-6;
-  const auto stepper = make_stepper(model, {.scheme = scheme, .step = step});
+  const auto stepper = make_stepper(model, {.contact = {.scheme = scheme}, .step = step});
   SummaryObserver observer(model, step, 0, {limits});
   while (stepper->time() < 3e-3) {
     EXPECT_EQ(stepper->step(), StepStatus::ok);

@@ -46,7 +46,7 @@ ForcingRequest tip(double force, const History& history) {
 TEST(Receiver, of_a_bar_whose_foot_moves_sees_the_waves_pass) {
   const Kernel bar = clamped_bar(200, length);
   const double speed = 0.3, step = 0.07, x = length / 2;
-  const StepOptions options{.scheme = Scheme::impulse, .step = step};
+  const StepOptions options{.contact = {.scheme = Scheme::impulse}, .step = step};
   const Model model = upright(bar, 100, {foot(speed, {{0, 1000}, {0, 1000}})});
   const auto stepper = make_stepper(model, options);
   Receivers receivers(model, options);
@@ -81,7 +81,7 @@ TEST(Receiver, sees_the_static_displacement_of_all_forces_and_supports) {
     const Kernel bar = damped_bar(20, 0.3);
     const Model model =
         upright(bar, gap, {tip(force, {{0, 7.3}, {0, 1}}), foot(travel, {{2, 11}, {0, 1}})}, weight);
-    const StepOptions options{.scheme = Scheme::compliant, .step = step};
+    const StepOptions options{.contact = {.scheme = Scheme::compliant}, .step = step};
     const auto folded = fold(borrowed(model), options);
     const auto stepper = make_stepper(folded, options);
     Receivers receivers(*folded, options);

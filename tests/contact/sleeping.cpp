@@ -40,9 +40,10 @@ Meeting over_floor(const Cloud& box, const std::vector<PlacedBody>& bodies) {
 }
 
 std::unique_ptr<Stepper> stepper_of(const Meeting& scene) {
-  return make_stepper(
-      meet(scene),
-      {.scheme = Scheme::compliant, .rotation = Rotation::finite, .step = 1 / 44100.0, .block = 1});
+  return make_stepper(meet(scene), {.contact = {.scheme = Scheme::compliant},
+                                    .rigid = {.rotation = Rotation::finite},
+                                    .step = 1 / 44100.0,
+                                    .block = 1});
 }
 
 double weight_on(const Stepper& stepper, const Model& model, std::size_t pair) {

@@ -307,9 +307,9 @@ TEST(Springs, never_add_energy_at_any_step) {
     Model near = model;
     for (double& gap : near.gap) gap *= 1000 * step;
     const ContactStep kind = run % 2 == 0 ? ContactStep::conserving : ContactStep::backward_euler;
-    StepOptions options{.contact_step = kind, .step = step, .block = run % 5 == 0 ? 1 : 0};
+    StepOptions options{.contact = {.integration = kind}, .step = step, .block = run % 5 == 0 ? 1 : 0};
     const bool stops = run % 4 == 3;
-    if (stops) options.max_pivots = 1 + run % 3;
+    if (stops) options.contact.max_pivots = 1 + run % 3;
     const auto stepper = make_stepper(near, options);
     const double start = 0.5 * near.v0.squaredNorm();
     const auto springs = near.springs();
@@ -417,7 +417,8 @@ TEST(Springs, do_not_act_under_impulses_which_meet_at_the_mean_gap) {
   model.gap(0) = 0.4;
   model.R(0, 0) = 1;
   model.bulge = Vector::Constant(1, 0.2);
-  const auto stepper = make_stepper(model, {.scheme = Scheme::impulse, .restitution = 1, .step = 1e-3});
+  const auto stepper =
+      make_stepper(model, {.contact = {.scheme = Scheme::impulse, .restitution = 1}, .step = 1e-3});
   while (stepper->active() == 0 && stepper->time() < 1) ASSERT_EQ(stepper->step(), StepStatus::ok);
   EXPECT_NEAR(stepper->time(), 0.6, 2e-3);
 }

@@ -71,7 +71,7 @@ TEST(SupportedBody, hangs_at_rest_under_gravity) {
     EXPECT_LT(moved, 1e-9 * sag) << step;
     EXPECT_LT(drift, 1e-12) << step;
   }
-  EXPECT_LT(motion(model, {.scheme = Scheme::impulse, .step = 1e-3}, sag).first, 1e-9 * sag);
+  EXPECT_LT(motion(model, {.contact = {.scheme = Scheme::impulse}, .step = 1e-3}, sag).first, 1e-9 * sag);
 }
 
 TEST(SupportedBody, hangs_at_rest_under_loads_that_always_acted) {
@@ -132,7 +132,7 @@ TEST(Summary, relates_losses_to_the_energy_above_the_start_at_rest) {
   const Model model = build_model(
       {{"bar", &hanging}, {"rod", &falling, Matrix3d::Identity(), {1.7 + gap, 0.4, 0}, {-1, 0, 0}}}, {},
       {{"bar", "rod", Vector3d(1, 0, 0), {}, {}}}, Vector3d(g, 0, 0));
-  const StepOptions options{.scheme = Scheme::impulse, .restitution = 0, .step = 1e-3};
+  const StepOptions options{.contact = {.scheme = Scheme::impulse, .restitution = 0}, .step = 1e-3};
   const auto stepper = make_stepper(model, options);
   SummaryObserver observer(model, options.step, 0);
   for (int k = 0; k < 500; ++k) {

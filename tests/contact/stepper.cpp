@@ -49,13 +49,13 @@ TEST(Ledger, closes_over_a_hundred_thousand_steps_of_a_bouncing_damped_body) {
   Model model = dropped(12, 3, 1e-3);
   add_damping(model, 0.002, 0.05);
   for (const double step : {1 / 44100.0, 1e-4})
-    EXPECT_LT(ledger_error(model, {.scheme = Scheme::compliant, .step = step}, 100000), 1e-10);
+    EXPECT_LT(ledger_error(model, {.contact = {.scheme = Scheme::compliant}, .step = step}, 100000), 1e-10);
   for (const Admittance admittance : {Admittance::jump, Admittance::difference})
     EXPECT_LT(
-        ledger_error(
-            model,
-            {.scheme = Scheme::impulse, .admittance = admittance, .restitution = 0.5, .step = 1 / 44100.0},
-            100000),
+        ledger_error(model,
+                     {.contact = {.scheme = Scheme::impulse, .admittance = admittance, .restitution = 0.5},
+                      .step = 1 / 44100.0},
+                     100000),
         1e-10);
 }
 
@@ -63,7 +63,8 @@ TEST(Ledger, closes_for_modes_damped_below_at_and_above_critical) {
   for (const double ratio : {0.3, 0.95, 1.0, 1.05, 4.0}) {
     Model model = dropped(8, 2, 1e-3);
     add_damping(model, ratio, 0);
-    EXPECT_LT(ledger_error(model, {.scheme = Scheme::compliant, .step = 1e-4}, 20000), 1e-11) << ratio;
+    EXPECT_LT(ledger_error(model, {.contact = {.scheme = Scheme::compliant}, .step = 1e-4}, 20000), 1e-11)
+        << ratio;
   }
 }
 
@@ -104,9 +105,9 @@ void expect_energy_bound(ContactStep law) {
       // Premise of the theorem: no overlap at the start, including the
       // static displacement of modes moved into R.
       model.gap = model.gap.cwiseMax(
-          make_stepper(model, {.scheme = Scheme::compliant, .step = step})->displacement());
+          make_stepper(model, {.contact = {.scheme = Scheme::compliant}, .step = step})->displacement());
       const auto stepper =
-          make_stepper(model, {.scheme = Scheme::compliant, .contact_step = law, .step = step});
+          make_stepper(model, {.contact = {.scheme = Scheme::compliant, .integration = law}, .step = step});
       // The solver satisfies u ≤ g to the round-off of its largest term, size_u, and the energy is
       // accurate to λ times this round-off. The prediction of a look-ahead block sums the
       // responses to all forces of the block.
@@ -153,7 +154,7 @@ TEST(Compliant, contact_never_puts_energy_in_by_conserving_steps_and_points_neve
 TEST(Compliant, reports_the_displacement_and_force_of_its_own_state) {
   Model model = dropped(12, 3, 1e-4);
   model.static_displacement << 1e-6, -2e-6, 0;
-  const auto stepper = make_stepper(model, {.scheme = Scheme::compliant, .step = 1 / 44100.0});
+  const auto stepper = make_stepper(model, {.contact = {.scheme = Scheme::compliant}, .step = 1 / 44100.0});
   int touching = 0;
   for (int k = 0; k < 2000; ++k) {
     ASSERT_EQ(stepper->step(), StepStatus::ok);
@@ -179,7 +180,7 @@ TEST(Compliant, conserving_steps_let_a_body_rebound_from_a_spring) {
     model.R(0, 0) = R;
     double rebound[2] = {}, peak = 0, touch = 0;
     for (const ContactStep law : {ContactStep::conserving, ContactStep::backward_euler}) {
-      const auto stepper = make_stepper(model, {.contact_step = law, .step = duration / 25});
+      const auto stepper = make_stepper(model, {.contact = {.integration = law}, .step = duration / 25});
       for (int k = 0; k < 40; ++k) {
         ASSERT_EQ(stepper->step(), StepStatus::ok);
         if (law == ContactStep::backward_euler) continue;
@@ -200,7 +201,7 @@ TEST(Compliant, carries_the_weight_of_a_body_at_rest) {
   Model model = dropped(12, 3, 0);
   model.R = 1e-7 * Matrix::Identity(3, 3);
   add_damping(model, 0.05, 0);
-  const auto stepper = make_stepper(model, {.scheme = Scheme::compliant, .step = 1e-4});
+  const auto stepper = make_stepper(model, {.contact = {.scheme = Scheme::compliant}, .step = 1e-4});
   for (int k = 0; k < 50000; ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
   EXPECT_NEAR(stepper->force().sum(), mass * gravity,
               1e-6);  // modes at 300 rad/s and ζ = 0.05 are at rest after 5 s
@@ -223,8 +224,8 @@ TEST(Compliant, moves_modes_that_a_step_cannot_sample_into_the_residual) {
   for (Vector* x : {&by_hand.omega, &by_hand.decay, &by_hand.load, &by_hand.q0, &by_hand.v0})
     x->conservativeResize(kept);
   by_hand.B = Matrix(by_hand.B.leftCols(kept));
-  const auto one = make_stepper(whole, {.scheme = Scheme::compliant, .step = step});
-  const auto other = make_stepper(by_hand, {.scheme = Scheme::compliant, .step = step});
+  const auto one = make_stepper(whole, {.contact = {.scheme = Scheme::compliant}, .step = step});
+  const auto other = make_stepper(by_hand, {.contact = {.scheme = Scheme::compliant}, .step = step});
   EXPECT_EQ(one->modal()->modes_in_residual(), 10);
   EXPECT_EQ(other->modal()->modes_in_residual(), 0);
   int touching = 0;
@@ -245,7 +246,7 @@ TEST(Compliant, refuses_a_body_squeezed_into_less_than_its_room_and_keeps_its_st
   model.B << 1, -1;
   model.gap.setConstant(-1);
   model.v0(0) = 1;
-  const auto stepper = make_stepper(model, {.scheme = Scheme::compliant, .step = 0.1});
+  const auto stepper = make_stepper(model, {.contact = {.scheme = Scheme::compliant}, .step = 0.1});
   EXPECT_EQ(stepper->step(), StepStatus::no_solution);
   EXPECT_EQ(stepper->steps(), 0);
   EXPECT_EQ(stepper->modal()->q(0), 0);
@@ -256,7 +257,7 @@ TEST(Stepper, reports_what_is_not_a_number) {
   for (const Scheme scheme : {Scheme::compliant, Scheme::impulse}) {
     Model model = dropped(3, 1, 1);
     model.load(2) = std::numeric_limits<double>::quiet_NaN();
-    const auto stepper = make_stepper(model, {.scheme = scheme, .step = 1e-4});
+    const auto stepper = make_stepper(model, {.contact = {.scheme = scheme}, .step = 1e-4});
     EXPECT_EQ(stepper->step(), StepStatus::not_finite);
     EXPECT_EQ(stepper->steps(), 0);
   }
@@ -265,10 +266,10 @@ TEST(Stepper, reports_what_is_not_a_number) {
 // Contact problems do not contain a mode that moves no point; only its energy shows that it is not finite.
 TEST(Stepper, reports_what_is_not_a_number_in_a_mode_that_moves_no_point) {
   const std::vector<StepOptions> schemes{
-      {.scheme = Scheme::compliant, .step = 1e-4, .block = 1},
-      {.scheme = Scheme::compliant, .step = 1e-4},
-      {.scheme = Scheme::impulse, .step = 1e-4},
-      {.scheme = Scheme::impulse, .instant = Instant::exact, .step = 1e-4}};
+      {.contact = {.scheme = Scheme::compliant}, .step = 1e-4, .block = 1},
+      {.contact = {.scheme = Scheme::compliant}, .step = 1e-4},
+      {.contact = {.scheme = Scheme::impulse}, .step = 1e-4},
+      {.contact = {.scheme = Scheme::impulse, .instant = Instant::exact}, .step = 1e-4}};
   const auto status = [](const Model& model, const StepOptions& options) {
     const auto stepper = make_stepper(model, options);
     const StepStatus first = stepper->step();
@@ -294,7 +295,7 @@ TEST(Stepper, power_through_the_contact_sums_to_the_energy_it_takes) {
   for (const Scheme scheme : {Scheme::compliant, Scheme::impulse}) {
     Model model = dropped(12, 3, 1e-3);
     if (scheme == Scheme::compliant) model.R.setZero();  // with R, u̇ includes the motion of the residual
-    const auto stepper = make_stepper(model, {.scheme = scheme, .step = 1e-4});
+    const auto stepper = make_stepper(model, {.contact = {.scheme = scheme}, .step = 1e-4});
     double sum = 0;
     for (int k = 0; k < 3000; ++k) {
       ASSERT_EQ(stepper->step(), StepStatus::ok);
@@ -316,18 +317,21 @@ std::string complaint(const Model& model, const StepOptions& options) {
 
 TEST(Stepper, refuses_in_one_line_what_it_cannot_step) {
   const Model model = dropped(3, 1, 1);  // highest mode 600 rad/s = 95.493 Hz; π/600 = 0.005236 s
-  const std::string difference =
-      complaint(model, {.scheme = Scheme::impulse, .admittance = Admittance::difference, .step = 0.01});
+  const std::string difference = complaint(
+      model, {.contact = {.scheme = Scheme::impulse, .admittance = Admittance::difference}, .step = 0.01});
   for (const char* part : {"difference", "omega_max * step = 6", "95.493 Hz", "below 0.005236 s", "jump"})
     EXPECT_NE(difference.find(part), std::string::npos) << part << " in: " << difference;
   EXPECT_EQ(difference.find('\n'), std::string::npos);
-  EXPECT_EQ(
-      complaint(model, {.scheme = Scheme::impulse, .admittance = Admittance::difference, .step = 0.0052}),
-      "");
-  EXPECT_EQ(complaint(model, {.scheme = Scheme::impulse, .admittance = Admittance::jump, .step = 0.01}), "");
-  EXPECT_NE(complaint(model, {.scheme = Scheme::impulse, .restitution = 1.5, .step = 0.001}).find("1.5"),
+  EXPECT_EQ(complaint(model, {.contact = {.scheme = Scheme::impulse, .admittance = Admittance::difference},
+                              .step = 0.0052}),
+            "");
+  EXPECT_EQ(complaint(model,
+                      {.contact = {.scheme = Scheme::impulse, .admittance = Admittance::jump}, .step = 0.01}),
+            "");
+  EXPECT_NE(complaint(model, {.contact = {.scheme = Scheme::impulse, .restitution = 1.5}, .step = 0.001})
+                .find("1.5"),
             std::string::npos);
-  EXPECT_NE(complaint(model, {.scheme = Scheme::compliant, .step = 0}).find("time step = 0 s"),
+  EXPECT_NE(complaint(model, {.contact = {.scheme = Scheme::compliant}, .step = 0}).find("time step = 0 s"),
             std::string::npos);
 }
 
@@ -343,9 +347,10 @@ TEST(Stepper, takes_no_memory_in_ten_thousand_steps) {
   add_damping(model, 0.01, 0);
   const double step = 1 / 44100.0;
   for (const StepOptions& options :
-       {StepOptions{.scheme = Scheme::compliant, .step = step},
-        StepOptions{.scheme = Scheme::impulse, .step = step},
-        StepOptions{.scheme = Scheme::impulse, .admittance = Admittance::difference, .step = step}}) {
+       {StepOptions{.contact = {.scheme = Scheme::compliant}, .step = step},
+        StepOptions{.contact = {.scheme = Scheme::impulse}, .step = step},
+        StepOptions{.contact = {.scheme = Scheme::impulse, .admittance = Admittance::difference},
+        .step = step}}) {
     const auto stepper = make_stepper(model, options);
     int touching = 0;
     const long before = heap_counter::calls;

@@ -36,7 +36,8 @@ Model rods(const Kernel& kernel, double gap) {
 Summary run(const Model& model, double duration, double wave_speed = 0, double restitution = -1,
             double dt = step) {
   StepOptions options{.step = dt};
-  if (restitution >= 0) options = {.scheme = Scheme::impulse, .restitution = restitution, .step = dt};
+  if (restitution >= 0)
+    options = {.contact = {.scheme = Scheme::impulse, .restitution = restitution}, .step = dt};
   const auto stepper = make_stepper(model, options);
   SummaryObserver observer(model, dt, wave_speed);
   for (long k = std::lround(duration / dt); k > 0; --k) {

@@ -33,9 +33,10 @@ struct Named {
   StepOptions options;
 };
 const std::vector<Named> laws = {
-    {"compliant", {.scheme = Scheme::compliant, .step = step}},
-    {"jump", {.scheme = Scheme::impulse, .admittance = Admittance::jump, .step = step}},
-    {"difference", {.scheme = Scheme::impulse, .admittance = Admittance::difference, .step = step}}};
+    {"compliant", {.contact = {.scheme = Scheme::compliant}, .step = step}},
+    {"jump", {.contact = {.scheme = Scheme::impulse, .admittance = Admittance::jump}, .step = step}},
+    {"difference",
+     {.contact = {.scheme = Scheme::impulse, .admittance = Admittance::difference}, .step = step}}};
 
 // 1e-11: round-off of sums of 2000 terms, for lengths up to 30.
 TEST(AnalyticRods, move_as_the_waves_do_under_either_scheme) {
@@ -44,7 +45,7 @@ TEST(AnalyticRods, move_as_the_waves_do_under_either_scheme) {
     SCOPED_TRACE(name);
     TableStepper rod(rods(gap, 3002), options);
     // λ of `compliant` acts over the step before its instant; P of `impulse` represents the step after it.
-    const double shift = options.scheme == Scheme::impulse ? 0.5 : -0.5;
+    const double shift = options.contact.scheme == Scheme::impulse ? 0.5 : -0.5;
     for (std::int64_t k = 1; k <= 3000; ++k) {
       ASSERT_EQ(rod.step(), StepStatus::ok);
       ASSERT_NEAR(rod.displacement()(0), exact_displacement(gap, rod.time()), 1e-11) << k;
@@ -61,7 +62,7 @@ TEST(AnalyticRods, move_as_the_waves_do_under_either_scheme) {
 TEST(AnalyticRods, that_touch_at_the_start_are_late_by_a_step_under_impulse_alone) {
   for (const auto& [name, options] : laws) {
     SCOPED_TRACE(name);
-    const double late = options.scheme == Scheme::impulse ? step : 0;
+    const double late = options.contact.scheme == Scheme::impulse ? step : 0;
     TableStepper rod(rods(0, 3002), options);
     for (std::int64_t k = 1; k <= 3000; ++k) {
       ASSERT_EQ(rod.step(), StepStatus::ok);
@@ -80,7 +81,7 @@ TEST(AnalyticRods, may_be_given_their_free_motion_by_samples) {
     validate(sampled, "rods");
     TableStepper rod(sampled, options), reference(rods(1, 3002), options);
     // a rate is the difference of two samples and uses up one of them
-    EXPECT_EQ(rod.available(), options.scheme == Scheme::impulse ? 3000 : 3001);
+    EXPECT_EQ(rod.available(), options.contact.scheme == Scheme::impulse ? 3000 : 3001);
     while (rod.step() == StepStatus::ok) {
       ASSERT_EQ(reference.step(), StepStatus::ok);
       ASSERT_NEAR(rod.displacement()(0), reference.displacement()(0), 1e-11);
@@ -129,7 +130,7 @@ TEST(RigidTable, rests_under_its_weight) {
   for (const auto& [name, options] : laws) {
     SCOPED_TRACE(name);
     TableStepper stepper(table, options);
-    const bool creeps = std::string(name) == "jump", late = options.scheme == Scheme::impulse;
+    const bool creeps = std::string(name) == "jump", late = options.contact.scheme == Scheme::impulse;
     for (int k = 1; k <= 500; ++k) {
       ASSERT_EQ(stepper.step(), StepStatus::ok);
       const double fall = 0.5 * g * step * step, place = creeps ? k * fall : late ? fall : 0;
@@ -172,11 +173,12 @@ TEST(ModalTable, gives_what_modal_stepping_gives_under_both_schemes) {
       for (const auto& [name, law] : laws) {
         StepOptions options = law;
         options.step = dt;
-        if (options.admittance == Admittance::difference && dt > 5e-4) continue;  // both refuse this step
+        if (options.contact.admittance == Admittance::difference && dt > 5e-4)
+          continue;  // both refuse this step
         SCOPED_TRACE(testing::Message() << name << " ratio " << ratio << " step " << dt);
         const Model model = lively(2, ratio);
         // Without damping by backward Euler, contact by coarse steps soon amplifies round-off.
-        const std::int64_t steps = options.scheme == Scheme::compliant && dt > 5e-4 ? 400 : 4000;
+        const std::int64_t steps = options.contact.scheme == Scheme::compliant && dt > 5e-4 ? 400 : 4000;
         const auto modal = make_stepper(model, options);
         TableStepper table(table_from_modes(model, options, steps), options);
         EXPECT_EQ(table.available(), steps);
@@ -198,7 +200,7 @@ TEST(ModalTable, gives_what_modal_stepping_gives_under_both_schemes) {
         EXPECT_LT(touches, steps - 10);
         EXPECT_LT(force_error, 1e-9 * force);
         EXPECT_LT(place_error, 1e-9 * place);
-        if (options.scheme == Scheme::compliant) {
+        if (options.contact.scheme == Scheme::compliant) {
           EXPECT_LT(power_error, 1e-8 * power);
         }
         EXPECT_EQ(table.step(), StepStatus::table_ended);
@@ -241,7 +243,7 @@ TEST(ModalTable, is_integrated_to_second_order_where_no_flexibility_is_given) {
   model.v0(0) = 1;
   const auto flexibility = [&](double dt, bool sampled) {  // S/Δ over 3 ms
     const std::int64_t steps = std::lround(0.003 / dt);
-    const StepOptions options{.step = dt}, impulse{.scheme = Scheme::impulse, .step = dt};
+    const StepOptions options{.step = dt}, impulse{.contact = {.scheme = Scheme::impulse}, .step = dt};
     TableStepper stepper(table_from_modes(model, sampled ? impulse : options, steps + sampled), options);
     EXPECT_EQ(stepper.available(), steps);
     Vector out(steps);
@@ -263,12 +265,12 @@ TEST(ModalTable, is_integrated_to_second_order_where_no_flexibility_is_given) {
 }
 
 TEST(TableStepper, refuses_what_the_scheme_cannot_do_with_the_table) {
-  const StepOptions compliant{.step = step}, impulse{.scheme = Scheme::impulse, .step = step};
+  const StepOptions compliant{.step = step}, impulse{.contact = {.scheme = Scheme::impulse}, .step = step};
   const auto said = [](const Table& table, const StepOptions& options) {
     return complaint_of([&] { TableStepper(table, options); });
   };
   EXPECT_THAT(said(rods(0, 40), {.step = 1 / 44100.0}), HasSubstr("time.rate_hz = 44100"));
-  EXPECT_THAT(said(rods(0, 40), {.scheme = Scheme::impulse, .restitution = 2, .step = step}),
+  EXPECT_THAT(said(rods(0, 40), {.contact = {.scheme = Scheme::impulse, .restitution = 2}, .step = step}),
               HasSubstr("restitution = 2"));
   Table table = rods(0, 40);
   table.displacement.clear();

@@ -53,7 +53,8 @@ Table sample(unsigned parts) {
 
 void step(const Table& table, ricochet::Scheme scheme, ricochet::Admittance admittance) {
   accepts([&] {
-    contact::TableStepper stepper(table, {.scheme = scheme, .admittance = admittance, .step = table.step});
+    contact::TableStepper stepper(
+        table, {.contact = {.scheme = scheme, .admittance = admittance}, .step = table.step});
     for (int k = 0; k < 4; ++k) stepper.step();
   });
 }
