@@ -8,6 +8,9 @@ namespace ricochet::contact {
 /// A new set of kept points includes those that could close after this many times the budgeted changes, so
 /// that the set lasts.
 constexpr double provision = 1.5;
+/// A new set is chosen after this many blocks in a row with a surplus of more than one point in `few_of`:
+/// what the surplus has cost by then is about what the matrices of another set cost.
+constexpr int patience = 16, few_of = 16;
 
 template <class T>
 LookAheadBlock<T>::LookAheadBlock(std::shared_ptr<const BlockSystem<T>> system, bool forcing)
@@ -152,15 +155,19 @@ void LookAheadBlock<T>::choose_kept(ContactLaw& law, const MeanForce& mean) noex
   else
     screening_.bound_by_energy(*system_, motion_, forcing_, held_);
   predict_kept(1);
-  std::size_t needed = 0, covered = 0, contacts = 0;
-  for (int i = 0; i < system_->contacts; ++i) needed += must_keep(i, 1) ? 1 : 0;
+  std::size_t needed = 0, wanted = 0, covered = 0, contacts = 0;
+  for (int i = 0; i < system_->contacts; ++i) {
+    needed += must_keep(i, 1) ? 1 : 0;
+    wanted += must_keep(i, provision) ? 1 : 0;
+  }
   for (int i : kept_.gathered()) {
     if (i >= system_->contacts) continue;
     ++contacts;
     covered += must_keep(i, 1) ? 1 : 0;
   }
-  // A few surplus points cost less than a new matrix.
-  const bool reuse = needed > 0 && covered == needed && contacts <= 2 * needed + 8;
+  // A few surplus points cost less than a new matrix, for some blocks.
+  surplus_ = contacts > wanted + wanted / few_of ? surplus_ + 1 : 0;
+  const bool reuse = needed > 0 && covered == needed && contacts <= 2 * needed + 8 && surplus_ < patience;
   kept_.clear();
   if (reuse) {
     rows_.clear();
@@ -169,6 +176,7 @@ void LookAheadBlock<T>::choose_kept(ContactLaw& law, const MeanForce& mean) noex
     predict(rows_);
     for (int i : kept_.gathered()) keep(i, mean);
   } else if (needed > 0) {
+    surplus_ = 0;
     predict_kept(provision);
     keep_contacts(provision, mean);
   }

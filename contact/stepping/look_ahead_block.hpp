@@ -73,7 +73,7 @@ class LookAheadBlock {
 
   void archive(auto& a) {
     a(forcing_, changes_, motion_, prediction_, screening_, taken_, advanced_, has_force_, largest_change_);
-    a(touching_, work_, in_residual_);
+    a(touching_, work_, in_residual_, surplus_);
     held_.archive(a, *system_);
     kept_.archive(a, *system_);
     if (!a.reads() || a.failed()) return;
@@ -111,6 +111,7 @@ class LookAheadBlock {
   Vector largest_change_;        ///< by position: of λ̄ and of λ⁺ from λ̂ in this step
   std::vector<int> changed_;     ///< positions with λ̄ ≠ λ̂ in this step
   std::vector<T> change_;        ///< λ̄ − λ̂ of changed_
+  int surplus_ = 0;              ///< blocks in a row that keep more points than they want
   int touching_ = 0;
   double work_ = 0, in_residual_ = 0;
 };

@@ -323,6 +323,40 @@ TEST(Blocks, that_are_taken_back_start_again_as_new_ones) {
   }
 }
 
+// Contact that has become smaller leaves points in the matrices that no block needs. They are dropped after
+// some blocks, so that a block which once kept many points keeps as few as one that never did.
+TEST(Blocks, drop_points_that_have_gone_away) {
+  constexpr int points = 40, length = 8, blocks = 40;
+  const Model model = dropped(60, points, 0, 3);
+  const StepOptions options{.step = step, .block = 1};
+  const auto stepper = make_stepper(model, options);
+  const auto system = std::make_shared<const BlockSystem<double>>(make_step_system(borrowed(model), options),
+                                                                  length, options.step);
+  const ContactLaw law(model, options);
+  Vector force = Vector::Zero(points);
+  const auto run_blocks = [&](LookAheadBlock<double>& block, int count) {
+    for (int k = 0; k < count; ++k) run(block, law, *stepper, length, force);
+    return block.kept();
+  };
+  while (stepper->active() == 0) ASSERT_EQ(stepper->step(), StepStatus::ok);
+  LookAheadBlock<double> ahead(system, false);
+  const int many = run_blocks(ahead, 2);
+  int few = points;
+  // More than half: with fewer, a block chooses its points anew at once.
+  for (int k = 0; k < 400 && !(few < many * 3 / 4 && few > many * 3 / 5); ++k) {
+    ASSERT_EQ(stepper->step(), StepStatus::ok);
+    LookAheadBlock<double> fresh(system, false);
+    few = run_blocks(fresh, 3);
+  }
+  LookAheadBlock<double> fresh(system, false);
+  few = run_blocks(fresh, blocks);
+  ASSERT_GT(few, many / 2);
+  ASSERT_LT(few, many * 3 / 4);
+  EXPECT_EQ(run_blocks(ahead, 2), many);
+  EXPECT_LE(run_blocks(ahead, blocks), few + few / 16);
+  EXPECT_GE(ahead.kept(), few);
+}
+
 // Many points far apart: their matrices are computed when points come into sight, within a step, which must
 // not allocate. 1e-8: impacts amplify round-off by 1e4 to 1e5 over these steps; the sums of a processor with
 // AVX2 lead to 2.5e-9, and those of others to less.
