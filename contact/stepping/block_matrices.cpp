@@ -39,11 +39,9 @@ BlockMatrices<T>::BlockMatrices(const StepSystem& system, int steps, double step
   sum_.assign((length_ + 1) * width_, 0.0);
   lag_ = base::Reserved<T>(n * length_ * width_);
   M_ = base::Reserved<double>(n * width_);
-  residual_ = base::Reserved<T>(n * width_);
   for (base::Reserved<float>* x : {&influence_, &flexibility_}) *x = base::Reserved<float>(n * width_);
   constexpr std::size_t screening = 2 * sizeof(float);
-  if (static_cast<double>(n * width_ * (sizeof(T) * (length_ + 1) + screening + sizeof(double))) > at_once)
-    return;
+  if (static_cast<double>(n * width_ * (sizeof(T) * length_ + screening + sizeof(double))) > at_once) return;
   for (const int row : all_) need(row);
 }
 
@@ -75,14 +73,12 @@ void BlockMatrices<T>::need(int row) noexcept {
   };
   append(influence_);
   append(flexibility_);
-  append(residual_);
   for (std::size_t i = 0; i < all_.size(); ++i) {
     const double R = model_.R(row, static_cast<Eigen::Index>(i));
     double most = std::abs(sum_[i]) + std::abs(R);
     for (std::size_t d = 1; d < length_; ++d) most = std::max(most, std::abs(sum_[d * width_ + i]));
     influence_[p * width_ + i] = rounded_up(most);
     flexibility_[p * width_ + i] = static_cast<float>(sum_[length_ * width_ + i] + R);
-    residual_[p * width_ + i] = static_cast<T>(R);
   }
   place_[row] = static_cast<int>(p);
 }

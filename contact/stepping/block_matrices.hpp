@@ -43,8 +43,6 @@ class BlockMatrices {
   const float* influence() const { return influence_.data(); }
   /// (places, width) over all rows: R + Σ B Bᵀ/ω² of elastic modes.
   const float* flexibility() const { return flexibility_.data(); }
-  /// (places, width) over all rows: R.
-  const T* residual() const { return residual_.data(); }
 
  private:
   const Model& model_;
@@ -56,7 +54,7 @@ class BlockMatrices {
   std::vector<int> rows_;                ///< by place
   std::vector<int> place_;               ///< of each row, or −1
   base::AlignedVector<double> x_, sum_;  ///< (L + 1, modes), (L + 1, width) scratch
-  base::Reserved<T> lag_, residual_;
+  base::Reserved<T> lag_;
   base::Reserved<float> influence_, flexibility_;
   base::Reserved<double> M_;
 };

@@ -40,10 +40,9 @@ void BlockForcing::set_response(int l, const Vector& q, const Vector& v, const V
 template <class T>
 BlockForce<T>::BlockForce(const BlockSystem<T>& system)
     : force(Vector::Zero(system.points)),
-      yielded(force),
       on_modes(system.modes),
       on_rigid(system.rigid.size()),
-      sum_(std::max(system.modes, system.width)) {
+      sum_(system.modes) {
   for (std::vector<int>* x : {&rows, &places}) x->reserve(system.points);
   factor_.reserve(system.points);
 }
@@ -64,15 +63,18 @@ void BlockForce<T>::set(const BlockSystem<T>& system, const Vector& mean) noexce
   system.loops->combine(system.modes, system.B.data(), system.modes, rows.data(), rows.size(), factor_.data(),
                         sum_.data());
   std::copy_n(sum_.begin(), system.modes, on_modes.begin());
-  if (system.yields) {
-    system.loops->combine(system.width, system.matrices->residual(), system.width, places.data(),
-                          places.size(), factor_.data(), sum_.data());
-    std::copy_n(sum_.begin(), system.points, yielded.begin());
-  }
   for (std::size_t r = 0; r < on_rigid.size(); ++r) {
     on_rigid[r] = 0;
     for (int j : rows) on_rigid[r] += force(j) * system.rigid_B(j, r);
   }
+}
+
+template <class T>
+double BlockForce<T>::yielded(const BlockSystem<T>& system, int row) const noexcept {
+  double sum = 0;
+  if (system.yields)
+    for (const int j : rows) sum += system.plain->model->R(row, j) * force(j);
+  return sum;
 }
 
 template <class T>

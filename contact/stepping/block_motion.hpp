@@ -56,15 +56,16 @@ struct BlockForce {
 
   /// Computes the matrices of the rows that carry it. @param mean  (n)
   void set(const BlockSystem<T>& system, const Vector& mean) noexcept;
+  /// R λ̂ at a row [m].
+  double yielded(const BlockSystem<T>& system, int row) const noexcept;
 
   Vector force;                          ///< (n) λ̂
-  Vector yielded;                        ///< (n) R λ̂
   base::AlignedVector<double> on_modes;  ///< (modes) Bᵀ λ̂ on elastic modes
   std::vector<double> on_rigid;          ///< (rigid) the same on rigid modes
   std::vector<int> rows, places;         ///< with λ̂ ≠ 0; of them in the matrices
 
   void archive(auto& a, const BlockSystem<T>& system) {
-    a(force, yielded, on_modes, on_rigid, rows);
+    a(force, on_modes, on_rigid, rows);
     if (!a.reads() || a.failed()) return;
     places.clear();
     for (const int row : rows) {

@@ -27,8 +27,9 @@ void PointPrediction<T>::add(const BlockSystem<T>& system, const BlockMotion<T>&
   for (int i : rows) {
     has_[i] = 1;
     if (!system.rigid.empty()) rigid_.noalias() = motion.rigid() * system.rigid_B.row(i).transpose();
+    const double yielded = held.yielded(system, i);
     for (int l = 1; l <= system.length; ++l)
-      u_[(l - 1) * width_ + i] = forcing.s(l, i) + rigid_(l - 1) - held.yielded(i);
+      u_[(l - 1) * width_ + i] = forcing.s(l, i) + rigid_(l - 1) - yielded;
   }
   system.loops->displacement(system.modes, system.B.data(), rows.data(), rows.size(), motion.predicted(),
                              system.length, u_.data(), width_);

@@ -48,9 +48,9 @@ double stepper_bytes(const ModelSize& size, const StepOptions& options) {
   const auto length = static_cast<double>(look_ahead_length(options, size.rows));
   const auto width = static_cast<double>(simd::padded(static_cast<std::size_t>(size.rows), simd::point_pad)),
              modes = static_cast<double>(simd::padded(static_cast<std::size_t>(size.modes)));
-  // B twice; of the rows that may touch, the lags and M, and the influence, flexibility and R on all rows.
+  // B twice; of the rows that may touch, the lags and M, and the influence and flexibility on all rows.
   const auto of_rows = [&](double rows) {
-    return rows * ((T * length + number) * rows + (T + 2 * sizeof(float)) * width);
+    return rows * ((T * length + number) * rows + 2 * sizeof(float) * width);
   };
   const double all = of_rows(width),
                block = n * modes * (T + number) + (all > matrices_at_once ? of_rows(near) : all);
