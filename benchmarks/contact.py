@@ -3,6 +3,7 @@
 
     scripts/bench contact            # multiples of real time at 44.1 kHz, medians of 5 rounds
     scripts/bench contact --worst    # percentiles of the time of one step and of 64, over a million steps
+    scripts/bench contact --least    # least CPU times, comparable while other programs run
     scripts/bench contact --turning  # steps of bodies that turn, and their flight
 
 The scene is two plates with modes in closed form, pressed together (benchmarks/plates.hpp), and with
@@ -32,6 +33,13 @@ def add_arguments(parser):
         metavar="STEPS",
         help="print percentiles over so many steps instead (default: 1000000)",
     )
+    parser.add_argument(
+        "--least",
+        nargs="?",
+        const="",
+        metavar="NAME",
+        help="print least and median CPU times instead, of scenes whose name contains NAME",
+    )
     parser.add_argument("--turning", action="store_true", help="measure bodies that turn instead")
     parser.add_argument("--rounds", type=int, default=5, help="runs of each, in random order (default: 5)")
 
@@ -41,6 +49,9 @@ def run(options):
     program = programs.BIN / "bench_contact"
     if options.worst:
         programs.call([program, "--worst", options.worst])
+        return
+    if options.least is not None:
+        programs.call([program, "--least", options.least])
         return
     if options.turning:
         programs.call([program, "--turning", options.rounds])
