@@ -76,12 +76,12 @@ std::string text(const char* s, const char* what) { return &given(s, what); }
 std::optional<double> number(const double* x) { return x ? std::optional(*x) : std::nullopt; }
 
 /// @param setting  what is set, for the message
-ricochet::Obstacle& half_space_of(ricochet_scene* scene, const char* name, const char* setting) {
+ricochet::Obstacle& obstacle_of(ricochet_scene* scene, const char* name, const char* setting) {
   auto& obstacles = given(scene, "scene").scene.obstacles;
-  const auto found = std::ranges::find(obstacles, text(name, "half_space"), &ricochet::Obstacle::name);
+  const auto found = std::ranges::find(obstacles, text(name, "obstacle"), &ricochet::Obstacle::name);
   if (found == obstacles.end())
     throw InputError(std::string(setting) + ": \"" + name +
-                     "\" is not a half-space of the scene. Add it with ricochet_scene_half_space first.");
+                     "\" is not an obstacle of the scene. Add it first.");
   return *found;
 }
 
@@ -216,17 +216,23 @@ int ricochet_scene_friction(ricochet_scene* scene, double static_coefficient, do
   });
 }
 
-int ricochet_scene_half_space_velocity(ricochet_scene* scene, const char* half_space,
-                                       const double* velocity) {
-  return checked([&] { half_space_of(scene, half_space, "velocity").velocity = vector_or_zero(velocity); });
+int ricochet_scene_obstacle_velocity(ricochet_scene* scene, const char* obstacle, const double* velocity,
+                                     const double* angular_velocity) {
+  return checked([&] {
+    ricochet::Obstacle& moved = obstacle_of(scene, obstacle, "velocity");
+    moved.velocity = vector_or_zero(velocity);
+    moved.angular_velocity = vector_or_zero(angular_velocity);
+  });
 }
 
-int ricochet_scene_half_space_slide(ricochet_scene* scene, const char* half_space, const double* along,
-                                    const double* time, const double* factor, size_t count) {
+int ricochet_scene_obstacle_motion(ricochet_scene* scene, const char* obstacle, const double* shift,
+                                   const double* turn_deg, const double* time, const double* factor,
+                                   size_t count) {
   return checked([&] {
-    ricochet::Obstacle& moved = half_space_of(scene, half_space, "slide");
-    if (count > 0 && (!time || !factor)) throw InputError("slide: time or factor is NULL. Give both.");
-    moved.slides.push_back({vector(along, "along"), {time, time + count}, {factor, factor + count}});
+    ricochet::Obstacle& moved = obstacle_of(scene, obstacle, "motion");
+    if (count > 0 && (!time || !factor)) throw InputError("motion: time or factor is NULL. Give both.");
+    moved.slides.push_back(
+        {vector_or_zero(shift), {time, time + count}, {factor, factor + count}, vector_or_zero(turn_deg)});
   });
 }
 

@@ -6,9 +6,11 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 
 #include "base/rotation.hpp"
+#include "contact/model/forcing.hpp"
 #include "contact/pairing/rigid_surface.hpp"
 
 namespace ricochet {
@@ -152,8 +154,6 @@ contact::Obstacle placed(const Obstacle& obstacle) {
     out.normal = unit(obstacle.normal, where + ".normal");
     return out;
   }
-  if (obstacle.velocity != Vector3{} || !obstacle.slides.empty())
-    throw InputError(where + ": only half-spaces move along their surface. Leave velocity and slides out.");
   out.surface = std::make_shared<const contact::WorldSurface>(surface_of(obstacle, where));
   out.rotation = rotation_by(obstacle.rotate_deg, where);
   return out;
@@ -277,7 +277,7 @@ contact::Model model_of(const Scene& scene, const contact::Placement& placement)
   for (const Body& body : scene.bodies) arrivals.push_back(body.arrival);
   contact::refuse_early_contact(model, arrivals);
   if (scene.scheme == Scheme::impulse) contact::use_mean_gaps(model);
-  add_belts(scene, model);
+  drive_obstacles(scene, model);
   return model;
 }
 
@@ -288,25 +288,68 @@ contact::Model model_of(const Scene& scene) {
   return model;
 }
 
-void add_belts(const Scene& scene, contact::Model& model) {
+namespace {
+
+/// The component along the normal of a half-space; exactly 0 if it is round-off.
+double along_normal(const Vector3d& normal, const Vector3d& vector) {
+  const double along = normal.dot(vector);
+  return std::abs(along) > 1e-9 * vector.norm() ? along : 0;
+}
+
+/// All motions of an obstacle, in the order of the scene.
+std::vector<contact::DrivenMotion::Part> motions_of(const Obstacle& obstacle, bool with_velocity,
+                                                    const std::string& where) {
   constexpr double forever = 1e9;  // [s]
+  std::vector<contact::DrivenMotion::Part> out;
+  const Vector3d velocity = finite(obstacle.velocity, where + ".velocity"),
+                 spin = finite(obstacle.angular_velocity, where + ".angular_velocity");
+  if (with_velocity && !(velocity.isZero(0) && spin.isZero(0)))
+    out.push_back({velocity, spin, {{0, forever}, {0, forever}}});
+  for (std::size_t k = 0; k < obstacle.slides.size(); ++k) {
+    const std::string slide = fmt::format("{}.slides[{}]", where, k);
+    const Slide& one = obstacle.slides[k];
+    out.push_back({finite(one.vector, slide + ".vector"),
+                   std::numbers::pi / 180 * finite(one.turn_deg, slide + ".turn_deg"),
+                   history_of(one, slide)});
+  }
+  return out;
+}
+
+/// Throws InputError if turns have different axes, since they would not add up.
+void refuse_axes(const std::vector<contact::DrivenMotion::Part>& motions, const std::string& where) {
+  Vector3d axis = Vector3d::Zero();
+  for (const contact::DrivenMotion::Part& one : motions) {
+    if (one.turn.isZero(0)) continue;
+    if (axis.isZero(0)) axis = one.turn.normalized();
+    if (axis.cross(one.turn).norm() > 1e-9 * one.turn.norm())
+      throw InputError(where + ": it turns about two axes. Give all its turns the same one.");
+  }
+}
+
+}  // namespace
+
+void drive_obstacles(const Scene& scene, contact::Model& model) {
   for (const Obstacle& obstacle : scene.obstacles) {
-    if (obstacle.shape != Shape::half_space) continue;
     const std::string where = "obstacles." + obstacle.name;
-    const Vector3d velocity = finite(obstacle.velocity, where + ".velocity"),
-                   normal = unit(obstacle.normal, where + ".normal");
-    if (std::abs(normal.dot(velocity)) > 1e-9 * velocity.norm())
-      throw InputError(fmt::format(
-          "{}.velocity = [{:.6g}, {:.6g}, {:.6g}]: has the component {:.6g} m/s along the normal. Leave it "
-          "out, because a half-space moves along its surface.",
-          where, velocity.x(), velocity.y(), velocity.z(), normal.dot(velocity)));
-    if (!velocity.isZero(0) && scene.scheme != Scheme::at_rest)
-      contact::add_belt(model, obstacle.name, velocity, {{0, forever}, {0, forever}});
-    for (std::size_t k = 0; k < obstacle.slides.size(); ++k) {
-      const std::string slide = fmt::format("{}.slides[{}]", where, k);
-      contact::add_belt(model, obstacle.name, finite(obstacle.slides[k].vector, slide + ".vector"),
-                        history_of(obstacle.slides[k], slide));
+    const bool flat = obstacle.shape == Shape::half_space;
+    const auto motions = motions_of(obstacle, scene.scheme != Scheme::at_rest, where);
+    refuse_axes(motions, where);
+    const Vector3d normal = flat ? unit(obstacle.normal, where + ".normal") : Vector3d(Vector3d::Zero());
+    contact::DrivenMotion driven;
+    for (const contact::DrivenMotion::Part& one : motions) {
+      if (flat && !one.turn.isZero(0))
+        throw InputError(where + ": a half-space does not turn. Give a box that is large enough.");
+      if (flat) contact::add_belt(model, obstacle.name, one.shift, one.history);
+      if (flat && along_normal(normal, one.shift) == 0) continue;
+      if (const double start = one.history.at(0); start != 0)
+        throw InputError(
+            fmt::format("{}: its factor at t = 0 is {:.6g}, so it would not begin at its point. Begin "
+                        "with a factor of 0, and move the point.",
+                        where, start));
+      driven.parts.push_back(one);
     }
+    if (!driven.parts.empty())
+      contact::drive_obstacle(model, obstacle.name, finite(obstacle.point, where + ".point"), driven);
   }
 }
 

@@ -37,7 +37,7 @@ contact::PlacedBody placed_body(const std::string& name, const SharedKernel& ker
                                 const BodyMotion& motion);
 
 /// Sets half-spaces in motion: as model_of does.
-void add_belts(const Scene& scene, contact::Model& model);
+void drive_obstacles(const Scene& scene, contact::Model& model);
 
 /// No value if the pair is frictionless. Throws InputError for coefficients out of range.
 /// @param where  the pair, for messages

@@ -87,7 +87,7 @@ void Simulation::Impl::take_place(int body, const contact::PlacedBody& added,
 std::unique_ptr<Simulation::Impl> Simulation::Impl::changed(const std::vector<int>& kept,
                                                             const contact::Placement* added) const {
   contact::ChangedModel change = contact::change(model, kept, added);
-  add_belts(scene, change.model);
+  drive_obstacles(scene, change.model);
   const StepOptions options = step_options(scene);
   const auto next = contact::fold(std::make_shared<const contact::Model>(std::move(change.model)), options);
   std::vector<std::size_t> pairs;
@@ -154,6 +154,13 @@ std::size_t Simulation::add(const std::string& name, const SharedKernel& kernel,
         fmt::format("bodies.{}: the name is taken. Bodies and obstacles need names of their own.", name));
   if (std::ranges::count(impl_->kernels, kernel) == 0 && kernel)
     kernels::validate(*kernel, "bodies." + name + ".kernel");
+  for (const contact::Model::PairBlock& pair : impl_->model.pairs)
+    if (pair.driven && pair.driven->moves(0, time()))
+      throw InputError(
+          fmt::format("add: obstacles.{} has moved, and whether a body overlaps it is known at its first "
+                      "place alone. Add "
+                      "bodies before it moves.",
+                      pair.obstacle));
   const contact::PlacedBody added = placed_body(name, kernel, motion);
   const auto rubs = friction_of(impl_->scene, friction, "bodies." + name);
   if (rubs && is_rod(kernel->surface)) throw InputError(friction_on_rod(name));

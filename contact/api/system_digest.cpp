@@ -34,8 +34,9 @@ void add_members(Digest& digest, const Friction& x) {
   for (const double value : {at_rest, sliding, stribeck}) digest.add(value);
 }
 void add_members(Digest& digest, const Slide& x) {
-  const auto& [vector, time, factor] = x;
+  const auto& [vector, time, factor, turn_deg] = x;
   add(digest, vector);
+  add(digest, turn_deg);
   add(digest, time);
   add(digest, factor);
 }
@@ -57,9 +58,10 @@ void add_members(Digest& digest, const SurfaceMesh& x) {
 }
 void add_members(Digest& digest, const Obstacle& x) {
   const auto& [name, point, normal, velocity, slides, shape, side, rotate_deg, radius, radius_small, length,
-               size, mesh] = x;
+               size, mesh, angular_velocity] = x;
   add(digest, name);
-  for (const Vector3& vector : {point, normal, velocity, rotate_deg, size}) add(digest, vector);
+  for (const Vector3& vector : {point, normal, velocity, rotate_deg, size, angular_velocity})
+    add(digest, vector);
   add(digest, slides);
   add(digest, shape);
   add(digest, side);

@@ -2,6 +2,7 @@
 // Loads, moving supports and receivers, from the kernel of each body to the stacked model.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/format.hpp"
 #include "contact/model/forcing.hpp"
@@ -143,6 +144,63 @@ void add_receivers(Model& model, int k) {
     }
     model.receivers.push_back(std::move(out));
   }
+}
+
+namespace {
+
+/// A motion like that of a support, which no body has.
+void drive_rows(Model& model, const std::string& obstacle, const Vector3d& about,
+                const DrivenMotion::Part& part) {
+  const double turn = part.turn.norm() * part.history.peak(0, part.history.time.back());
+  if (turn > most_driven_turn)
+    throw InputError(base::format(
+        "obstacles.{}: it turns by {:.3g} degrees, and with linear rotations points keep their pairs, which "
+        "hold for 1. Set motion.rotation = \"finite\", or turn it less.",
+        obstacle, turn * 180 / std::numbers::pi));
+  Model::Forcing out{.name = obstacle,
+                     .body = -1,
+                     .support = true,
+                     .entry = -1,
+                     .history = part.history,
+                     .force = Vector(0),
+                     .lift = Vector(0),
+                     .displacement = Vector::Zero(model.rows()),
+                     .displacement_a = Vector::Zero(model.rows())};
+  for (const Model::PairBlock& pair : model.pairs) {
+    if (pair.obstacle != obstacle) continue;
+    for (int i = 0; i < pair.points; ++i) {
+      const Eigen::Index row = pair.first_point + i;
+      const Vector3d moved =
+          part.shift + part.turn.cross(Vector3d(model.point_b.row(row).transpose()) - about);
+      out.displacement(row) = -model.normal.row(row).dot(moved);
+      if (pair.first_tangential < 0 || pair.is_half_space()) continue;
+      const Eigen::Index tangential = pair.first_tangential + 2 * i;
+      out.displacement.segment<2>(tangential) =
+          -model.tangent.middleRows<2>(tangential - model.points()) * moved;
+    }
+  }
+  model.forcing.push_back(std::move(out));
+  for (Model::Receiver& receiver : model.receivers) {
+    receiver.forcing.conservativeResize(3, std::ssize(model.forcing));
+    receiver.forcing.rightCols<1>().setZero();
+  }
+}
+
+}  // namespace
+
+void drive_obstacle(Model& model, const std::string& obstacle, const Vector3d& about,
+                    const DrivenMotion& motion) {
+  for (Model::PairBlock& pair : model.pairs) {
+    if (pair.obstacle != obstacle) continue;
+    DrivenMotion driven = motion;
+    if (pair.is_half_space()) {
+      const Vector3d normal = model.normal.row(pair.first_point);
+      for (DrivenMotion::Part& part : driven.parts) part.shift = normal.dot(part.shift) * normal;
+    }
+    pair.driven = std::make_shared<const DrivenMotion>(std::move(driven));
+  }
+  for (const DrivenMotion::Part& part : motion.parts)
+    if (!model.turns) drive_rows(model, obstacle, about, part);
 }
 
 void refuse_overlap(const Model& model) {

@@ -3,6 +3,9 @@
 // recorded.
 #pragma once
 
+#include <numbers>
+#include <string>
+
 #include "contact/model/model.hpp"
 
 namespace ricochet::contact {
@@ -18,6 +21,15 @@ Eigen::Vector3d response(const std::vector<double>& residual, const Model::Forci
 /// Adds the forcing of body k; the model must already contain the block of this body and its columns of B.
 /// Throws InputError if the kernel has no such load or motion, or if a support would jump.
 void add_forcing(Model& model, int k, const std::vector<ForcingRequest>& forcing);
+
+/// Sets an obstacle in motion, whose origin is `about` [m] at t = 0; half-spaces along their normals alone.
+/// With linear rotations, the points keep their pairs, and the motion acts like that of a support: throws
+/// InputError if it turns by more than `most_driven_turn`. The model must already contain its receivers.
+void drive_obstacle(Model& model, const std::string& obstacle, const Eigen::Vector3d& about,
+                    const DrivenMotion& motion);
+
+/// Largest turn of an obstacle with linear rotations [rad].
+inline constexpr double most_driven_turn = std::numbers::pi / 180;
 
 /// Throws InputError if supports that are displaced at t = 0 make bodies overlap.
 void refuse_overlap(const Model& model);

@@ -304,12 +304,6 @@ void add_belt(Rows& rows, const std::string& obstacle, const Vector3d& vector, H
   Rows::Belt belt{obstacle, Vector::Zero(rows.rows()), std::move(history)};
   for (const Rows::PairBlock& pair : rows.pairs) {
     if (pair.obstacle != obstacle || pair.first_tangential < 0) continue;
-    const Vector3d normal = rows.normal.row(pair.first_point);
-    if (std::abs(normal.dot(vector)) > 1e-9 * vector.norm())
-      throw InputError(base::format(
-          "obstacles.{}: it moves by [{:.6g}, {:.6g}, {:.6g}], which is not along its surface. Leave out the "
-          "part along its normal [{:.6g}, {:.6g}, {:.6g}].",
-          obstacle, vector.x(), vector.y(), vector.z(), -normal.x(), -normal.y(), -normal.z()));
     belt.slide.segment(pair.first_tangential, 2 * pair.points) =
         rows.tangent.middleRows(pair.first_tangential - rows.points(), 2 * pair.points) * vector;
   }

@@ -13,6 +13,7 @@
 
 #include "contact/bodies/bodies.hpp"
 #include "contact/pairing/placement.hpp"
+#include "contact/rows/driven_motion.hpp"
 #include "contact/rows/history.hpp"
 
 namespace ricochet::contact {
@@ -72,8 +73,10 @@ struct Rows : RowFrames {
     std::optional<double> reach;              ///< [m] set if points beyond it were dropped
     std::string obstacle{};                   ///< its name, if b = −1
     std::shared_ptr<const Obstacle> solid{};  ///< the obstacle, unless it is a half-space
-    int first_tangential = -1;                ///< with friction: the first of the 2 · points tangential rows
-    double initial_gap = 0;                   ///< g of the closest pair [m]
+    /// Of the obstacle, and of a half-space along its normal alone; null if it does not move.
+    std::shared_ptr<const DrivenMotion> driven{};
+    int first_tangential = -1;  ///< with friction: the first of the 2 · points tangential rows
+    double initial_gap = 0;     ///< g of the closest pair [m]
     /// Of bodies that turn: the first points are candidates of a, the next ones candidates of b. Then come
     /// points for creases that cross, and the last ones are for summits of curved surfaces.
     int candidates_of_a = 0, candidates_of_b = 0, summits = 0;
@@ -114,9 +117,9 @@ void fill(Rows& rows, const Bodies& bodies) noexcept;
 /// (impulses, tables).
 void use_mean_gaps(Rows& rows);
 
-/// Sets a half-space in tangential motion: its displacement is `vector` [m], world axes, times a history.
-/// Does nothing unless a pair with friction names the half-space. Throws InputError if the vector is not
-/// tangential to the half-space, or if the history jumps at its first knot.
+/// Sets a half-space in tangential motion: its displacement is the part of `vector` [m], world axes, along
+/// its surface, times a history. Does nothing unless a pair with friction names the half-space. Throws
+/// InputError if the history jumps at its first knot.
 void add_belt(Rows& rows, const std::string& obstacle, const Eigen::Vector3d& vector, History history);
 
 /// Two unit tangents (2,3) of a unit normal, orthogonal to each other.

@@ -14,7 +14,7 @@ struct Work {
   // With friction. The ledger then closes only if the forces that drive the modes are those that move the
   // points.
   double friction = 0;  ///< τ̄ᵀ d, the heat: part of `contact`
-  double belts = 0;     ///< τ̄ᵀ × displacement of moving half-spaces: part of `contact`, done by them
+  double belts = 0;     ///< p̄ᵀ × displacement of moving obstacles: part of `contact`, done by them
 
   void archive(auto& a) { a(damping, forcing, contact, friction, belts); }
 };

@@ -56,6 +56,7 @@ FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepO
       epoch_(model->belts.empty() ? search_every : 1),
       carries_(bodies_.size()),
       energy_of_(bodies_.size()),
+      thrown_(bodies_.size()),
       stored_(model->pairs.size(), 0),
       pairs_before_(contact_.mean.pairs()),
       over_(*state_.system) {
@@ -113,19 +114,22 @@ bool FloatingStepper::is_steady(double time_left) noexcept {
 
 /// Places the points as the bodies are, with the static displacements at a time.
 void FloatingStepper::place(double time) noexcept {
+  points_.move_obstacles(time);
   displaced_ = state_.q + loads_.place(bodies_, time, points_);
   points_.place(bodies_, displaced_);
 }
 
 /// Sets what gravity, loads and supports do in the step, in the middle of which the bodies are.
 void FloatingStepper::drive() noexcept {
-  loads_.act(bodies_, time(), static_cast<double>(steps_ + 1) * options_.step, state_.forcing, points_);
+  const double then = static_cast<double>(steps_ + 1) * options_.step;
+  points_.drive_obstacles(time(), then);
+  loads_.act(bodies_, time(), then, state_.forcing, points_);
   state_.forcing.step(steps_ + 1, state_.now);
   dq_ = state_.free_motion(state_.q, state_.v, state_.now) + loads_.change();
 }
 
 StepStatus FloatingStepper::step() noexcept {
-  if (!is_steady(options_.step)) wake_all();
+  if (!is_steady(options_.step) || points_.obstacles_move(time(), time() + options_.step)) wake_all();
   if (!any_moves()) return rest();
   if (contact_.mean.begins())
     if (const int crossed = cross(); crossed > 0) {
@@ -199,11 +203,13 @@ void FloatingStepper::restore() noexcept {
 
 /// Finds the points that may touch before the next search.
 void FloatingStepper::search() noexcept {
+  points_.move_obstacles(time());
   look_for_rest();
   int epoch = 0;
   for (int woken = 0; woken >= 0;) {
     // A moving support may speed a body up, as a moving obstacle may.
-    epoch = loads_.move(time(), time() + epoch_ * options_.step) ? 1 : epoch_;
+    const double end = time() + epoch_ * options_.step;
+    epoch = loads_.move(time(), end) || points_.obstacles_move(time(), end) ? 1 : epoch_;
     set_travels(epoch * options_.step);
     points_.watch(bodies_, travels_, contact_.mean);
     woken = points_.reached(bodies_);
@@ -221,6 +227,13 @@ void FloatingStepper::set_travels(double time) noexcept {
   const double now = this->time(), then = now + time;
   // A moving obstacle or support may speed a body up beyond its energy.
   const double share = model.belts.empty() && !loads_.move(now, then) ? 1 : 2;
+  points_.set_obstacle_travels(now, then);
+  // An obstacle may throw a body back at twice its speed.
+  std::fill(thrown_.begin(), thrown_.end(), 0.0);
+  for (std::size_t p = 0; p < model.pairs.size(); ++p) {
+    double& most = thrown_[static_cast<std::size_t>(model.pairs[p].a)];
+    most = std::max(most, 2 * points_.obstacle_speed(p, now, then));
+  }
   for (std::size_t k = 0; k < bodies_.size(); ++k)
     energy_of_[k] = bodies_[k].kinetic() + elastic_energy(bodies_[k]);
   const auto is_asleep = [&](int k) { return bodies_[static_cast<std::size_t>(k)].asleep; };
@@ -228,16 +241,17 @@ void FloatingStepper::set_travels(double time) noexcept {
   for (bool joined = true; joined;) {
     joined = false;
     for (int k = 0; k < static_cast<int>(bodies_.size()); ++k) {
-      double energy = state_.energy().residual, pull = 0, driven = 0;
+      double energy = state_.energy().residual, pull = 0, driven = 0, thrown = 0;
       for (int j = 0; j < static_cast<int>(bodies_.size()); ++j) {
         if (!islands_.same(k, j)) continue;
         const FloatingBody& body = bodies_[static_cast<std::size_t>(j)];
         const double of_body = body.pull() + loads_.pull(j, now, then);
         energy += share * energy_of_[static_cast<std::size_t>(j)];
+        thrown += std::sqrt(body.mass) * thrown_[static_cast<std::size_t>(j)];
         pull += of_body * of_body;
         driven += 2 * loads_.speed(j, now, then);
       }
-      const double root = std::sqrt(2 * energy) + time * std::sqrt(pull);
+      const double root = std::sqrt(2 * energy) + time * std::sqrt(pull) + thrown;
       energy = 0.5 * root * root;
       const FloatingBody& body = bodies_[static_cast<std::size_t>(k)];
       const double speed =
@@ -317,6 +331,10 @@ Work FloatingStepper::kick(const StepTrial& trial) noexcept {
   const StepSystem& system = *state_.system;
   const double step = options_.step;
   Work work = work_of(trial, trial.at_start);
+  const auto rows = std::ssize(points_.rows());
+  const double by_obstacles = law_.force().head(rows).dot(points_.driven().head(rows));
+  work.contact += by_obstacles;
+  work.belts += by_obstacles;
   modal_force_.setZero();
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     FloatingBody& body = bodies_[k];
@@ -481,6 +499,7 @@ void FloatingStepper::archive(base::Archive& a) {
   archive_contact(a);
   a(state_, bodies_, turning_, points_, loads_, travels_, search_at_, clear_until_, look_at_, slow_since_);
   a(stored_, written_, next_written_, sleeping_, sleeping_active_);
+  points_.move_obstacles(time());
 }
 
 /// What was known of the motion of the bodies no longer holds.
@@ -547,7 +566,10 @@ std::int64_t FloatingStepper::find_clear_until(double enough) noexcept {
     travels_[k].energy = swing_energy(bodies_[k], elastic_energy(bodies_[k]));
   for (const Model::PairBlock& pair : state_.system->model->pairs) {
     if (!MovingPoints::is_live(pair, bodies_)) continue;
-    double way = points_.clearance(pair, bodies_, travels_), speed = 0;
+    const auto number = static_cast<std::size_t>(&pair - state_.system->model->pairs.data());
+    double way = points_.clearance(pair, bodies_, travels_),
+           speed = points_.obstacle_speed(number, time(), time());
+    if (pair.driven) clear = std::min(clear, pair.driven->next_knot(time()) - time());
     Vector3d acceleration = Vector3d::Zero();
     for (const int k : {pair.a, pair.b}) {
       if (k < 0) continue;

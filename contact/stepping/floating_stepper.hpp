@@ -121,6 +121,7 @@ class FloatingStepper final : public Stepper {
   std::vector<char> rests_;         ///< by island, scratch: whether all its bodies rest
   std::vector<char> carries_;       ///< by island, scratch: whether it has a force at the start of a step
   std::vector<double> energy_of_;   ///< by body, scratch [J]
+  std::vector<double> thrown_;      ///< by body, scratch: what obstacles may add to its speed [m/s]
   std::vector<double> stored_;      ///< by pair, in R after the last step [J]
   Vector end_before_;               ///< p at the start of the step, by position
   std::vector<MeanForce::Pair> pairs_before_;

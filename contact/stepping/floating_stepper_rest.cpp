@@ -29,7 +29,9 @@ StepStatus FloatingStepper::rest() noexcept {
 void FloatingStepper::look_for_rest() noexcept {
   const Model& model = *state_.system->model;
   const double g = model.gravity.norm();
-  const bool may_rest = model.belts.empty() && is_steady(epoch_ * options_.step);
+  const double epoch = epoch_ * options_.step;
+  const bool may_rest =
+      model.belts.empty() && is_steady(epoch) && !points_.obstacles_move(time(), time() + epoch);
   islands_.separate();
   for (std::size_t p = 0; p < model.pairs.size(); ++p)
     if (contact_.mean.pairs()[p].carries) islands_.join(static_cast<int>(p));

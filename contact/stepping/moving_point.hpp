@@ -76,7 +76,7 @@ struct MovingPoint {
   const End& other() const { return end[kind == Kind::candidate_of_b ? 0 : 1]; }
   int rows() const { return tangential < 0 ? 1 : 3; }
   bool over_half_space() const { return end[1].body < 0 && end[1].solid < 0; }
-  /// Distance from the half-space, without its elastic displacement [m].
+  /// Distance from where the half-space was at t = 0, without its elastic displacement [m].
   double height(const FloatingBody& state) const noexcept;
 
   /// Takes the creases of an obstacle at its candidate.

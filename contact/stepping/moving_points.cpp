@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/format.hpp"
+#include "contact/motion/driven_pose.hpp"
 #include "contact/simd/dense.hpp"
 #include "ricochet/error.hpp"
 
@@ -46,9 +47,10 @@ void check(const Model& model, const Rows::PairBlock& pair) {
   }
 }
 
-/// Writes U of a candidate over a half-space, from its displacement in world axes.
-void write_over(const MovingPoint& point, int number, const Vector3d& moved, Vector& u) {
-  u(number) = point.row.row(0).dot(moved);
+/// Writes U of a candidate over a half-space, from its displacement in world axes and that of the half-space
+/// along the normal.
+void write_over(const MovingPoint& point, int number, const Vector3d& moved, double raise, Vector& u) {
+  u(number) = point.row.row(0).dot(moved) - raise;
   if (point.tangential >= 0) u.segment<2>(point.tangential).noalias() = point.row.bottomRows<2>() * moved;
 }
 
@@ -68,6 +70,7 @@ MovingPoints::Body::Body(const Bodies::Block& block, std::shared_ptr<const BodyS
 
 MovingPoints::MovingPoints(const Model& model, const StepSystem& system, const MovingPoints* earlier)
     : pairs_(model.pairs),
+      drives_(model.pairs.size()),
       far_(model.pairs.size(), -1),
       travelled_(model.pairs.size(), std::numeric_limits<double>::infinity()),
       R_(capacity_of(model)),
@@ -97,7 +100,7 @@ MovingPoints::MovingPoints(const Model& model, const StepSystem& system, const M
   displaced_.assign(24 * most, 0);
   columns_.assign(8 * (held + 7), 0);
   forced_.reserve(6 * m);
-  for (Vector* x : {&start_, &free_}) x->setZero(capacity_of(model));
+  for (Vector* x : {&start_, &free_, &driven_}) x->setZero(capacity_of(model));
   u_.setZero(model.rows());
   add_solids(earlier);
   for (int pair = 0; pair < static_cast<int>(model.pairs.size()); ++pair) {
@@ -129,12 +132,68 @@ void MovingPoints::add_solids(const MovingPoints* earlier) {
         if (one.obstacle->surface == solid.surface) surface = one.surface;
     }
     if (!surface) surface = std::make_shared<const BodySurface>(*solid.surface);
-    solids_.push_back({pair.solid, std::move(surface),
-                       FloatingBody({.position = solid.point,
-                                     .attitude = Eigen::Quaterniond(solid.rotation),
-                                     .velocity = Vector3d::Zero(),
-                                     .spin = Vector3d::Zero()})});
+    const Pose start{.position = solid.point, .attitude = Eigen::Quaterniond(solid.rotation)};
+    solids_.push_back(
+        {pair.solid, std::move(surface), FloatingBody(start), pair.driven, start, start, start});
+    for (const Vector3d& x : solids_.back().surface->surface().node)
+      solids_.back().radius = std::max(solids_.back().radius, x.norm());
+    solids_.back().radius += solids_.back().surface->camber();
   }
+}
+
+void MovingPoints::Solid::move_to(const Pose& pose) noexcept {
+  state.position = pose.position;
+  state.attitude = pose.attitude;
+  state.axes = pose.attitude.toRotationMatrix();
+}
+
+Vector3d MovingPoints::Solid::moved(const Vector3d& place) const noexcept {
+  if (!motion) return Vector3d::Zero();
+  const Vector3d own = state.axes.transpose() * (place - state.position);
+  return to.at(own) - from.at(own);
+}
+
+void MovingPoints::move_obstacles(double time) noexcept {
+  for (Solid& solid : solids_)
+    if (solid.motion) solid.move_to(driven_pose(*solid.motion, solid.start, time));
+  for (std::size_t k = 0; k < pairs_.size(); ++k)
+    if (const Model::PairBlock& pair = pairs_[k]; pair.driven && pair.is_half_space())
+      drives_[k].raise =
+          points_[static_cast<std::size_t>(pair.first_point)].row.row(0).dot(pair.driven->shift(time));
+}
+
+void MovingPoints::drive_obstacles(double from, double to) noexcept {
+  move_obstacles(0.5 * (from + to));
+  for (Solid& solid : solids_) {
+    if (!solid.motion) continue;
+    solid.from = driven_pose(*solid.motion, solid.start, from);
+    solid.to = driven_pose(*solid.motion, solid.start, to);
+  }
+  for (std::size_t k = 0; k < pairs_.size(); ++k) {
+    const Model::PairBlock& pair = pairs_[k];
+    if (!pair.driven) continue;
+    drives_[k].farthest = (to - from) * obstacle_speed(k, from, to);
+    if (pair.is_half_space())
+      drives_[k].rises = points_[static_cast<std::size_t>(pair.first_point)].row.row(0).dot(
+          pair.driven->shift(to) - pair.driven->shift(from));
+  }
+}
+
+bool MovingPoints::obstacles_move(double from, double to) const noexcept {
+  return std::ranges::any_of(
+      pairs_, [&](const Model::PairBlock& pair) { return pair.driven && pair.driven->moves(from, to); });
+}
+
+double MovingPoints::obstacle_speed(std::size_t pair, double from, double to) const noexcept {
+  const Model::PairBlock& of = pairs_[pair];
+  if (!of.driven) return 0;
+  const int solid = solid_of(of);
+  return of.driven->speed(from, to, solid < 0 ? 0 : solids_[static_cast<std::size_t>(solid)].radius);
+}
+
+void MovingPoints::set_obstacle_travels(double from, double to) noexcept {
+  for (std::size_t k = 0; k < pairs_.size(); ++k)
+    drives_[k].travel = (to - from) * obstacle_speed(k, from, to);
 }
 
 int MovingPoints::solid_of(const Model::PairBlock& pair) const noexcept {
@@ -349,9 +408,10 @@ void MovingPoints::place(int number, std::span<const FloatingBody> bodies, const
   const Vector3d w = elastic(point.end[0]), turned = own.state.axes * w;
   point.place_now = point.place + w;
   if (point.kind == Kind::summit)
-    u_(number) = point.gap - point.height(own.state) + point.row.row(0).dot(turned);
+    u_(number) = point.gap - height(point, own.state) + point.row.row(0).dot(turned);
   else  // A displacement is far smaller than a place: its digits must not be lost.
-    write_over(point, number, own.state.position + own.state.axes * point.place - point.initial + turned, u_);
+    write_over(point, number, own.state.position + own.state.axes * point.place - point.initial + turned,
+               drives_[static_cast<std::size_t>(point.pair)].raise, u_);
 }
 
 void MovingPoints::write_displacements(std::span<const FloatingBody> bodies, Vector& u) const noexcept {
@@ -371,9 +431,9 @@ void MovingPoints::write_displacements(std::span<const FloatingBody> bodies, Vec
       if (is_watched_[static_cast<std::size_t>(i)]) continue;
       const Point& point = points_[static_cast<std::size_t>(i)];
       if (point.kind == Kind::half_space)
-        u(i) = n.dot(state.position - point.initial) + own.dot(point.place);
+        u(i) = n.dot(state.position - point.initial) + own.dot(point.place) - drives_[k].raise;
       else if (point.kind == Kind::summit && point.over_half_space() && !point.open)
-        u(i) = point.gap - point.height(state);
+        u(i) = point.gap - height(point, state);
       else if (far_[k] >= 0)
         u(i) = point.gap - far_[k];
     }
@@ -412,7 +472,7 @@ void MovingPoints::add_members(const MeanForce& forces) noexcept {
   for (const int i : watched_) {
     const Point& point = points_[static_cast<std::size_t>(i)];
     if (member_of_[static_cast<std::size_t>(i)] >= 0) continue;
-    double fastest = 0;
+    double fastest = drives_[static_cast<std::size_t>(point.pair)].farthest;
     for (const End& end : point.end)
       if (end.body >= 0) fastest += body(end.body).fastest + body(end.body).elastic_fastest;
     if (!has_force(i, forces)) {
@@ -440,7 +500,11 @@ void MovingPoints::set_rows(std::span<const FloatingBody> bodies, const Vector& 
     const FloatingBody& fixed = side(point.own(), bodies).state;
     point.acting = in_world(point, bodies);
     const Vector3d common = fixed.position + fixed.axes * point.place_now;
-    Vector3d d = Vector3d::Zero();
+    Vector3d d = Vector3d::Zero(), by_obstacle = Vector3d::Zero();
+    if (point.over_half_space())
+      by_obstacle(0) = drives_[static_cast<std::size_t>(point.pair)].rises;
+    else if (const int solid = point.end[1].solid; solid >= 0)
+      by_obstacle = point.acting * solids_[static_cast<std::size_t>(solid)].moved(common);
     double sign = 1;
     for (std::size_t k = 0; k < 2; ++k, sign = -1) {
       End& end = point.end[k];
@@ -457,7 +521,8 @@ void MovingPoints::set_rows(std::span<const FloatingBody> bodies, const Vector& 
     for (int along = 0; along < point.rows(); ++along) {
       const Index at = position(s, along);
       start_(at) = u_(rows_[static_cast<std::size_t>(at)]);
-      free_(at) = start_(at) + d(along);
+      driven_(at) = by_obstacle(along);
+      free_(at) = start_(at) + d(along) - by_obstacle(along);
     }
   }
 }

@@ -51,6 +51,17 @@ class MovingPoints {
   /// Watches the points of a body no longer, and forgets what they met.
   void forget(int body) noexcept;
 
+  /// Moves obstacles to where they are at a time.
+  void move_obstacles(double time) noexcept;
+  /// Moves them to where they are in the middle of a step, for `advance`.
+  void drive_obstacles(double from, double to) noexcept;
+  /// Whether an obstacle moves at any time within an interval.
+  bool obstacles_move(double from, double to) const noexcept;
+  /// Sets how far obstacles may move within an interval, for `watch`.
+  void set_obstacle_travels(double from, double to) noexcept;
+  /// Largest speed within it of the obstacle of a pair [m/s].
+  double obstacle_speed(std::size_t pair, double from, double to) const noexcept;
+
   /// What a body may do in a time.
   struct Travel {
     double energy = 0;    ///< of its elastic modes and of R, at most [J]
@@ -102,6 +113,7 @@ class MovingPoints {
   /// By position among these rows
   const Vector& at_start() const { return start_; }  ///< U [m]; 0 in tangential rows of points that slide
   const Vector& free() const { return free_; }       ///< U + d [m]
+  const Vector& driven() const { return driven_; }   ///< displacement of obstacles in the step [m]
   double u(int row) const { return u_(row); }        ///< U of a row of the model [m]; likewise
   /// Writes U of all points (n). Those that are not watched are taken without their elastic displacement, or
   /// where they were; their tangential rows keep their values.
@@ -147,6 +159,20 @@ class MovingPoints {
     std::shared_ptr<const Obstacle> obstacle;
     std::shared_ptr<const BodySurface> surface;  ///< in its axes
     FloatingBody state;
+    std::shared_ptr<const DrivenMotion> motion{};  ///< null if it does not move
+    Pose start{}, from{}, to{};                    ///< at t = 0; at the ends of the step
+    double radius = 0;                             ///< of the surface about the origin [m]
+
+    void move_to(const Pose& pose) noexcept;
+    /// Displacement in the step of what is at a place in the middle of it, world axes [m].
+    Eigen::Vector3d moved(const Eigen::Vector3d& place) const noexcept;
+  };
+  /// The obstacle of a pair, if it moves.
+  struct Drive {
+    double raise = 0;     ///< of a half-space along the normal out of a, since t = 0 [m]
+    double rises = 0;     ///< the same, in the step [m]
+    double farthest = 0;  ///< displacement of any of its points in the step, at most [m]
+    double travel = 0;    ///< until the next search, at most [m]
   };
   struct Body {
     Body(const Bodies::Block& block, std::shared_ptr<const BodySurface> surface, const Model& model,
@@ -201,6 +227,10 @@ class MovingPoints {
   std::shared_ptr<const BodySurface> known_surface(const kernels::Kernel* kernel) const;
   void add_solids(const MovingPoints* earlier);
   void add_points(const Model& model, int pair);
+  /// Distance of a point from its half-space, without its elastic displacement [m].
+  double height(const Point& point, const FloatingBody& state) const noexcept {
+    return point.height(state) + drives_[static_cast<std::size_t>(point.pair)].raise;
+  }
   double apart(const Model::PairBlock& pair, std::span<const FloatingBody> bodies) const noexcept;
   double inside(const Model::PairBlock& pair, std::span<const FloatingBody> bodies) const noexcept;
   double above(const Model::PairBlock& pair, const FloatingBody& state) const noexcept;
@@ -208,6 +238,10 @@ class MovingPoints {
                    const Eigen::Vector3d& n) const noexcept;
   double swing_of(const Model::PairBlock& pair, std::span<const Travel> travels) const noexcept;
   double margin(const Model::PairBlock& pair, std::span<const Travel> travels) const noexcept;
+  /// Of the obstacle of a pair, also if the pair is that of the model.
+  const Drive& drive_of(const Model::PairBlock& pair) const noexcept {
+    return drives_[static_cast<std::size_t>(points_[static_cast<std::size_t>(pair.first_point)].pair)];
+  }
   double swing_of(const Point& point, std::span<const Travel> travels) const noexcept;
   void find_feet(int pair, std::span<const FloatingBody> bodies, double margin,
                  const MeanForce& forces) noexcept;
@@ -243,6 +277,7 @@ class MovingPoints {
   std::vector<Model::PairBlock> pairs_;
   std::vector<Body> bodies_;
   std::vector<Solid> solids_;
+  std::vector<Drive> drives_;  ///< by pair
   std::vector<Point> points_;
   std::vector<std::array<std::vector<int>, 2>> point_of_;  ///< by pair, body and candidate, or −1
   std::vector<double> far_;  ///< by pair, distance of bodies that could not meet at the last search, or −1
@@ -253,7 +288,7 @@ class MovingPoints {
   std::vector<int> member_of_;     ///< (m) position among members, or −1
   std::vector<int> rows_, owner_;  ///< row and member by position
   std::vector<int> first_of_;      ///< position of the normal row of each member; tangents follow
-  Vector start_, free_, u_;
+  Vector start_, free_, driven_, u_;
   struct Crossing {
     int of_a, of_b;
     double distance;

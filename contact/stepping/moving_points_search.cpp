@@ -70,7 +70,7 @@ double MovingPoints::inside(const Model::PairBlock& pair,
 /// Distance of the sphere around a body from a half-space [m].
 double MovingPoints::above(const Model::PairBlock& pair, const FloatingBody& state) const noexcept {
   const Point& any = points_[static_cast<std::size_t>(pair.first_point)];
-  return any.gap - any.row.row(0).dot(state.position - any.initial) - radius(pair.a) -
+  return any.gap - any.row.row(0).dot(state.position - any.initial) + drive_of(pair).raise - radius(pair.a) -
          body(pair.a).shape().camber();
 }
 
@@ -86,7 +86,7 @@ double MovingPoints::swing_of(const Model::PairBlock& pair, std::span<const Trav
 /// Largest distance at which the points of two bodies may touch within the travels [m].
 double MovingPoints::margin(const Model::PairBlock& pair, std::span<const Travel> travels) const noexcept {
   return swing_of(pair, travels) + travels[static_cast<std::size_t>(pair.a)].distance +
-         (pair.b < 0 ? 0 : travels[static_cast<std::size_t>(pair.b)].distance);
+         (pair.b < 0 ? drive_of(pair).travel : travels[static_cast<std::size_t>(pair.b)].distance);
 }
 
 double MovingPoints::clearance(const Model::PairBlock& pair, std::span<const FloatingBody> bodies,
@@ -96,7 +96,7 @@ double MovingPoints::clearance(const Model::PairBlock& pair, std::span<const Flo
   if (pair.is_half_space()) {
     for (int i = pair.first_point; i < pair.first_point + pair.candidates_of_a; ++i) {
       const Point& point = points_[static_cast<std::size_t>(i)];
-      least = std::min(least, point.height(of_a) - swing_of(point, energies));
+      least = std::min(least, height(point, of_a) - swing_of(point, energies));
     }
     return least - body(pair.a).shape().camber();
   }
@@ -178,11 +178,12 @@ void MovingPoints::watch(std::span<const FloatingBody> bodies, std::span<const T
     }
     const auto& [energy, distance] = travels[static_cast<std::size_t>(pair.a)];
     const FloatingBody& state = bodies[static_cast<std::size_t>(pair.a)];
-    const double reach = distance + std::sqrt(2 * energy) * body(pair.a).candidates.largest_give();
+    const double travel = distance + drives_[k].travel,
+                 reach = travel + std::sqrt(2 * energy) * body(pair.a).candidates.largest_give();
     if (above(pair, state) >= reach && !forces.pairs()[k].carries) continue;
     for (int i = pair.first_point; i < pair.first_point + pair.candidates_of_a; ++i) {
       const Point& point = points_[static_cast<std::size_t>(i)];
-      if (point.height(state) - swing_of(point, travels) < distance || has_force(i, forces)) watch(i);
+      if (height(point, state) - swing_of(point, travels) < travel || has_force(i, forces)) watch(i);
     }
     find_summits(static_cast<int>(k), bodies, reach, forces);
   }
@@ -234,9 +235,9 @@ void MovingPoints::list_summits(int number, std::span<const FloatingBody> bodies
   summits_.clear();
   if (pair.is_half_space()) {
     const Vector3d n = own.state.axes.transpose() * summit.row.row(0).transpose();
-    // height = g − n·(c + A (X − centre) − initial)
-    const double at_centre =
-        summit.gap - summit.row.row(0).dot(own.state.position - summit.initial) + n.dot(own.centre);
+    // height = g − n·(c + A (X − centre) − initial) + raise
+    const double at_centre = summit.gap - summit.row.row(0).dot(own.state.position - summit.initial) +
+                             drive_of(pair).raise + n.dot(own.centre);
     own.shape.summits(n, at_centre - margin, tops_);
     for (const Foot& top : tops_) {
       summit.stand_on(top, own);

@@ -86,11 +86,14 @@ int ricochet_scene_pair(ricochet_scene* scene, const char* a, const char* b, con
  * sliding speed of the transition [m/s], which equal coefficients do not need. For scheme "compliant" only. */
 int ricochet_scene_friction(ricochet_scene* scene, double static_coefficient, double dynamic_coefficient,
                             double stribeck_velocity);
-/* Sets a half-space of the scene in motion along its surface [m/s]. */
-int ricochet_scene_half_space_velocity(ricochet_scene* scene, const char* half_space, const double* velocity);
-/* Adds a displacement along its surface: a vector [m] times a factor, linear between `count` times [s]. */
-int ricochet_scene_half_space_slide(ricochet_scene* scene, const char* half_space, const double* along,
-                                    const double* time, const double* factor, size_t count);
+/* Sets an obstacle of the scene in motion [m/s], [rad/s about its point]; half-spaces do not turn. */
+int ricochet_scene_obstacle_velocity(ricochet_scene* scene, const char* obstacle, const double* velocity,
+                                     const double* angular_velocity);
+/* Adds a motion: a displacement [m] and a turn about its point (axis times angle [degrees]), times a factor that
+ * is linear between `count` times [s]. */
+int ricochet_scene_obstacle_motion(ricochet_scene* scene, const char* obstacle, const double* shift,
+                                   const double* turn_deg, const double* time, const double* factor,
+                                   size_t count);
 /* A receiver of the kernel by name, or, if that is NULL, a candidate by its number. */
 int ricochet_scene_pickup(ricochet_scene* scene, const char* body, const char* receiver, size_t candidate,
                           const double* direction);

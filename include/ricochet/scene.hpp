@@ -52,12 +52,13 @@ struct Forcing {
   bool operator==(const Forcing&) const = default;
 };
 
-/// A displacement along a surface: `vector` times a factor that is 0 before its first time, linear between
-/// its times and constant after the last one. It must not jump.
+/// A displacement of an obstacle, and a turn about its `point`: each is a vector times a factor that is 0
+/// before its first time, linear between its times and constant after the last one. It must not jump.
 struct Slide {
   Vector3 vector{};              ///< [m]
   std::vector<double> time{};    ///< ascending [s]
   std::vector<double> factor{};  ///< one for each time
+  Vector3 turn_deg{};            ///< axis times angle, world axes [degrees]; not of a half-space
   bool operator==(const Slide&) const = default;
 };
 
@@ -88,16 +89,18 @@ enum class ObstacleSide { outside, inside };
 /// A rigid obstacle.
 struct Obstacle {
   std::string name;
-  Vector3 point{};     ///< of the surface of a half-space; of others, where their origin is [m]
-  Vector3 normal{};    ///< outward, of any nonzero length; of a half-space only
-  Vector3 velocity{};  ///< along its surface [m/s], as of a conveyor belt; felt by pairs with friction only
-  std::vector<Slide> slides{};  ///< further motions along its surface
+  Vector3 point{};   ///< of the surface of a half-space; of others, where their origin is [m]
+  Vector3 normal{};  ///< outward, of any nonzero length; of a half-space only
+  /// [m/s]. Pairs with friction alone feel what is along the surface of a half-space, as of a conveyor belt.
+  Vector3 velocity{};
+  std::vector<Slide> slides{};  ///< further motions, which add up
   Shape shape = Shape::half_space;
   ObstacleSide side = ObstacleSide::outside;  ///< of all but half-spaces, as are the following ones
   Vector3 rotate_deg{};                       ///< about the fixed axes x, then y, then z, through `point`
   double radius = 0, radius_small = 0, length = 0;  ///< [m]
   Vector3 size{};                                   ///< along x, y, z [m]
   SurfaceMesh mesh{};
+  Vector3 angular_velocity{};  ///< about `point`, world axes [rad/s]; turns of `slides` have the same axis
   bool operator==(const Obstacle&) const = default;
 };
 

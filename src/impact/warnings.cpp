@@ -58,7 +58,8 @@ std::string impossible_restitution(const contact::Summary& summary) {
       "restitution {:.4g} is {}: {}", e, e < 0 ? "below 0" : "above 1",
       e < 0 ? "the bodies still approach each other when contact last ends, or parts without candidates pass "
               "through each other. See the motion, and whether contact names all surfaces that meet"
-            : "loads, moving supports, rotation or vibration before contact fed the rebound, so it is not a "
+            : "loads, moving supports or obstacles, rotation or vibration before contact fed the rebound, so "
+              "it is not a "
               "property of the impact");
 }
 
@@ -86,9 +87,11 @@ std::string separated(const contact::Summary& summary) {
 
 std::vector<std::string> motions_without_friction(const scene::Scene& scene) {
   std::vector<std::string> out;
-  for (const Obstacle& obstacle : scene.obstacles) {
+  for (const scene::Obstacle& obstacle : scene.obstacles) {
     const bool driven = std::ranges::count(scene.loads.motions, obstacle.name, &scene::Forcing::obstacle) > 0;
-    if ((obstacle.velocity == Vector3{} && !driven) || scene.contact.rubs(obstacle.name)) continue;
+    if (!scene::moves(scene, obstacle) || scene::leaves_its_surface(scene, obstacle) ||
+        scene.contact.rubs(obstacle.name))
+      continue;
     out.push_back(
         fmt::format("obstacles.{} moves along its surface, which has no effect without friction: give "
                     "contact.friction, or "

@@ -219,10 +219,14 @@ const SectionOf<Obstacle> obstacle_keys{
       "of a half-space: a point of its surface; of a shape: its middle; of a mesh: where its origin is"},
      {"normal", Access<Obstacle>(direction<Obstacle>(&Obstacle::normal)).only(is_half_space, "a half-space"),
       "", "– of a half-space", any(), "outward normal of a half-space"},
-     {"velocity", Access<Obstacle>(&Obstacle::velocity).only(is_half_space, "a half-space"), "m/s", initial,
-      any(),
-      "velocity of a half-space along its surface, in world axes, like that of a conveyor belt; a component "
-      "along the normal is refused. It acts through `friction` only, and not with `scheme = \"static\"`"},
+     {"velocity", &Obstacle::velocity, "m/s", initial, any(),
+      "constant [velocity](scene.md#obstacles-that-move), in world axes. Along the surface of a half-space "
+      "it acts "
+      "through `friction` only, like that of a conveyor belt. Not with `scheme = \"static\"`"},
+     {"angular_velocity",
+      Access<Obstacle>(&Obstacle::angular_velocity).only(is_solid, "a shape or a surface").if_changed(),
+      "rad/s", initial, any(),
+      "constant angular velocity about `point`, in world axes. Not with `scheme = \"static\"`"},
      {"side", choice<Obstacle>(&Obstacle::side, {"outside", "inside"}).only(is_solid, "a shape or a surface"),
       "", initial, any(),
       "where bodies are: `\"inside\"` makes a bowl of a sphere, and a tube of a cylinder"},
@@ -308,10 +312,6 @@ Obstacle read_obstacle(const std::string& name, const Table& table, const Scene&
        is_one<Shape::sphere, Shape::cylinder, Shape::capsule, Shape::cone, Shape::torus>(obstacle));
   need("length", "give a number in m", is_one<Shape::cylinder, Shape::capsule, Shape::cone>(obstacle));
   need("radius_small", "give a number in m", obstacle.shape == Shape::torus);
-  if (const double along = along_normal(obstacle, obstacle.velocity); along != 0)
-    table.complain("velocity", fmt::format("has the component {:.6g} m/s along the normal: an obstacle "
-                                           "moves along its surface; leave this component out",
-                                           along));
   if (scene.find_body(name) != nullptr) table.complain("", "a body has this name already");
   return obstacle;
 }

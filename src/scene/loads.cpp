@@ -27,6 +27,18 @@ Declared<Forcing> vector_of_source(const std::string& unit, const char* meaning)
           any(),    meaning};
 }
 
+/// An obstacle may turn without being displaced.
+Declared<Forcing> vector_of_motion() {
+  Access<Forcing> vector(&Forcing::vector);
+  vector.is_written = [](const void* motion) {
+    const Forcing& of = *static_cast<const Forcing*>(motion);
+    return of.turn_deg == Vector3{} || of.vector != Vector3{};
+  };
+  return {"vector", vector,
+          "m",      "– without `turn_deg`",
+          any(),    "displacement, in world axes, along components that the support holds"};
+}
+
 /// A traction has either a vector or a pressure.
 Declared<Forcing> vector_of_traction() {
   Access<Forcing> vector(&Forcing::vector);
@@ -91,19 +103,20 @@ const SectionOf<Forcing> point_keys{
 
 const SectionOf<Forcing> motion_keys{
     "[[loads.motion]]",
-    "The displacement of a support, or of an obstacle along its surface. Motions of an obstacle and its "
-    "`velocity` add up.",
+    "The displacement of a support, or [the motion of an obstacle](scene.md#obstacles-that-move). Motions of "
+    "an "
+    "obstacle and its `velocity` and `angular_velocity` add up.",
     {name_of_source("the group, or the obstacle"),
      {"obstacle", Access(&Forcing::obstacle).if_changed(), "", none, any(),
-      "name of an obstacle, in place of `body` and `group`. Its motion acts through `friction` only, and "
-      "needs a `history`"},
+      "name of an obstacle, in place of `body` and `group`. Its motion needs a `history`"},
      {"body", Access<Forcing>(&Forcing::body).if_changed(), "", "– without `obstacle`", any(),
       "name of a body"},
      {"group", Access(&Forcing::group).if_changed(), "", "– without `obstacle`", any(),
       "one of the body's supports"},
-     vector_of_source("m",
-                      "displacement, in world axes, along components that the support holds, or along the "
-                      "surface of the obstacle"),
+     vector_of_motion(),
+     {"turn_deg", Access(&Forcing::turn_deg).if_changed(), "degrees", none, any(),
+      "turn of an obstacle about the line through its `point` along this vector, by its length, "
+      "anticlockwise; not of a half-space. All turns of an obstacle have the same axis"},
      history_of_source()}};
 
 void check_name(const Table& table, const std::string& key, const std::string& name) {
@@ -158,20 +171,16 @@ void check_motion(const Table& table, const Body& body, const Forcing& motion) {
   }
 }
 
-/// Checks that the motion of an obstacle is along its surface.
+/// Checks the motion of an obstacle.
 void check_slide(const Table& table, const Scene& scene, const Forcing& motion) {
   check_exists(table, "obstacle", "obstacle", motion.obstacle, names_of(scene.obstacles));
   for (const char* key : {"body", "group"})
     if (table.has(key))
       table.complain(key, "belongs to the motion of a support: leave it out, or leave obstacle out");
   const Obstacle& obstacle = *scene.find_obstacle(motion.obstacle);
-  if (!obstacle.is_half_space())
-    table.complain("obstacle",
-                   "is no half-space, and only half-spaces move along their surface: leave this motion out");
-  if (const double along = along_normal(obstacle, motion.vector); along != 0)
-    table.complain("vector", fmt::format("has the component {:.6g} m along the normal of obstacles.{}: an "
-                                         "obstacle moves along its surface; leave this component out",
-                                         along, motion.obstacle));
+  if (obstacle.is_half_space() && table.has("turn_deg"))
+    table.complain("turn_deg",
+                   "turns a half-space, which only moves as it is: give a box, or leave this key out");
   if (!table.has("history"))
     table.complain("history",
                    "is missing: without it the obstacle does not move: give a CSV of times [s] "
@@ -187,10 +196,14 @@ Forcing read_driven(const Table& table, const LoadKind& kind, std::size_t number
              is_point = &kind.keys == &point_keys;
   if (is_point) check_place(table, "the point where the force acts");
   if (&kind.keys == &traction_keys) check_traction(table);
+  if (is_motion && !table.has("vector") && !(is_slide && table.has("turn_deg")))
+    table.complain("vector", "is missing: [x, y, z] in m, world axes");
   if (is_slide) {
     check_slide(table, scene, driven);
   } else {
     if (is_motion && !table.has("body")) table.complain("body", "is missing: name the body");
+    if (table.has("turn_deg"))
+      table.complain("turn_deg", "belongs to the motion of an obstacle: leave it out");
     check_exists(table, "body", "body", driven.body, names_of(scene.bodies));
     if (is_motion && !table.has("group")) table.complain("group", "is missing: name a support");
   }

@@ -78,18 +78,32 @@ std::optional<Remark> exclusion(const Table& root, const Scene& scene) {
     return Remark{"loads",
                   "with finite rotation, accuracy allows gravity only: leave the other loads out, or give "
                   "modes.up_to_hz or modes.count and accuracy = \"off\""};
+  for (const Obstacle& obstacle : scene.obstacles)
+    if (scene.accuracy && leaves_its_surface(scene, obstacle))
+      return Remark{"obstacles." + obstacle.name,
+                    "with finite rotation, accuracy takes obstacles at rest: let it rest, or give "
+                    "modes.up_to_hz or modes.count and accuracy = \"off\""};
   if (scene.time.precision == Precision::float32)
     return Remark{"time.precision", "finite rotation needs \"double\": leave it out"};
   return std::nullopt;
 }
 
 /// The key that linear rotations do not serve, and what to do without finite ones; no value if there is none.
-std::optional<Remark> demand(const Table& root) {
+std::optional<Remark> demand(const Table& root, const Scene& scene) {
   if (const auto table = root.table("contact", contact_keys)) {
     Pair shared;
     pair_keys.read(*table, shared);
     // With linear rotations, pairs are those of surfaces that face each other at the start.
     if (shared.meets_all) return Remark{"contact.between", "list the pairs"};
+  }
+  for (const Obstacle& obstacle : scene.obstacles)  // with linear rotations, points keep their pairs
+    if (obstacle.angular_velocity != Vector3{})
+      return Remark{fmt::format("obstacles.{}.angular_velocity", obstacle.name),
+                    "leave angular_velocity out"};
+  for (std::size_t k = 0; k < scene.loads.motions.size(); ++k) {
+    const auto& [x, y, z] = scene.loads.motions[k].turn_deg;
+    if (std::hypot(x, y, z) * std::numbers::pi / 180 > most_linear_turn)
+      return Remark{fmt::format("loads.motion[{}].turn_deg", k), "turn the obstacle by at most 1 degree"};
   }
   if (const auto loads = root.table("loads", loads_keys))
     for (const LoadKind& kind : load_kinds) {
@@ -136,6 +150,14 @@ std::string spinning(const Scene& scene) {
   return "";
 }
 
+/// An obstacle with a surface that is displaced, over which points do not stay; empty: there is none.
+std::string shifting(const Scene& scene) {
+  for (const Obstacle& obstacle : scene.obstacles)
+    if (!obstacle.is_half_space() && moves(scene, obstacle))
+      return fmt::format("obstacles.{} moves", obstacle.name);
+  return "";
+}
+
 bool may_turn(const Scene& scene) {
   const auto is_free = [](const Body& body) { return body.support.empty(); };
   return !scene.contact.pairs.empty() && std::ranges::any_of(scene.bodies, is_free);
@@ -147,7 +169,7 @@ void read_motion(const Table& root, Scene& scene) {
   const auto table = root.table("motion", rigid_motion_keys);
   if (table) rigid_motion_keys.read(*table, scene.motion);
   const bool given = table && table->has("rotation");
-  const auto excluded = exclusion(root, scene), demanded = demand(root);
+  const auto excluded = exclusion(root, scene), demanded = demand(root, scene);
   if (excluded && given && scene.motion.is_finite())
     root.complain(excluded->key, excluded->text + ", or set motion.rotation = \"linear\"");
   if (demanded && given && !scene.motion.is_finite())
@@ -156,8 +178,10 @@ void read_motion(const Table& root, Scene& scene) {
   if (demanded && excluded)
     root.complain(excluded->key, fmt::format("{}, or {}", excluded->text, demanded->text));
 
-  const std::string linear = against(excluded, scene),
-                    finite = demanded ? demanded->key + " needs it" : spinning(scene);
+  const std::string linear = against(excluded, scene), shifts = shifting(scene),
+                    finite = demanded         ? demanded->key + " needs it"
+                             : shifts.empty() ? spinning(scene)
+                                              : shifts;
   if (scene.motion.is_finite() || demanded || (!given && linear.empty() && !finite.empty())) {
     scene = with_finite_rotation(std::move(scene), finite);
   } else {

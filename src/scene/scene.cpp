@@ -85,6 +85,19 @@ Vector3 point_in_body(const Body& body, Vector3 world) {
   return in_body(body, world);
 }
 
+bool moves(const Scene& scene, const Obstacle& obstacle) {
+  return obstacle.velocity != Vector3{} || obstacle.angular_velocity != Vector3{} ||
+         std::ranges::count(scene.loads.motions, obstacle.name, &Forcing::obstacle) > 0;
+}
+
+bool leaves_its_surface(const Scene& scene, const Obstacle& obstacle) {
+  if (!obstacle.is_half_space()) return moves(scene, obstacle);
+  return along_normal(obstacle, obstacle.velocity) != 0 ||
+         std::ranges::any_of(scene.loads.motions, [&](const Forcing& one) {
+           return one.obstacle == obstacle.name && along_normal(obstacle, one.vector) != 0;
+         });
+}
+
 double along_normal(const Obstacle& obstacle, const Vector3& vector) {
   double along = 0;
   for (std::size_t k = 0; k < 3; ++k) along += obstacle.normal[k] * vector[k];

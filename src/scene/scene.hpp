@@ -63,6 +63,10 @@ Scene with_finite_rotation(Scene scene, std::string reason);
 /// The component of a vector along the normal of the obstacle; exactly 0 if it is round-off.
 double along_normal(const Obstacle& obstacle, const Vector3& vector);
 
+/// Whether an obstacle moves, in any way and otherwise than along the surface of a half-space.
+bool moves(const Scene& scene, const Obstacle& obstacle);
+bool leaves_its_surface(const Scene& scene, const Obstacle& obstacle);
+
 /// Accuracy of a scene that leaves its modes open and gives none.
 inline constexpr double default_accuracy = 1e-2;
 

@@ -44,7 +44,7 @@ void read_histories(const scene::Scene& scene, Scene& out) {
         out.forcing.push_back(std::move(made));
       else
         std::ranges::find(out.obstacles, driven.obstacle, &Obstacle::name)
-            ->slides.push_back({made.vector, std::move(made.time), std::move(made.factor)});
+            ->slides.push_back({made.vector, std::move(made.time), std::move(made.factor), driven.turn_deg});
     }
   };
   add(scene.loads.tractions, false);

@@ -55,8 +55,8 @@ constexpr std::size_t most_placements = 16;
 contact::Placement PlacementStore::place(const scene::Scene& scene, const KernelPointers& kernels) {
   const Scene library = library_scene(scene, kernels);
   Key key{{}, library.obstacles, library.pairs, library.rotation};
-  // Pairing depends neither on the velocity of obstacles nor on friction.
-  for (Obstacle& obstacle : key.obstacles) obstacle.velocity = {};
+  // Pairing depends neither on the velocities of obstacles nor on friction.
+  for (Obstacle& obstacle : key.obstacles) obstacle.velocity = obstacle.angular_velocity = {};
   for (Pair& pair : key.pairs) pair.friction.reset();
   const std::vector<contact::PlacedBody> bodies = bodies_of(library);
   for (const contact::PlacedBody& body : bodies)

@@ -403,10 +403,6 @@ TEST(Obstacles, of_the_library_refuse_wrong_sizes_in_one_line) {
               one.radius_small = 0.06;
             }),
             "obstacles.bowl.radius = 0.05: must be above radius_small, or the tube would cross itself.");
-  EXPECT_EQ(complaint([](auto& one) {
-              one.velocity = {1, 0, 0};
-            }),
-            "obstacles.bowl: only half-spaces move along their surface. Leave velocity and slides out.");
   EXPECT_EQ(complaint([](auto& one) { one.shape = Shape::mesh; }),
             "obstacles.bowl: its surface has no triangles. Give a closed surface.");
   const std::string deep = complaint([](auto& one) { one.point = {0, 0, 0.01}; });

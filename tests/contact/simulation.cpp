@@ -505,11 +505,6 @@ TEST(Simulation, refuses_in_one_line_what_it_cannot_run) {
         s.scheme = Scheme::impulse;
       },
       "friction needs the compliant scheme");
-  says(
-      [](Scene& s) {
-        s.obstacles[0].velocity = {1, 0, 0.5};
-      },
-      "obstacles.floor.velocity = [1, 0, 0.5]: has the component 0.5 m/s along the normal");
   says([&](Scene& s) { s.obstacles[0].velocity[0] = nan; }, "obstacles.floor.velocity = [nan");
   const auto slides = [](const Slide& slide) { return [=](Scene& s) { s.obstacles[0].slides = {slide}; }; };
   says(slides({{1, 0, 0}, {}, {}}), "obstacles.floor.slides[0]: 0 times and 0 factors");

@@ -5,7 +5,7 @@ add_serial_tests(contact contact LIBRARIES ricochet_contact nlohmann_json::nlohm
   FILES complementarity contact_sides folding forced_response free_flight history event_location complementarity_bench convolution
     stepper floating sleeping coriolis rolling turning_loads turning_figures meeting impulse_stepper limited_steps propagator model pairing surface_projection reach receivers recorder entry_rows
      records
-    band_share resolution_check obstacle_check obstacles passage_check pressure_check ripple_check static_start decimator shock angular_momentum stress_envelope summary simulation changing_bodies denormals endurance stored_state point_forces table
+    band_share resolution_check obstacle_check obstacles moving_obstacles passage_check pressure_check ripple_check static_start decimator shock angular_momentum stress_envelope summary simulation changing_bodies denormals endurance stored_state point_forces table
     table_file equilibrium friction_equilibrium coarsening estimate first_touch heap_counter)
 add_serial_tests(contact_realtime contact LIBRARIES ricochet_contact FILES realtime heap_counter)
 set_source_files_properties(contact/heap_counter.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)

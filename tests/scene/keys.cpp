@@ -40,8 +40,8 @@ const std::string of_mesh = changed(barest, "normal = [0, 0, 1]", "surface = \"a
 /// A scene to which a key may be added.
 const std::string& with_room_for(const Section& section, const Key& key) {
   if (&section == &obstacle_keys && key.name == "scale") return of_mesh;
-  if (&section == &obstacle_keys &&
-      (key.name == "side" || key.name == "rotate_deg" || key.name == "radius_small"))
+  if (&section == &obstacle_keys && (key.name == "side" || key.name == "rotate_deg" ||
+                                     key.name == "radius_small" || key.name == "angular_velocity"))
     return coned;
   if (key.name == "table") return tabular;
   if (&section == &about_keys) return cylindrical;

@@ -8,6 +8,7 @@
 namespace ricochet::scene::motion_test {
 
 using namespace test;
+using ::testing::HasSubstr;
 
 /// The motion of a ball over a floor for 0.01 s.
 Motion motion_of(const std::vector<Override>& set, const std::string& text = smallest) {
@@ -63,6 +64,21 @@ TEST(Rotation, is_open_unless_something_decides_it) {
   const std::string load = "loads.point=[{body=\"ball\",at=[0,0,1],vector=[0,0,1]}]";
   expect_open(true, {load});
   expect_open(false, {"accuracy=1e-2", load});
+}
+
+// Points do not stay over an obstacle that turns or shifts; along a half-space they do.
+TEST(Rotation, is_finite_over_obstacles_that_move) {
+  const std::string box = "obstacles.floor={shape=\"box\",size=[1,1,1]",
+                    spins = box + ",angular_velocity=[0,0,1]}", shifts = box + ",velocity=[0,0,1]}";
+  EXPECT_TRUE(motion_of({spins}, smallest).is_finite());
+  EXPECT_TRUE(motion_of({shifts}, smallest).is_finite());
+  EXPECT_FALSE(motion_of({shifts, "motion.rotation=linear"}, smallest).is_finite());
+  EXPECT_FALSE(motion_of({shifts, "contact.reach=0.1"}, smallest).is_finite());
+  EXPECT_FALSE(motion_of({"obstacles.floor.velocity=[0,0,1]"}, smallest).is_finite());
+  EXPECT_THAT(complaint_of([&] {
+                motion_of({spins, "motion.rotation=linear"}, smallest);
+              }),
+              HasSubstr("needs motion.rotation = \"finite\": set it, or leave angular_velocity out"));
 }
 
 // A clamped body holds no free one.

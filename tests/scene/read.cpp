@@ -419,6 +419,19 @@ TEST(Obstacles, have_a_shape_or_a_surface) {
   EXPECT_EQ(of("shape=\"cone\",radius=0.1,length=0.3").radius_small, 0);
 }
 
+TEST(Obstacles, move_in_any_direction_and_turn) {
+  const std::string paddle =
+      "obstacles.floor={shape=\"box\",size=[1,1,1],velocity=[0,0,2],angular_velocity=[0,0,3]}";
+  const Scene scene = scene_of(smallest, {paddle});
+  EXPECT_THAT(scene.obstacles[0].velocity, ElementsAre(0, 0, 2));
+  EXPECT_THAT(scene.obstacles[0].angular_velocity, ElementsAre(0, 0, 3));
+  EXPECT_TRUE(leaves_its_surface(scene, scene.obstacles[0]));
+  const Scene again = scene_of(to_toml(scene));
+  EXPECT_EQ(again.obstacles, scene.obstacles);
+  EXPECT_THAT(scene_of(smallest, {"obstacles.floor.velocity=[1,0,0.25]"}).obstacles[0].velocity,
+              ElementsAre(1, 0, 0.25));
+}
+
 TEST(Obstacles, move_along_their_surface) {
   EXPECT_EQ(scene_of(smallest).obstacles[0].velocity, Vector3{});
   EXPECT_THAT(scene_of(smallest, {"obstacles.floor.velocity=[1,-2,0]"}).obstacles[0].velocity,

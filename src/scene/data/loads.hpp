@@ -16,7 +16,8 @@ struct Forcing : ricochet::Forcing {
   std::string group;                ///< traction: physical surface; motion: support of the body
   Vector3 at{};                     ///< point force: point of application [m]
   std::filesystem::path history{};  ///< resolved against the scene's folder; empty: constant
-  std::string obstacle{};           ///< motion: an obstacle that moves along its surface, in place of a body
+  std::string obstacle{};           ///< motion: an obstacle that moves, in place of a body
+  Vector3 turn_deg{};               ///< motion of an obstacle: axis times angle about its point [degrees]
   Axes at_axes = Axes::world;       ///< of `at`: of the world, bodies as placed by the scene, or of the mesh
   bool operator==(const Forcing&) const = default;
 };

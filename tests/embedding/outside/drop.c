@@ -38,10 +38,10 @@ static void refusals(const ricochet_kernel* kernel) {
   expect(ricochet_scene_impulse(scene, 7, 0) == RICOCHET_REFUSED, "an unknown admittance is refused");
   expect(ricochet_scene_friction(scene, 0.3, 0.3, 0) == RICOCHET_REFUSED,
          "friction without a pair is refused");
-  expect(ricochet_scene_half_space_velocity(scene, "floor", zero) == RICOCHET_REFUSED,
-         "the velocity of an unknown half-space is refused");
-  expect(ricochet_scene_half_space_slide(scene, "floor", zero, zero, zero, 1) == RICOCHET_REFUSED,
-         "the slide of an unknown half-space is refused");
+  expect(ricochet_scene_obstacle_velocity(scene, "floor", zero, NULL) == RICOCHET_REFUSED,
+         "the velocity of an unknown obstacle is refused");
+  expect(ricochet_scene_obstacle_motion(scene, "floor", zero, NULL, zero, zero, 1) == RICOCHET_REFUSED,
+         "the motion of an unknown obstacle is refused");
   expect(ricochet_scene_load(scene, "bob", "push", zero, NULL, NULL, 0) == RICOCHET_REFUSED,
          "the load of an unknown body is refused");
   expect(ricochet_scene_arrival(scene, "bob", 1) == RICOCHET_REFUSED,
@@ -63,10 +63,12 @@ static ricochet_simulation* drop(const ricochet_kernel* kernel) {
   expect(ricochet_scene_half_space(scene, "floor", origin, up) == RICOCHET_OK, "half-space");
   expect(ricochet_scene_pair(scene, "bob", "floor", NULL, &gap, NULL) == RICOCHET_OK, "pair");
   expect(ricochet_scene_friction(scene, 0, 0, 0) == RICOCHET_OK, "no friction");
-  expect(ricochet_scene_half_space_velocity(scene, "floor", along) == RICOCHET_OK, "velocity of the floor");
-  expect(ricochet_scene_half_space_slide(scene, "floor", along, NULL, NULL, 1) == RICOCHET_REFUSED,
+  expect(ricochet_scene_obstacle_velocity(scene, "floor", along, NULL) == RICOCHET_OK,
+         "velocity of the floor");
+  expect(ricochet_scene_obstacle_motion(scene, "floor", along, NULL, NULL, NULL, 1) == RICOCHET_REFUSED,
          "no times");
-  expect(ricochet_scene_half_space_slide(scene, "floor", along, second, second, 2) == RICOCHET_OK, "slide");
+  expect(ricochet_scene_obstacle_motion(scene, "floor", along, NULL, second, second, 2) == RICOCHET_OK,
+         "motion of the floor");
   expect(ricochet_scene_pickup(scene, "bob", NULL, 0, down) == RICOCHET_OK, "pickup");
   expect(ricochet_scene_gravity(scene, gravity) == RICOCHET_OK, "gravity");
   expect(ricochet_scene_arrival(scene, "bob", 0) == RICOCHET_OK, "arrival");
@@ -135,6 +137,47 @@ static void turn(const ricochet_kernel* kernel) {
   expect(near(contact.normal[2], -1, 1e-12) && contact.force[2] < 0, "it presses on the floor");
   ricochet_simulation_motion(simulation, 0, &motion);
   expect(near(contact.place[2], 0, 5e-2) && near(contact.place[0], motion.position[0], 0.1), "where it is");
+  ricochet_simulation_free(simulation);
+}
+
+/* A box that rises at 1 m/s hits the ball of 2 kg, which is a point, from below: it leaves with 2 m/s. Other
+ * obstacles are there. */
+static void hit(const ricochet_kernel* kernel) {
+  const double under[3] = {0, 0, -0.5}, edges[3] = {4, 4, 1}, rise[3] = {0, 0, 1}, high[3] = {0, 0, 1};
+  const double far[3] = {9, 0, 0}, sizes[3] = {0.2, 0.1, 0.3}, turn[3] = {0, 0, 30}, spin[3] = {0, 0, 1};
+  const double times[2] = {0, 1}, factors[2] = {0, 0.01}, gap = 0.01;
+  ricochet_motion motion;
+  ricochet_simulation* simulation;
+  ricochet_scene* scene = ricochet_scene_new(10000);
+  ricochet_scene_body(scene, "ball", kernel, NULL, high, NULL);
+  expect(ricochet_scene_obstacle(scene, "table", "cube", 0, under, NULL, edges) == RICOCHET_REFUSED,
+         "an unknown shape is refused");
+  expect(strstr(ricochet_error(), "none of sphere, cylinder") != NULL,
+         "and the refusal names those that are");
+  expect(ricochet_scene_obstacle(scene, "table", "box", 0, under, NULL, NULL) == RICOCHET_REFUSED,
+         "no sizes are refused");
+  expect(ricochet_scene_obstacle(scene, "table", "box", 0, under, NULL, edges) == RICOCHET_OK, "box");
+  expect(ricochet_scene_obstacle_mesh(scene, "anvil", "nowhere.stl", 1, 0, under, NULL) == RICOCHET_REFUSED,
+         "a missing surface is refused");
+  expect(strstr(ricochet_error(), "nowhere.stl") != NULL, "and the refusal names it");
+  expect(ricochet_scene_obstacle(scene, "ring", "torus", 0, far, turn, sizes) == RICOCHET_OK, "torus");
+  expect(ricochet_scene_obstacle_velocity(scene, "table", rise, NULL) == RICOCHET_OK, "it rises");
+  expect(ricochet_scene_obstacle_velocity(scene, "ring", NULL, spin) == RICOCHET_OK, "it turns");
+  expect(ricochet_scene_obstacle_motion(scene, "ring", NULL, turn, times, factors, 2) == RICOCHET_OK,
+         "and by a history");
+  ricochet_scene_pair(scene, "ball", "table", NULL, &gap, NULL);
+  expect(ricochet_simulation_new(scene) == NULL, "turns need finite rotations");
+  expect(strstr(ricochet_error(), "obstacles.ring") != NULL, "and the refusal names what turns");
+  ricochet_scene_obstacle_velocity(scene, "ring", NULL, NULL);
+  simulation = ricochet_simulation_new(scene);
+  ricochet_scene_free(scene);
+  if (simulation == NULL) {
+    expect(0, "a ball over a box is stepped");
+    return;
+  }
+  expect(ricochet_simulation_step_block(simulation, 1000, NULL) == RICOCHET_OK, "it is hit");
+  ricochet_simulation_motion(simulation, 0, &motion);
+  expect(near(motion.velocity[2], 2, 1e-6), "it leaves with twice the speed of the box");
   ricochet_simulation_free(simulation);
 }
 
@@ -259,6 +302,7 @@ int main(int count, char** arguments) {
   expect(kernel != NULL, "the kernel of the ball");
   if (kernel != NULL) turn(kernel);
   if (kernel != NULL) renew(kernel);
+  if (kernel != NULL) hit(kernel);
   ricochet_kernel_free(kernel);
   if (simulation == NULL || other == NULL) return 1;
 
