@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "contact/figures/summary_observer.hpp"
+#include "contact/pairing/rigid_surface.hpp"
 #include "tests/contact/plate.hpp"
 
 namespace obstacle_check_test {
@@ -23,10 +24,20 @@ Kernel flanged(double flange) {
   return kernel;
 }
 
+/// Obstacles whose surface is z = 0 under the plate: a box from below, and one around it.
+std::vector<Obstacle> box_at_0(bool around) {
+  const Vector3d size(9, 9, 3), middle(0, 0, around ? 1.5 : -1.5);
+  return {{.name = "floor",
+           .point = middle,
+           .surface = std::make_shared<const WorldSurface>(rigid_box(size, around))}};
+}
+
 /// It falls from 1 mm at 1 m/s and rebounds.
-std::vector<std::string> warnings_of(const Kernel& kernel) {
-  const Model model = build_model({{"plate", &kernel, Matrix3d::Identity(), {0, 0, 0.001}, {0, 0, -1}}},
-                                  floor_at_0, {{"plate", "floor", {}, {}, {}}}, Vector3d::Zero());
+std::vector<std::string> warnings_of(const Kernel& kernel,
+                                     const std::vector<Obstacle>& obstacles = floor_at_0) {
+  const Model model =
+      build_model({{"plate", &kernel, Matrix3d::Identity(), {0, 0, 0.001}, {0, 0, -1}}}, obstacles,
+                  {{"plate", "floor", Vector3d(0, 0, -1), {}, {}}}, Vector3d::Zero());
   constexpr double step = 1e-6;
   const auto stepper = make_stepper(model, {.step = step});
   SummaryObserver observer(model, step, 0);
@@ -44,6 +55,17 @@ TEST(Obstacle, that_a_part_without_candidates_passes_is_named_with_the_depth) {
               Contains(AllOf(HasSubstr("plate passes 0.0103"), HasSubstr("m through floor at t = 0.00"),
                              HasSubstr("[1, 0.5, -0.009]"))));
   EXPECT_THAT(warnings_of(flanged(0.001)), IsEmpty());
+}
+
+// Looks are as far apart as the depth that does not count, 1e-3 of 2.3 m: in the fall of 1 mm, the first one
+// counts.
+TEST(Obstacle, with_a_surface_that_a_part_passes_is_named_like_a_half_space) {
+  for (const bool around : {false, true}) {
+    EXPECT_THAT(
+        warnings_of(flanged(-0.02), box_at_0(around)),
+        Contains(AllOf(HasSubstr("plate passes 0.019 m through floor"), HasSubstr("[1, 0.5, -0.019]"))));
+    EXPECT_THAT(warnings_of(flanged(0.001), box_at_0(around)), IsEmpty());
+  }
 }
 
 // Candidates approach by 0.26 mm, and so does every other point of a rigid plate.
