@@ -30,10 +30,10 @@ class JoinedCorners {
   void add(const Vector3& corner) {
     Vector3 x = corner;
     for (double& coordinate : x) {
+      coordinate = scale_ * coordinate + 0.0;  // −0 is 0
       if (!std::isfinite(coordinate))
         throw InputError(fmt::format("{}: triangle {} has a coordinate that is not finite. Export it anew.",
                                      path_.string(), mesh_.triangle.size() + 1));
-      coordinate = scale_ * coordinate + 0.0;  // −0 is 0
     }
     const auto [found, is_new] = number_.emplace(x, static_cast<std::uint32_t>(mesh_.node.size()));
     if (is_new) mesh_.node.push_back(x);

@@ -10,6 +10,7 @@ add_fuzz_target(scene ricochet_scene tomlplusplus::tomlplusplus)
 target_sources(fuzz_scene PRIVATE ${PROJECT_SOURCE_DIR}/tests/fuzz/toml.cpp)
 add_fuzz_target(kernel ricochet_kernels PkgConfig::HDF5)
 add_fuzz_target(table ricochet_contact PkgConfig::HDF5)
+add_fuzz_target(surface ricochet_contact)
 foreach(name kernel table)
   target_sources(fuzz_${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests/fuzz/hdf5_edits.cpp
     ${PROJECT_SOURCE_DIR}/tests/fuzz/hdf5_mutator.cpp)
