@@ -7,6 +7,8 @@
 #include <map>
 
 #include "base/xdmf.hpp"
+#include "contact/motion/driven_pose.hpp"
+#include "contact/pairing/surface_projection.hpp"
 
 namespace ricochet::contact {
 namespace {
@@ -20,6 +22,7 @@ std::filesystem::path with(std::filesystem::path stem, const char* ending) { ret
 std::string number_of(std::size_t frame) { return fmt::format("/{:06}", frame); }
 
 std::string group_of(const std::string& body) { return "/bodies/" + body; }
+std::string group_of_solid(std::size_t solid) { return fmt::format("/obstacles/{}", solid + 1); }
 std::string group_of(std::size_t pair) { return fmt::format("/contact/{}", pair + 1); }
 
 template <class Values>
@@ -28,6 +31,23 @@ void write(base::hdf5::Writer& file, const std::string& dataset, const Values& x
   const auto rows = static_cast<std::size_t>(x.rows()), columns = static_cast<std::size_t>(x.cols());
   file.write(dataset, std::span<const T>(x.data(), rows * columns),
              Values::ColsAtCompileTime == 1 ? Shape{rows} : Shape{rows, columns}, unit);
+}
+
+/// Half of the edge of the square that shows a half-space, as a share of the size of its contact points.
+constexpr double square = 1.5;
+
+/// (4,3) corners of the part of a half-space that is near points y. @param on  its surface faces along
+/// `normal`
+Matrix square_of(const Matrix& points, const Eigen::Vector3d& normal) {
+  const Eigen::RowVector3d middle = 0.5 * (points.colwise().minCoeff() + points.colwise().maxCoeff()),
+                           at =
+                               middle - normal.dot((middle - points.row(0)).transpose()) * normal.transpose();
+  const double size = square * std::max((points.rowwise() - middle).rowwise().norm().maxCoeff(), 1e-6);
+  const Eigen::Matrix<double, 2, 3> across = size * tangents_of(normal);
+  Matrix out(4, 3);
+  out << at - across.row(0) - across.row(1), at + across.row(0) - across.row(1),
+      at + across.row(0) + across.row(1), at - across.row(0) + across.row(1);
+  return out;
 }
 
 /// The candidate of each point of a pair on its body a, or −1 if the point has several, as coarsened patches
@@ -70,7 +90,29 @@ MotionFile::MotionFile(const Model& model, const StepOptions& step, const Motion
   }
   for (std::size_t p = 0; p < model.pairs.size(); ++p)
     patches_.push_back(patch_of(model.pairs[p], options.pairs.at(p)));
+  add_solids();
   write_setting(options);
+}
+
+void MotionFile::add_solids() {
+  for (const Model::PairBlock& pair : model_.pairs) {
+    if (pair.b >= 0 || std::ranges::count(solids_, pair.obstacle, &Solid::name) > 0) continue;
+    Solid out{.name = pair.obstacle, .node = {}, .element = {}, .start = {}, .driven = pair.driven};
+    if (pair.solid) {
+      const WorldSurface surface = placed(*pair.solid);
+      out.start.position = pair.solid->point;
+      out.node.resize(std::ssize(surface.node), 3);
+      for (std::size_t i = 0; i < surface.node.size(); ++i)
+        out.node.row(static_cast<Index>(i)) = surface.node[i].transpose();
+      for (const WorldSurface::Element& one : surface.element)
+        out.element.insert(out.element.end(), one.corner.begin(), one.corner.end());
+    } else if (pair.points > 0) {
+      out.node = square_of(model_.point_b.middleRows(pair.first_point, pair.points),
+                           -model_.normal.row(pair.first_point).transpose());
+      out.element = {0, 1, 2, 0, 2, 3};
+    }
+    if (!out.element.empty()) solids_.push_back(std::move(out));
+  }
 }
 
 MotionFile::MotionFile(const Stepper& start, const Model& model, const MotionOptions& options)
@@ -129,6 +171,11 @@ void MotionFile::write_setting(const MotionOptions& options) {
   for (std::size_t k = 0; k < surfaces_.size(); ++k)
     elements(group_of(model_.bodies[k].name), surfaces_[k].view().element,
              surfaces_[k].view().element_corners);
+  for (std::size_t s = 0; s < solids_.size(); ++s) {
+    elements(group_of_solid(s), solids_[s].element, 3);
+    file_.attribute(group_of_solid(s), "name", solids_[s].name);
+    if (!solids_[s].driven) write(file_, group_of_solid(s) + "/position", solids_[s].node, "m");
+  }
   for (std::size_t p = 0; p < patches_.size(); ++p) {
     elements(group_of(p), patches_[p].element, patches_[p].corners);
     file_.attribute(group_of(p), "name", patches_[p].name);
@@ -158,6 +205,16 @@ void MotionFile::frame(double t, const Vector& q, const Vector& v, const Vector&
     for (std::size_t p = 0; p < patches_.size(); ++p)
       if (patches_[p].pair->a == static_cast<int>(k))
         contact_frame(p, number, u, force, states, surface, turning);
+  }
+  for (std::size_t s = 0; s < solids_.size(); ++s) {
+    const Solid& solid = solids_[s];
+    if (!solid.driven) continue;
+    const Pose pose = driven_pose(*solid.driven, solid.start, t);
+    const Matrix position = ((solid.node.rowwise() - solid.start.position.transpose()) *
+                             pose.attitude.toRotationMatrix().transpose())
+                                .rowwise() +
+                            pose.position.transpose();
+    write(file_, group_of_solid(s) + "/position" + number, position, "m");
   }
   time_.push_back(t);
 }
@@ -240,6 +297,19 @@ void MotionFile::write_xdmf() const {
           .elements = view.element.size() / static_cast<std::size_t>(view.element_corners),
           .nodes = surfaces_[k].nodes(),
           .element = group + "/element"},
+         group, moving);
+  }
+  for (std::size_t s = 0; s < solids_.size(); ++s) {
+    const Solid& solid = solids_[s];
+    const std::string group = group_of_solid(s);
+    std::vector<xdmf::Field> moving;
+    if (solid.driven) moving.push_back({"position", "", true, 8});
+    film({.name = solid.name,
+          .corners = 3,
+          .elements = solid.element.size() / 3,
+          .nodes = static_cast<std::size_t>(solid.node.rows()),
+          .element = group + "/element",
+          .position = {"position", group + "/position", true, 8}},
          group, moving);
   }
   for (std::size_t p = 0; p < patches_.size(); ++p) {

@@ -4,14 +4,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <numbers>
 #include <string>
 #include <vector>
 
+#include "base/hdf5_reader.hpp"
+#include "contact/api/scene_model.hpp"
+#include "contact/files/motion_file.hpp"
+#include "contact/pairing/rigid_surface.hpp"
 #include "ricochet/ricochet.hpp"
 #include "tests/contact/curved_bodies.hpp"
 #include "tests/contact/plate.hpp"
 #include "tests/contact/rigid_plate.hpp"
+#include "tests/support.hpp"
 
 namespace ricochet::moving_obstacles_test {
 
@@ -268,6 +275,52 @@ TEST(MovingObstacles, go_on_from_a_saved_state) {
   EXPECT_GT(one.body_motion(0).velocity[2], 0.4);
   for (Simulation* each : {&other, &third})
     EXPECT_EQ(one.body_motion(0).velocity, each->body_motion(0).velocity);
+}
+
+/// A box that turns about the z axis and a floor that rises, in the frames for ParaView.
+TEST(MovingObstacles, are_shown_where_they_are) {
+  kernels::Kernel seen = contact::test::ball(mass, radius, 1e-8);
+  kernels::View& view = seen.view.emplace();
+  view.node = seen.surface.node;
+  view.element = seen.surface.element;
+  view.shape.assign(seen.surface.shape.begin(), seen.surface.shape.end());
+  Obstacle paddle = wall(Shape::box);
+  paddle.angular_velocity = {0, 0, 2};
+  Scene scene = scene_of(paddle, {0, 0, 0.1}, {}, 1000);
+  scene.bodies[0].kernel = contact::test::shared(std::move(seen));
+  scene.obstacles.push_back(
+      {.name = "floor", .point = {0, 0, -1}, .normal = {0, 0, 1}, .velocity = {0, 0, 0.1}});
+  scene.pairs.push_back({.a = "ball", .b = "floor"});
+  const contact::Model model = model_of(scene);
+  const auto stepper = contact::make_stepper(model, step_options(scene));
+  const ricochet::test::Folder folder;
+  contact::MotionFile file(*stepper, model, {.stem = folder / "m", .pairs = {"on paddle", "on floor"}});
+  while (stepper->time() < 0.0499) {
+    ASSERT_EQ(stepper->step(), StepStatus::ok);
+    file.record(*stepper);
+  }
+  file.commit();
+  const base::hdf5::Reader read(folder / "m.h5", "");
+  constexpr double angle = 0.1;  // 2 rad/s for 0.05 s
+  const Vector3d middle(0.02, 0.01, -0.05);
+  const std::size_t nodes = contact::rigid_box({0.3, 0.4, 0.1}, false).node.size();
+  const auto before = read.read<double>("/obstacles/1/position/000000", {nodes, 3}),
+             after = read.read<double>("/obstacles/1/position/000050", {nodes, 3});
+  for (std::size_t i = 0; i < before.size(); i += 3) {
+    const Vector3d x = Vector3d(before[i], before[i + 1], before[i + 2]) - middle;
+    // On one of its faces
+    EXPECT_NEAR((x.cwiseAbs() - Vector3d(0.15, 0.2, 0.05)).maxCoeff(), 0, 1e-12);
+    EXPECT_NEAR(after[i], middle.x() + std::cos(angle) * x.x() - std::sin(angle) * x.y(), 1e-12);
+    EXPECT_NEAR(after[i + 1], middle.y() + std::sin(angle) * x.x() + std::cos(angle) * x.y(), 1e-12);
+    EXPECT_NEAR(after[i + 2], before[i + 2], 1e-12);
+  }
+  const auto floor = read.read<double>("/obstacles/2/position/000050", {4, 3});
+  for (std::size_t i = 2; i < 12; i += 3) EXPECT_NEAR(floor[i], -1 + 0.1 * 0.05, 1e-12);
+  EXPECT_GT(std::abs(floor[0] - floor[6]), 2 * radius);  // it is seen beside the ball
+  std::ifstream text(folder / "m.xdmf");
+  const std::string xdmf(std::istreambuf_iterator<char>(text), {});
+  EXPECT_NE(xdmf.find("\"paddle\""), std::string::npos);
+  EXPECT_NE(xdmf.find("/obstacles/1/position/000050"), std::string::npos);
 }
 
 TEST(MovingObstacles, refuse_motions_that_they_cannot_make) {
