@@ -74,7 +74,7 @@ void FigureObserver::count(const Stepper& stepper) {
   const double start = now_.time - step_;
   if (!touched_) {
     out_.episodes.push_back({.start_s = start, .end_s = {}});
-    episode_start_ = before_.state;
+    episode_start_ = before_;
     episode_impulse_.setZero();
   }
   if (!out_.contact_start_s) {
@@ -134,44 +134,41 @@ bool FigureObserver::parted(const Stepper& stepper) const {
 
 /// Whether the bodies of a pair come nearer to each other: along its impulse or, before it has one, along its
 /// mean normal or, with finite rotations, the line between the bodies. At rest, those that have touched may
-/// do so again.
+/// do so again. What turns an obstacle brings may come nearer at any time.
 bool FigureObserver::approaches(std::size_t number, std::span<const Pose> poses) const {
   const MotionSource::Pair& pair = source_.pairs()[number];
   if (const auto impulse = impulse_.col(static_cast<Eigen::Index>(number)); !impulse.isZero(0))
-    return closing_speed(number, now_.state, impulse_) >= 0;
+    return closing_speed(number, now_, impulse_).value_or(0) >= 0;
   Vector3d along = pair.normal.colwise().sum().transpose();
-  Vector3d relative = source_.velocity(pair.a, now_.state);
-  if (pair.b >= 0) {
-    relative -= source_.velocity(pair.b, now_.state);
-    if (!poses.empty())
-      along =
-          poses[static_cast<std::size_t>(pair.b)].position - poses[static_cast<std::size_t>(pair.a)].position;
-  }
-  return relative.dot(along.normalized()) > negligible_speed * relative.norm();
+  if (pair.b >= 0 && !poses.empty())
+    along =
+        poses[static_cast<std::size_t>(pair.b)].position - poses[static_cast<std::size_t>(pair.a)].position;
+  const auto relative = source_.relative_velocity(pair, now_.state, now_.time);
+  return !relative || relative->dot(along.normalized()) > negligible_speed * relative->norm();
 }
 
 /// Sets the approach of the last episode and, if it has ended, its restitution.
 void FigureObserver::judge(Episode& episode) const {
   episode.approach_m_per_s = closing_speed(episode_start_, episode_impulse_);
   if (episode.end_s && episode.approach_m_per_s && *episode.approach_m_per_s > 0)
-    episode.restitution = -*closing_speed(at_end_.state, episode_impulse_) / *episode.approach_m_per_s;
+    episode.restitution = -*closing_speed(at_end_, episode_impulse_) / *episode.approach_m_per_s;
 }
 
 /// Speed at which the bodies of a pair as a whole approach each other along its impulse [m/s].
-double FigureObserver::closing_speed(std::size_t p, const Vector& state, const Matrix3Xd& impulse) const {
-  const MotionSource::Pair& pair = source_.pairs()[p];
-  Vector3d relative = source_.velocity(pair.a, state);
-  if (pair.b >= 0) relative -= source_.velocity(pair.b, state);
-  return relative.dot(impulse.col(static_cast<Eigen::Index>(p)).normalized());
+std::optional<double> FigureObserver::closing_speed(std::size_t p, const Instant& at,
+                                                    const Matrix3Xd& impulse) const {
+  const auto relative = source_.relative_velocity(source_.pairs()[p], at.state, at.time);
+  if (!relative) return {};
+  return relative->dot(impulse.col(static_cast<Eigen::Index>(p)).normalized());
 }
 
 /// That of the only pair with an impulse; no value if there are several or none.
-std::optional<double> FigureObserver::closing_speed(const Vector& state, const Matrix3Xd& impulse) const {
+std::optional<double> FigureObserver::closing_speed(const Instant& at, const Matrix3Xd& impulse) const {
   const Eigen::RowVectorXd size = impulse.colwise().norm();
   if ((size.array() > 0).count() != 1) return {};
   Eigen::Index p = 0;
   size.maxCoeff(&p);
-  return closing_speed(static_cast<std::size_t>(p), state, impulse);
+  return closing_speed(static_cast<std::size_t>(p), at, impulse);
 }
 
 ImpactFigures FigureObserver::figures() const {
@@ -187,7 +184,7 @@ ImpactFigures FigureObserver::figures() const {
         source_.momentum(static_cast<int>(k), at_end_.state, at_end_.time) / body.mass;
   }
   if (const auto speed = approach(); speed && *speed > 0)
-    out.restitution = -*closing_speed(at_end_.state, impulse_) / *speed;
+    out.restitution = -*closing_speed(at_end_, impulse_) / *speed;
   return out;
 }
 
@@ -198,7 +195,7 @@ Figures FigureObserver::quantities() const {
   out[Quantity::peak_force] = relative_to_itself(out_.peak_force_n);
   out[Quantity::duration] = relative_to_itself(static_cast<double>(out_.contact_steps) * step_);
   const Instant &start = out_.contact_start_s ? at_start_ : now_, &end = out_.contact_end_s ? at_end_ : now_;
-  add_motion(out, start.state, end.state);
+  add_motion(out, start, end);
   if (!source_.modes()) return out;
   Figure energy{Vector(2), elastic(start.energy)};
   energy.value << elastic(end.energy) + end.energy.residual - end.rigid_energy,
@@ -210,19 +207,19 @@ Figures FigureObserver::quantities() const {
 }
 
 /// The velocities of the bodies that can move rigidly, and V.
-void FigureObserver::add_motion(Figures& out, const Vector& start, const Vector& end) const {
+void FigureObserver::add_motion(Figures& out, const Instant& start, const Instant& end) const {
   double speed = 0;
   for (std::size_t p = 0; p < source_.pairs().size(); ++p)
-    speed = std::max(speed, closing_speed(p, start, impulse_));
+    speed = std::max(speed, closing_speed(p, start, impulse_).value_or(0));
   std::vector<double> rebound, spin;
   bool turns = false;
   for (std::size_t k = 0; k < source_.bodies().size(); ++k) {
     if (!source_.bodies()[k].moves) continue;
     const int body = static_cast<int>(k);
-    const Vector3d velocity = source_.velocity(body, end);
-    speed = std::max(speed, (velocity - source_.velocity(body, start)).norm() / 2);
+    const Vector3d velocity = source_.velocity(body, end.state);
+    speed = std::max(speed, (velocity - source_.velocity(body, start.state)).norm() / 2);
     rebound.insert(rebound.end(), velocity.begin(), velocity.end());
-    const auto turn = source_.spin(body, end);
+    const auto turn = source_.spin(body, end.state);
     turns = turns || turn;
     spin.insert(spin.end(), 3, 0.0);
     if (turn) std::ranges::copy(*turn, spin.end() - 3);

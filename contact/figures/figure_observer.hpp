@@ -39,8 +39,9 @@ class FigureObserver {
   /// Kinetic + strain energy when contact began, above the strain under dead loads at t = 0 [J]; 0 if
   /// unknown, or without contact.
   double energy_at_start() const { return out_.contact_start_s ? elastic(at_start_.energy) : 0; }
-  /// Speed of approach along the impulse when contact began [m/s]; no value if more than one pair touched.
-  std::optional<double> approach() const { return closing_speed(at_start_.state, impulse_); }
+  /// Speed of approach along the impulse when contact began [m/s]; no value if more than one pair touched, or
+  /// an obstacle that turns.
+  std::optional<double> approach() const { return closing_speed(at_start_, impulse_); }
   /// Of the steps so far.
   ImpactFigures figures() const;
 
@@ -55,11 +56,12 @@ class FigureObserver {
   void count_pair(std::size_t pair, const Eigen::Vector3d& impulse);
   void judge(Episode& episode) const;
   bool approaches(std::size_t pair, std::span<const Pose> poses) const;
-  double closing_speed(std::size_t pair, const Vector& state, const Eigen::Matrix3Xd& impulse) const;
-  std::optional<double> closing_speed(const Vector& state, const Eigen::Matrix3Xd& impulse) const;
+  std::optional<double> closing_speed(std::size_t pair, const Instant& at,
+                                      const Eigen::Matrix3Xd& impulse) const;
+  std::optional<double> closing_speed(const Instant& at, const Eigen::Matrix3Xd& impulse) const;
   double elastic(const Energy& energy) const { return energy.kinetic + energy.strain - initial_strain_; }
   Figures quantities() const;
-  void add_motion(Figures& out, const Vector& start, const Vector& end) const;
+  void add_motion(Figures& out, const Instant& start, const Instant& end) const;
 
   MotionSource source_;
   double step_;
@@ -69,7 +71,7 @@ class FigureObserver {
   double last_force_ = 0;                       ///< end of the last step with a force [s]
   Instant before_, now_;                        ///< around the last step
   Instant at_start_, at_end_;                   ///< when contact began and last ended
-  Vector episode_start_;                        ///< state when the last episode began
+  Instant episode_start_;                       ///< when the last episode began
   Eigen::Matrix3Xd impulse_, episode_impulse_;  ///< Σ λ n Δ by pair, of the run and of the episode [N s]
   std::vector<int> touch_of_;                   ///< by pair: its touch that has not ended, or −1
   double initial_strain_ = 0;                   ///< [J]

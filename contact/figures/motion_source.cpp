@@ -27,7 +27,8 @@ MotionSource::MotionSource(const Model& model)
     pairs_.push_back({pair.a, pair.b, pair.first_point, pair.points,
                       model.normal.middleRows(pair.first_point, pair.points),
                       bodies_[static_cast<std::size_t>(pair.a)].name,
-                      pair.b < 0 ? pair.obstacle : bodies_[static_cast<std::size_t>(pair.b)].name});
+                      pair.b < 0 ? pair.obstacle : bodies_[static_cast<std::size_t>(pair.b)].name,
+                      pair.driven});
 }
 
 MotionSource::MotionSource(const Table& table, const Model* places)
@@ -64,6 +65,15 @@ Eigen::Map<const Vector> MotionSource::state(const Stepper& stepper) const {
 Vector3d MotionSource::momentum(int body, const Vector& state, double time) const {
   if (const Model* const model = modes()) return model->momentum(body, state, time);
   return bodies_[static_cast<std::size_t>(body)].mass * velocity(body, state);
+}
+
+std::optional<Vector3d> MotionSource::relative_velocity(const Pair& pair, const Vector& state,
+                                                        double time) const {
+  Vector3d out = velocity(pair.a, state);
+  if (pair.b >= 0) out -= velocity(pair.b, state);
+  if (!pair.driven) return out;
+  if (pair.driven->turns()) return {};
+  return out - pair.driven->velocity(time);
 }
 
 Vector3d MotionSource::velocity(int body, const Vector& state) const {

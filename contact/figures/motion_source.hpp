@@ -3,6 +3,7 @@
 // responses.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -27,9 +28,10 @@ class MotionSource {
   };
   struct Pair {
     int a = -1, b = -1;  ///< bodies; −1: an obstacle or, with sampled responses, a supported body
-    Eigen::Index first = 0, points = 0;  ///< its points
-    Matrix normal;                       ///< (points,3) out of a; 0 at points of other pairs
-    std::string name_a{}, name_b{};      ///< of bodies or obstacles; name_b is empty if unknown
+    Eigen::Index first = 0, points = 0;            ///< its points
+    Matrix normal;                                 ///< (points,3) out of a; 0 at points of other pairs
+    std::string name_a{}, name_b{};                ///< of bodies or obstacles; name_b is empty if unknown
+    std::shared_ptr<const DrivenMotion> driven{};  ///< of an obstacle; null if it does not move
   };
 
   /// `model` must outlive the source.
@@ -53,6 +55,9 @@ class MotionSource {
   Eigen::Vector3d momentum(int body, const Vector& state, double time) const;
   /// Velocity of a body as a whole, without its vibration [m/s].
   Eigen::Vector3d velocity(int body, const Vector& state) const;
+  /// That of the first side of a pair at a time, relative to the second one; no value if this is an obstacle
+  /// that turns, whose points have different velocities.
+  std::optional<Eigen::Vector3d> relative_velocity(const Pair& pair, const Vector& state, double time) const;
   /// The same times the radius of gyration, for the angular velocity; no value unless the body has the six
   /// rigid modes of a solid [m/s].
   std::optional<Eigen::Vector3d> spin(int body, const Vector& state) const;

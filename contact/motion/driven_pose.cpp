@@ -9,10 +9,8 @@ Pose driven_pose(const DrivenMotion& motion, const Pose& start, double t) noexce
   const Eigen::Vector3d turned = motion.turn(t);
   if (const double angle = turned.norm(); angle > 0)
     out.attitude = Eigen::Quaterniond(Eigen::AngleAxisd(angle, turned / angle)) * start.attitude;
-  for (const DrivenMotion::Part& one : motion.parts) {
-    out.velocity += one.history.slope(t) * one.shift;
-    out.spin += one.history.slope(t) * one.turn;
-  }
+  out.velocity += motion.velocity(t);
+  for (const DrivenMotion::Part& one : motion.parts) out.spin += one.history.slope(t) * one.turn;
   return out;
 }
 

@@ -24,6 +24,12 @@ Vector3d DrivenMotion::turn(double t) const noexcept {
   return out;
 }
 
+Vector3d DrivenMotion::velocity(double t) const noexcept {
+  Vector3d out = Vector3d::Zero();
+  for (const Part& one : parts) out += one.history.slope(t) * one.shift;
+  return out;
+}
+
 bool DrivenMotion::moves(double from, double to) const noexcept {
   return std::ranges::any_of(parts, [&](const Part& one) { return one.history.steepest(from, to) > 0; });
 }

@@ -20,8 +20,9 @@ struct DrivenMotion {
   std::vector<Part> parts{};
 
   bool turns() const noexcept;
-  Eigen::Vector3d shift(double t) const noexcept;  ///< [m]
-  Eigen::Vector3d turn(double t) const noexcept;   ///< axis times angle [rad]
+  Eigen::Vector3d shift(double t) const noexcept;     ///< [m]
+  Eigen::Vector3d turn(double t) const noexcept;      ///< axis times angle [rad]
+  Eigen::Vector3d velocity(double t) const noexcept;  ///< of the origin, from t on [m/s]
   /// Whether it moves at any time within an interval.
   bool moves(double from, double to) const noexcept;
   /// Largest speed within it of a point that is at most `radius` [m] from the origin [m/s].

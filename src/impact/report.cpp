@@ -30,7 +30,7 @@ std::string episodes_of(const contact::Summary& s) {
         std::pair(s.episodes[k].approach_m_per_s, s.episodes[k].restitution);
     text += fmt::format("{}{}: ", k == 0 ? "" : "; ", k + 1);
     if (!approach)
-      text += "several pairs";
+      text += "several pairs, or an obstacle that turns";
     else if (*approach <= 0)
       text += fmt::format("again by vibration, while parting at {:.4g} m/s", -*approach);
     else

@@ -58,8 +58,7 @@ std::string impossible_restitution(const contact::Summary& summary) {
       "restitution {:.4g} is {}: {}", e, e < 0 ? "below 0" : "above 1",
       e < 0 ? "the bodies still approach each other when contact last ends, or parts without candidates pass "
               "through each other. See the motion, and whether contact names all surfaces that meet"
-            : "loads, moving supports or obstacles, rotation or vibration before contact fed the rebound, so "
-              "it is not a "
+            : "loads, moving supports, rotation or vibration before contact fed the rebound, so it is not a "
               "property of the impact");
 }
 

@@ -6,12 +6,14 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <memory>
 #include <numbers>
 #include <string>
 #include <vector>
 
 #include "base/hdf5_reader.hpp"
 #include "contact/api/scene_model.hpp"
+#include "contact/figures/figure_observer.hpp"
 #include "contact/files/motion_file.hpp"
 #include "contact/pairing/rigid_surface.hpp"
 #include "ricochet/ricochet.hpp"
@@ -185,6 +187,52 @@ TEST(MovingObstacles, that_turn_throw_a_ball_with_twice_their_speed) {
   EXPECT_NEAR(simulation.energy().loads, kinetic_of(simulation.body_motion(0)),
               1e-3 * simulation.energy().loads);
   EXPECT_LT(std::abs(surplus(simulation, 0)), 1e-12);
+}
+
+/// What a run of so many steps has found, from contact steps alone.
+contact::ImpactFigures figures_of(const Scene& scene, int steps, bool& parted) {
+  const auto model = std::make_shared<const contact::Model>(model_of(scene));
+  const auto stepper = contact::make_stepper(model, step_options(scene));
+  contact::FigureObserver observer(*model, stepper->options().step);
+  for (int k = 0; k < steps && stepper->step() == StepStatus::ok; ++k) observer.observe(*stepper);
+  parted = observer.parted(*stepper);
+  return observer.figures();
+}
+
+/// Approach and restitution are those of a ball that flies at a wall at rest, by Galilei; an obstacle that
+/// turns has neither, as its points have different speeds. A wall that is faster than the ball has not parted
+/// from it, nor has one that turns.
+TEST(MovingObstacles, count_with_their_speed_in_the_restitution) {
+  constexpr double speed = 0.4;
+  const Vector3 from = {0, 0, radius + 3e-4};
+  bool parted = false;
+  const auto still = figures_of(scene_of(wall(Shape::box), from, {0, 0, -speed}, 400'000), 2000, parted);
+  EXPECT_TRUE(parted);
+  Obstacle driven = wall(Shape::box);
+  driven.velocity = {0, 0, speed};
+  const auto moving = figures_of(scene_of(driven, from, {0, 0, 0}, 400'000), 2000, parted);
+  EXPECT_TRUE(parted);
+  ASSERT_TRUE(still.restitution && moving.restitution);
+  EXPECT_GT(*still.restitution, 0.9);
+  EXPECT_NEAR(*moving.restitution, *still.restitution, 1e-6);
+  ASSERT_EQ(moving.episodes.size(), still.episodes.size());
+  EXPECT_NEAR(moving.episodes[0].approach_m_per_s.value(), speed, 1e-9);
+
+  // The ball rebounds at 2.8 m/s from a wall of 1.2 m/s, and is slower than it after 3.6 ms.
+  driven.velocity = {0, 0, 3 * speed};
+  Scene pushed = scene_of(driven, from, {0, 0, -speed}, 400'000);
+  pushed.gravity = {0, 0, -450};
+  figures_of(pushed, 2000, parted);
+  EXPECT_FALSE(parted);
+
+  Obstacle turning = wall(Shape::box);
+  turning.velocity = {0, 0, speed};
+  turning.angular_velocity = {1, 0, 0};
+  const auto turned = figures_of(scene_of(turning, from, {0, 0, 0}, 400'000), 2000, parted);
+  EXPECT_FALSE(parted);
+  EXPECT_GT(turned.impulse_ns, 0);
+  EXPECT_FALSE(turned.restitution);
+  EXPECT_FALSE(turned.episodes.at(0).approach_m_per_s);
 }
 
 /// The same by a history that begins later, after flights: the box turns by ωt from t₀ on and meets the ball

@@ -98,7 +98,7 @@ TEST(Episodes, state_what_each_of_them_is) {
               HasSubstr("1: approach 1.094 m/s, restitution 0.9746; 2: again by vibration, while parting at "
                         "1.065 m/s\n"));
   summary.episodes[1].approach_m_per_s.reset();
-  EXPECT_THAT(impact::report(summary, {}), HasSubstr("; 2: several pairs\n"));
+  EXPECT_THAT(impact::report(summary, {}), HasSubstr("; 2: several pairs, or an obstacle that turns\n"));
   summary.episodes.pop_back();
   EXPECT_THAT(impact::report(summary, {}), HasSubstr("0.97\n"));
 }
