@@ -4,9 +4,8 @@
 //
 //   bench_contact [--benchmark_…]      look-ahead blocks against single steps
 //   bench_contact --worst [STEPS]      percentiles of the time of a step and of a block of 64 steps
-//   bench_contact --least [NAME]       least and median CPU time of a step in 48, for scenes whose name
-//   contains
-//                                      NAME: comparable while other programs run
+//   bench_contact --least [NAME]       least and median CPU times of 48 steps, comparable while other
+//                                      programs run; of scenes whose name contains NAME
 //   bench_contact --turning [ROUNDS]   bodies that turn: a step of two and of eight bodies, and flight
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>

@@ -20,7 +20,7 @@ std::vector<contact::PlacedBody> bodies_of(const Scene& scene);
 contact::Placement placement_of(const Scene& scene);
 
 /// The model of the bodies of the scene, which may be placed with other kernels. Also throws InputError as
-/// contact::build_model, contact::refuse_early_contact and contact::add_belt do, and if a rod has friction.
+/// contact::build_model, contact::refuse_early_contact and drive_obstacles do, and if a rod has friction.
 contact::Model model_of(const Scene& scene, const contact::Placement& placement);
 
 /// The model of a scene whose names and kernels nobody has checked. Also throws InputError as
@@ -36,7 +36,7 @@ contact::Placement placement_with(const Scene& scene, std::vector<contact::Place
 contact::PlacedBody placed_body(const std::string& name, const SharedKernel& kernel,
                                 const BodyMotion& motion);
 
-/// Sets half-spaces in motion: as model_of does.
+/// Sets obstacles in motion: as model_of does. Throws InputError for motions that they cannot make.
 void drive_obstacles(const Scene& scene, contact::Model& model);
 
 /// No value if the pair is frictionless. Throws InputError for coefficients out of range.

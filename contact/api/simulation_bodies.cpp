@@ -158,8 +158,7 @@ std::size_t Simulation::add(const std::string& name, const SharedKernel& kernel,
     if (pair.driven && pair.driven->moves(0, time()))
       throw InputError(
           fmt::format("add: obstacles.{} has moved, and whether a body overlaps it is known at its first "
-                      "place alone. Add "
-                      "bodies before it moves.",
+                      "place alone. Add bodies before it moves.",
                       pair.obstacle));
   const contact::PlacedBody added = placed_body(name, kernel, motion);
   const auto rubs = friction_of(impl_->scene, friction, "bodies." + name);

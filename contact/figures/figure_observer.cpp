@@ -134,7 +134,7 @@ bool FigureObserver::parted(const Stepper& stepper) const {
 
 /// Whether the bodies of a pair come nearer to each other: along its impulse or, before it has one, along its
 /// mean normal or, with finite rotations, the line between the bodies. At rest, those that have touched may
-/// do so again. What turns an obstacle brings may come nearer at any time.
+/// do so again. An obstacle that turns may come nearer at any time.
 bool FigureObserver::approaches(std::size_t number, std::span<const Pose> poses) const {
   const MotionSource::Pair& pair = source_.pairs()[number];
   if (const auto impulse = impulse_.col(static_cast<Eigen::Index>(number)); !impulse.isZero(0))

@@ -9,8 +9,6 @@ Pose driven_pose(const DrivenMotion& motion, const Pose& start, double t) noexce
   const Eigen::Vector3d turned = motion.turn(t);
   if (const double angle = turned.norm(); angle > 0)
     out.attitude = Eigen::Quaterniond(Eigen::AngleAxisd(angle, turned / angle)) * start.attitude;
-  out.velocity += motion.velocity(t);
-  for (const DrivenMotion::Part& one : motion.parts) out.spin += one.history.slope(t) * one.turn;
   return out;
 }
 

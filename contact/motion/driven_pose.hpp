@@ -6,7 +6,7 @@
 
 namespace ricochet::contact {
 
-/// The pose at t of what has the pose `start` at t = 0 and is driven.
+/// Position and attitude at t of what has the pose `start` at t = 0 and is driven.
 Pose driven_pose(const DrivenMotion& motion, const Pose& start, double t) noexcept;
 
 }  // namespace ricochet::contact

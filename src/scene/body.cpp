@@ -221,8 +221,7 @@ const SectionOf<Obstacle> obstacle_keys{
       "", "– of a half-space", any(), "outward normal of a half-space"},
      {"velocity", &Obstacle::velocity, "m/s", initial, any(),
       "constant [velocity](scene.md#obstacles-that-move), in world axes. Along the surface of a half-space "
-      "it acts "
-      "through `friction` only, like that of a conveyor belt. Not with `scheme = \"static\"`"},
+      "it acts through `friction` only, like that of a conveyor belt. Not with `scheme = \"static\"`"},
      {"angular_velocity",
       Access<Obstacle>(&Obstacle::angular_velocity).only(is_solid, "a shape or a surface").if_changed(),
       "rad/s", initial, any(),

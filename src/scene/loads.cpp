@@ -104,8 +104,7 @@ const SectionOf<Forcing> point_keys{
 const SectionOf<Forcing> motion_keys{
     "[[loads.motion]]",
     "The displacement of a support, or [the motion of an obstacle](scene.md#obstacles-that-move). Motions of "
-    "an "
-    "obstacle and its `velocity` and `angular_velocity` add up.",
+    "an obstacle and its `velocity` and `angular_velocity` add up.",
     {name_of_source("the group, or the obstacle"),
      {"obstacle", Access(&Forcing::obstacle).if_changed(), "", none, any(),
       "name of an obstacle, in place of `body` and `group`. Its motion needs a `history`"},

@@ -144,14 +144,9 @@ TEST(MovingObstacles, hit_a_plate_that_does_not_turn_as_it_hits_them) {
 /// g/ω.
 TEST(MovingObstacles, carry_a_plate_along_by_friction) {
   constexpr double flexibility = 1e-6, time = 0.05, friction = 0.3;
-  kernels::Kernel kernel = contact::test::rigid_plate();
-  kernel.body = "plate";
-  const std::size_t rows = 3 * kernel.surface.size();
-  kernel.surface.residual_flexibility.assign(rows * rows, 0);
-  for (std::size_t k = 0; k < rows; ++k) kernel.surface.residual_flexibility[k * rows + k] = flexibility;
-  kernel.loads.body_force_residual.assign(3 * rows, 0);
   Scene scene;
-  scene.bodies = {{.name = "plate", .kernel = contact::test::shared(std::move(kernel))}};
+  scene.bodies = {
+      {.name = "plate", .kernel = contact::test::shared(contact::test::rigid_plate_on_springs(flexibility))}};
   scene.obstacles = {{.name = "floor",
                       .point = {0, 0, -0.5},
                       .velocity = {0.6, -0.8, 0},

@@ -34,4 +34,15 @@ inline kernels::Kernel rigid_plate() {
   return kernel;
 }
 
+/// The same with a spring of its own behind each candidate. @param flexibility  in each direction [m/N]
+inline kernels::Kernel rigid_plate_on_springs(double flexibility) {
+  kernels::Kernel kernel = rigid_plate();
+  kernel.body = "plate";
+  const std::size_t rows = 3 * kernel.surface.size();
+  kernel.surface.residual_flexibility.assign(rows * rows, 0);
+  for (std::size_t k = 0; k < rows; ++k) kernel.surface.residual_flexibility[k * rows + k] = flexibility;
+  kernel.loads.body_force_residual.assign(3 * rows, 0);
+  return kernel;
+}
+
 }  // namespace ricochet::contact::test

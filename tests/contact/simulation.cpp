@@ -304,15 +304,9 @@ constexpr double gravity = 9.81, weight = gravity;  // of the rigid plate, whose
 
 /// A rigid plate of 1 kg that lies on a floor and slides along it. Each of its 9 points is a spring.
 Scene sliding(const Vector3& velocity, const std::optional<Friction>& friction, const Vector3& belt = {}) {
-  constexpr double flexibility = 1e-6;  // [m/N]
-  kernels::Kernel kernel = contact::test::rigid_plate();
-  kernel.body = "plate";
-  const std::size_t rows = 3 * kernel.surface.size();
-  kernel.surface.residual_flexibility.assign(rows * rows, 0);
-  for (std::size_t k = 0; k < rows; ++k) kernel.surface.residual_flexibility[k * rows + k] = flexibility;
-  kernel.loads.body_force_residual.assign(3 * rows, 0);
   Scene scene;
-  scene.bodies = {{.name = "plate", .kernel = shared(std::move(kernel)), .velocity = velocity}};
+  scene.bodies = {
+      {.name = "plate", .kernel = shared(contact::test::rigid_plate_on_springs(1e-6)), .velocity = velocity}};
   scene.obstacles = {{.name = "floor", .normal = {0, 0, 1}, .velocity = belt}};
   scene.pairs = {{.a = "plate", .b = "floor", .gap = 0.0, .friction = friction}};
   scene.pickups = {{.body = "plate", .direction = {1, 0, 0}}};

@@ -63,13 +63,10 @@ def spread(node: Array, element: Array, distance: float) -> Array:
     parts = np.ceil(2 ** (np.ceil(4 * np.log2(np.maximum(longest / distance, 1))) / 4)).astype(int)
     out = []
     for n in np.unique(parts):
-        i, j = np.nonzero(
-            np.add.outer(np.arange(n + 1), np.arange(n + 1)) <= n
-        )  # nodes of a lattice in a triangle
-        weights = np.array(
-            [np.arange(n + 1), np.arange(n, -1, -1)] if element.shape[1] == 2 else [i, j, n - i - j]
-        )
-        out.append((weights.T / n @ corner[parts == n]).reshape(-1, 3))
+        i, j = np.nonzero(np.tri(n + 1)[::-1])  # i + j <= n
+        whole = np.column_stack([i, j, n - i - j])
+        weights = whole if element.shape[1] == 3 else whole[whole[:, 2] == 0, :2]
+        out.append((weights / n @ corner[parts == n]).reshape(-1, 3))
     return np.concatenate(out)
 
 
