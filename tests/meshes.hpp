@@ -12,6 +12,7 @@
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/mesh.hpp"
 #include "src/mesh/partition.hpp"
+#include "src/mesh/parts.hpp"
 #include "src/mesh/read.hpp"
 #include "src/parallel/teams.hpp"
 
@@ -119,12 +120,14 @@ inline const parallel::Teams& own_teams() {
   return *teams;
 }
 
-/// Reads a mesh and distributes it over the ranks of each team. Requires a GmshSession.
+/// Reads a mesh and distributes it over the ranks of each team, as the program does. Requires a GmshSession.
 inline mesh::Mesh mesh_of(const scene::Body& body, const parallel::Teams& teams = one_team()) {
+  if (const auto files = mesh::open_msh(body, PETSC_COMM_WORLD))
+    return mesh::read_msh(*files, body, teams.team(), teams.peers());
   mesh::GlobalMesh global;
   parallel::on_first_rank(PETSC_COMM_WORLD, [&] { global = mesh::read_mesh(body); });
   if (parallel::rank_of(teams.team()) == 0) mesh::broadcast(global, teams.peers());
-  return mesh::distribute(std::move(global), teams.team());
+  return mesh::distribute(std::move(global), teams.team(), teams.peers());
 }
 
 }  // namespace ricochet::test

@@ -5,16 +5,18 @@
 
 namespace ricochet::elasticity {
 
-double expected_blocks(const mesh::GlobalMesh& mesh, std::int64_t sample) {
-  const std::int64_t nodes = std::ssize(mesh.position) / 3, stride = (nodes + sample - 1) / sample;
-  if (nodes == 0) return 0;
+double expected_blocks(const mesh::Mesh& mesh, std::int64_t sample) {
+  const std::int64_t nodes = mesh.owned_nodes, stride = (nodes + sample - 1) / sample;
+  if (nodes == 0 || mesh.total_elements == 0) return 0;
   std::vector<std::vector<std::int64_t>> neighbours(static_cast<std::size_t>((nodes + stride - 1) / stride));
   for (const mesh::Block& block : mesh.blocks) {
     const auto each = static_cast<std::size_t>(block.nodes_per_element);
     for (std::size_t first = 0; first < block.node.size(); first += each) {
       const auto begin = block.node.begin() + static_cast<std::ptrdiff_t>(first);
       for (std::size_t k = 0; k < each; ++k)
-        if (const std::int64_t node = begin[static_cast<std::ptrdiff_t>(k)]; node % stride == 0) {
+        if (const std::int64_t node =
+                mesh.owned(mesh.node[static_cast<std::size_t>(begin[static_cast<std::ptrdiff_t>(k)])]);
+            node >= 0 && node % stride == 0) {
           auto& list = neighbours[static_cast<std::size_t>(node / stride)];
           list.insert(list.end(), begin, begin + static_cast<std::ptrdiff_t>(each));
         }
@@ -29,7 +31,7 @@ double expected_blocks(const mesh::GlobalMesh& mesh, std::int64_t sample) {
   return (total * (all / static_cast<double>(neighbours.size())) + all) / 2;
 }
 
-double expected_mib(const mesh::GlobalMesh& mesh) {
+double expected_mib(const mesh::Mesh& mesh) {
   const double size = mesh.dim == 3 ? 3 : 1, entries = size * size;
   // K and M, the copy of K for products, and that of M, whose blocks are diagonal but stored in full rows.
   const double matrices = 3 * (8 * entries + 4) + 2 * (8 * size + 4);

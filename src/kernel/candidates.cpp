@@ -13,7 +13,6 @@
 #include "src/mesh/partition.hpp"
 #include "src/mesh/parts.hpp"
 #include "src/scene/derive.hpp"
-#include "src/scene/parts.hpp"
 #include "src/scene/scene.hpp"
 #include "src/surface/sources.hpp"
 
@@ -32,9 +31,12 @@ Source OpenedMeshes::open(const scene::KernelRequest& request) {
   const scene::Body& body = request.body;
   const mesh::RequestedGroups asked = surface::requested_groups(request);
   Source source;
+  source.files = mesh::open_msh(body, comm_);
+  if (source.files) {
+    if (parallel::rank_of(comm_) == 0 && !source.files->warning.empty()) console_.warn(source.files->warning);
+    return source;
+  }
   parallel::on_first_rank(comm_, [&] {
-    source.in_parts = !scene::part_files(body.mesh).empty();
-    if (source.in_parts) return;
     if (body.imported()) {
       source.whole = mesh::read_body_file(body, asked);
       return;
@@ -44,7 +46,6 @@ Source OpenedMeshes::open(const scene::KernelRequest& request) {
     mesh::forget_meshes();
     for (const std::string& warning : source.whole.warnings) console_.warn(warning);
   });
-  source.in_parts = parallel::of_rank(comm_, 0, source.in_parts);
   return source;
 }
 
@@ -103,8 +104,8 @@ kernels::Surface surface_of_mesh(const scene::KernelRequest& request, OpenedMesh
   };
   const Source& source = meshes.look(request);
   kernels::Surface surface;
-  if (source.in_parts)
-    surface = surface_of(mesh::read_parts(request.body, comm));
+  if (source.files)
+    surface = surface_of(mesh::read_msh(*source.files, request.body, comm, MPI_COMM_SELF));
   else
     parallel::on_first_rank(
         comm, [&] { surface = surface_of(mesh::distribute(mesh::GlobalMesh(source.whole), MPI_COMM_SELF)); });

@@ -6,20 +6,22 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "src/console/console.hpp"
 #include "src/mesh/mesh.hpp"
+#include "src/mesh/msh_files.hpp"
 #include "src/scene/request.hpp"
 #include "src/store/placing.hpp"
 #include "src/surface/patches.hpp"
 
 namespace ricochet::kernel {
 
-/// A mesh in one file, on rank 0, or in parts, which are read later.
+/// A mesh in files, which all ranks read later, or another mesh, on rank 0.
 struct Source {
-  bool in_parts = false;
+  std::optional<mesh::MshFiles> files;
   mesh::GlobalMesh whole;
 };
 

@@ -28,7 +28,7 @@ namespace {
 /// Distributes the mesh on rank 0 among the ranks of each team. Collective over all teams.
 mesh::Mesh hand_out(mesh::GlobalMesh whole, const parallel::Teams& teams) {
   if (parallel::rank_of(teams.team()) == 0) mesh::broadcast(whole, teams.peers());
-  return mesh::distribute(std::move(whole), teams.team());
+  return mesh::distribute(std::move(whole), teams.team(), teams.peers());
 }
 
 /// Buffers of BLAS and MUMPS, and code that the search touches for the first time. They are part of the
@@ -109,27 +109,34 @@ double surface_mib(const scene::KernelRequest& request, const Discretised& made,
   return static_cast<double>(rows * sizeof(float) * made.mesh.visualisation.node.size()) * fields / base::mib;
 }
 
-/// Reads the mesh of a body on `count` teams of ranks and assembles the matrices. Collective; throws
-/// InputError on every rank.
+/// Distributes the mesh of a body over `count` teams of ranks. Collective; throws InputError on every rank.
 /// @param last  whether the source may be consumed
-Discretised assembled(const scene::KernelRequest& request, Source& source, int count, bool last,
-                      MPI_Comm comm, console::Console& console) {
+Discretised distributed(const scene::KernelRequest& request, Source& source, int count, bool last,
+                        MPI_Comm comm, console::Console& console) {
   const scene::Body& body = request.body;
-  const std::string file = body.mesh.filename().string();
-  const auto bar = [&](std::int64_t done, std::int64_t total) { console.advance(done, total); };
-  const mesh::RequestedGroups asked = surface::requested_groups(request);
-  std::vector<std::string> moved;
-  for (const std::string& support : asked.moved) moved.push_back(body.support.at(support));
   Discretised made;
   made.teams = std::make_unique<parallel::Teams>(comm, count);
-  if (source.in_parts)  // reading a file may fail on one team only
-    parallel::on_all_ranks(comm, [&] { made.mesh = mesh::read_parts(body, made.teams->team(), bar, asked); });
+  if (source.files)
+    made.mesh = mesh::read_msh(
+        *source.files, body, made.teams->team(), made.teams->peers(),
+        [&](std::int64_t done, std::int64_t total) { console.advance(done, total); },
+        surface::requested_groups(request));
   else
     made.mesh = hand_out(last ? std::move(source.whole) : source.whole, *made.teams);
   console.end(body.imported()
                   ? fmt::format("{} nodes", made.mesh.total_nodes)
                   : fmt::format("{} elements, {} nodes", made.mesh.total_elements, made.mesh.total_nodes));
+  return made;
+}
 
+/// Assembles the matrices of a distributed mesh. Collective; throws InputError on every rank.
+void assemble(const scene::KernelRequest& request, Discretised& made, MPI_Comm comm,
+              console::Console& console) {
+  const scene::Body& body = request.body;
+  const std::string file = body.mesh.filename().string();
+  std::vector<std::string> moved;
+  for (const std::string& support : surface::requested_groups(request).moved)
+    moved.push_back(body.support.at(support));
   if (request.friction && made.mesh.dim == 1)
     throw InputError(fmt::format("{}: {}", file, friction_on_rod(body.name)));
   console.begin(body.name + ": assembly");
@@ -138,14 +145,15 @@ Discretised assembled(const scene::KernelRequest& request, Source& source, int c
     parallel::on_all_ranks(comm,
                            [&] { made.matrices = elasticity::read_matrices(made.mesh, body.mesh, moved); });
   else
-    made.matrices = elasticity::assemble(made.mesh, body.materials, file, bar, moved);
+    made.matrices = elasticity::assemble(
+        made.mesh, body.materials, file,
+        [&](std::int64_t done, std::int64_t total) { console.advance(done, total); }, moved);
   made.patches = patches_of(request, made.mesh);
   made.candidates = made.patches.geometry.size();
   if (request.points) surface::restrict_to(made.patches, *request.points);
   made.loads = surface::patch_loads(made.mesh, made.patches);
   made.pressed =
       request.normal_residual ? surface::along_normals(made.loads, made.patches.geometry) : made.loads;
-  return made;
 }
 
 }  // namespace
@@ -173,22 +181,21 @@ Discretised discretise(scene::KernelRequest& request, double view_mib, OpenedMes
     in_teams = in_teams && modes::works_in_teams(modes::chosen_eps_type(request.modes.solver));
   });
   const int most = in_teams ? ranks : 1;
-  double matrices = 0;  // of the whole body [MiB]; unknown for a mesh in parts
-  if (!source.in_parts && !request.body.imported())
-    parallel::on_first_rank(comm, [&] { matrices = elasticity::expected_mib(source.whole); });
-  MPI_Bcast(&matrices, 1, MPI_DOUBLE, 0, comm);
   for (int count = most;; --count) {
     if (ranks % count != 0) continue;
-    const double free_mib = parallel::available_mib(comm), assembled_mib = matrices * count / ranks;
-    if (assembled_mib > usable * free_mib) {
+    if (count < most) console.begin(name + ": mesh, for fewer teams");
+    // The source is needed again if memory allows only fewer teams.
+    Discretised made = distributed(request, source, count, count == 1, comm, console);
+    const double matrices = parallel::largest(comm, elasticity::expected_mib(made.mesh)),
+                 free_mib = parallel::available_mib(comm);
+    if (matrices > usable * free_mib) {
       if (count > 1) continue;
       throw InputError(fmt::format(
           "{}: its matrices would need {:.0f} MiB a rank, {:.0f} are free: use more machines or a "
           "coarser mesh",
-          file, assembled_mib, free_mib));
+          file, matrices, free_mib));
     }
-    // The source is needed again if memory allows only fewer teams.
-    Discretised made = assembled(request, source, count, count == 1, comm, console);
+    assemble(request, made, comm, console);
     made.factor = std::make_unique<modes::Factorisation>(made.matrices.stiffness, made.matrices.mass,
                                                          request.modes.low_rank);
     const double room = parallel::available_mib(comm);
@@ -224,7 +231,6 @@ Discretised discretise(scene::KernelRequest& request, double view_mib, OpenedMes
                       "machines, a coarser mesh or "
                       "fewer modes",
                       file, need, room));
-    console.begin(name + ": mesh, for fewer teams");
   }
 }
 
@@ -264,7 +270,8 @@ void check_body(const scene::KernelRequest& request, OpenedMeshes& meshes, MPI_C
   }
   console.begin(request.body.name + ": mesh, to check it");
   Source source = meshes.look(request);
-  const Discretised made = assembled(request, source, 1, true, comm, console);
+  Discretised made = distributed(request, source, 1, true, comm, console);
+  assemble(request, made, comm, console);
   modes::refuse_more_than_there_are(request.modes.count, made.matrices);
   console.end(fmt::format("{} unknowns", made.matrices.total_rows));
 }

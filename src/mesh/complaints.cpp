@@ -15,9 +15,20 @@ void refuse_repeated(const std::vector<Block>& blocks, const char* what, const c
   for (const Block& block : blocks) tags.insert(tags.end(), block.tag.begin(), block.tag.end());
   std::sort(tags.begin(), tags.end());
   const auto twice = std::adjacent_find(tags.begin(), tags.end());
-  if (twice != tags.end())
-    throw InputError(fmt::format("{}: {} {} lies in two groups of bodies.{}.{}: give it to one",
-                                 body.mesh.filename().string(), what, *twice, body.name, key));
+  if (twice != tags.end()) throw in_two_groups(fmt::format("{} {}", what, *twice), key, body);
+}
+
+InputError in_two_groups(const std::string& what, const char* key, const scene::Body& body) {
+  return InputError(fmt::format("{}: {} lies in two groups of bodies.{}.{}: give it to one",
+                                body.mesh.filename().string(), what, body.name, key));
+}
+
+ReferenceElement checked_reference(int gmsh_type, const std::string& file) {
+  try {
+    return reference_element(gmsh_type);
+  } catch (const InputError& error) {
+    throw InputError(file + ": " + error.what());
+  }
 }
 
 void refuse_more_than_all(const scene::Body& body) {
@@ -34,6 +45,15 @@ unsigned moved_bit(const scene::Body& body, const RequestedGroups& asked, const 
     throw InputError(fmt::format("{}: more than 29 supports of bodies.{} move: join some in one group",
                                  body.mesh.filename().string(), body.name));
   return 1U << (3 + moved);
+}
+
+InputError no_volume(int dim, const std::string& file) {
+  if (dim == 2)
+    return InputError(fmt::format(
+        "{}: has surface elements but no volume: mesh the volume (gmsh -3) and give it a physical group",
+        file));
+  return InputError(fmt::format(
+      "{}: holds no volume or line elements: mesh it with gmsh first, or name another file", file));
 }
 
 InputError no_elements(const scene::Body& body) {

@@ -6,7 +6,7 @@
 #include <gmsh.h>
 
 #include <array>
-#include <map>
+#include <cstdlib>
 #include <set>
 #include <utility>
 
@@ -14,60 +14,14 @@ namespace ricochet::mesh {
 
 namespace {
 
-/// Returns the dimension and tag of the entity from which a partition, or an interface between partitions,
-/// was created; −1 if there is none.
-std::pair<int, int> parent_of(int dim, int tag) {
-  std::pair<int, int> parent{-1, -1};
-  gmsh::model::getParent(dim, tag, parent.first, parent.second);
-  return parent;
-}
-
 /// Whether an entity is an interface between partitions. Interfaces have the group numbers of the entities
 /// that they divide, but a lower dimension.
-bool is_interface(int dim, int tag) {
-  const auto [above, parent] = parent_of(dim, tag);
-  return parent >= 0 && above != dim;
-}
-
-/// Entities of the physical groups of one dimension, by the name of the group.
-std::map<std::string, std::vector<int>> groups_of(int dim) {
-  gmsh::vectorpair pairs;
-  gmsh::model::getPhysicalGroups(pairs, dim);
-  std::map<std::string, std::vector<int>> groups;
-  for (const auto& [d, tag] : pairs) {
-    std::string name;
-    gmsh::model::getPhysicalName(d, tag, name);
-    std::vector<int> entities;
-    gmsh::model::getEntitiesForPhysicalGroup(dim, tag, entities);
-    std::erase_if(entities, [&](int entity) { return is_interface(dim, entity); });
-    if (!entities.empty()) groups[name.empty() ? std::to_string(tag) : name] = std::move(entities);
-  }
-  return groups;
+bool is_interface(const EntityKey& key, const Entity& entity) {
+  return entity.parent.tag >= 0 && entity.parent.dim != key.dim;
 }
 
 const char* kind_of(int dim) {
   return std::array{"point", "line", "surface", "volume"}[static_cast<std::size_t>(dim)];
-}
-
-/// Names of all entities of one dimension, such as "surface 3", by tag.
-std::map<int, std::string> entity_names(int dim) {
-  gmsh::vectorpair pairs;
-  gmsh::model::getEntities(pairs, dim);
-  std::map<int, std::string> names;
-  for (const auto& [d, tag] : pairs)
-    if (parent_of(d, tag).second < 0) names[tag] = fmt::format("{} {}", kind_of(dim), tag);
-  return names;
-}
-
-/// Returns `entities` and their partitions.
-std::vector<int> with_partitions(int dim, const std::vector<int>& entities) {
-  std::set<int> all(entities.begin(), entities.end());
-  gmsh::vectorpair pairs;
-  gmsh::model::getEntities(pairs, dim);
-  for (const auto& [d, tag] : pairs)
-    if (const auto [above, parent] = parent_of(d, tag); above == dim && all.count(parent) > 0)
-      all.insert(tag);
-  return {all.begin(), all.end()};
 }
 
 }  // namespace
@@ -81,20 +35,51 @@ std::string list_of(std::vector<std::string> names, std::size_t most) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-Choice choice_of(int dim) {
-  Choice choice;
-  for (const auto& [name, entities] : groups_of(dim)) choice.groups.push_back(name);
-  if (choice.groups.empty())
-    for (const auto& [tag, name] : entity_names(dim)) choice.entities.push_back(name);
-  return choice;
+std::string name_of(const EntityKey& entity) { return fmt::format("{} {}", kind_of(entity.dim), entity.tag); }
+
+/// Entities of the physical groups of one dimension, by the name of the group.
+std::map<std::string, std::vector<int>> Entities::groups_of(int dim) const {
+  std::map<std::string, std::vector<int>> groups;
+  for (const auto& [key, entity] : all) {
+    if (key.dim != dim || is_interface(key, entity)) continue;
+    for (const int number : entity.groups) {
+      const auto name = group_name.find({dim, number});
+      groups[name == group_name.end() ? std::to_string(number) : name->second].push_back(key.tag);
+    }
+  }
+  return groups;
 }
 
-Grouped grouped_entities(int dim) {
+/// Names of the entities of one dimension, by tag, without partitions.
+std::map<int, std::string> Entities::names_of(int dim) const {
+  std::map<int, std::string> names;
+  for (const auto& [key, entity] : all)
+    if (key.dim == dim && entity.parent.tag < 0) names[key.tag] = name_of(key);
+  return names;
+}
+
+/// Returns `entities` and their partitions.
+std::vector<int> Entities::with_partitions(int dim, const std::vector<int>& entities) const {
+  std::set<int> with(entities.begin(), entities.end());
+  for (const auto& [key, entity] : all)
+    if (key.dim == dim && entity.parent.dim == dim && with.contains(entity.parent.tag)) with.insert(key.tag);
+  return {with.begin(), with.end()};
+}
+
+std::vector<int> Entities::find(int dim, const std::string& name) const {
+  std::vector<int> entities = std::move(groups_of(dim)[name]);
+  if (entities.empty())
+    for (const auto& [tag, written] : names_of(dim))
+      if (written == name) entities.push_back(tag);
+  return with_partitions(dim, entities);
+}
+
+Entities::Grouped Entities::grouped(int dim) const {
   Grouped out;
   std::vector<int> whole;
   std::set<int> named;
   for (const auto& [name, entities] : groups_of(dim)) named.insert(entities.begin(), entities.end());
-  for (const auto& [tag, name] : entity_names(dim))
+  for (const auto& [tag, name] : names_of(dim))
     if (named.empty() || named.contains(tag))
       whole.push_back(tag);
     else
@@ -104,24 +89,46 @@ Grouped grouped_entities(int dim) {
   return out;
 }
 
-InputError no_group(int dim, const std::string& name, const Choice& choice, const std::string& file,
-                    const std::string& key) {
+std::string Entities::left_out_warning(int dim, const std::string& file, const std::string& body) const {
+  const std::vector<std::string> left_out = grouped(dim).left_out;
+  if (left_out.empty()) return "";
+  return fmt::format(
+      "{}: {} of {} belongs to no physical group and is left out, as gmsh does when it saves a mesh: add it "
+      "to a group if it is part of the body",
+      file, list_of(left_out, 8), body);
+}
+
+InputError Entities::no_group(int dim, const std::string& name, const std::string& file,
+                              const std::string& key) const {
+  std::vector<std::string> groups, entities;
+  for (const auto& [group, of_group] : groups_of(dim)) groups.push_back(group);
+  for (const auto& [tag, entity] : names_of(dim)) entities.push_back(entity);
   std::string there = "there are none";
-  if (!choice.groups.empty())
-    there = "the groups are " + list_of(choice.groups, choice.groups.size());
-  else if (!choice.entities.empty())
-    there = "there are no groups, but " + list_of(choice.entities, 8);
+  if (!groups.empty())
+    there = "the groups are " + list_of(groups, groups.size());
+  else if (!entities.empty())
+    there = "there are no groups, but " + list_of(entities, 8);
   return InputError(fmt::format("{}: no physical {} \"{}\": {}. Name one in gmsh, or change {}.", file,
                                 kind_of(dim), name, there, key));
 }
 
-std::vector<int> find_entities(int dim, const std::string& name) {
-  auto groups = groups_of(dim);
-  std::vector<int> entities = std::move(groups[name]);
-  if (entities.empty())
-    for (const auto& [tag, written] : entity_names(dim))
-      if (written == name) entities.push_back(tag);
-  return with_partitions(dim, entities);
+Entities entities_of_model() {
+  Entities model;
+  gmsh::vectorpair pairs;
+  gmsh::model::getEntities(pairs);
+  for (const auto& [dim, tag] : pairs) {
+    Entity& entity = model.all[{dim, tag}];
+    gmsh::model::getPhysicalGroupsForEntity(dim, tag, entity.groups);
+    for (int& number : entity.groups) number = std::abs(number);
+    gmsh::model::getParent(dim, tag, entity.parent.dim, entity.parent.tag);
+  }
+  gmsh::model::getPhysicalGroups(pairs);
+  for (const auto& [dim, number] : pairs) {
+    std::string name;
+    gmsh::model::getPhysicalName(dim, number, name);
+    if (!name.empty()) model.group_name[{dim, number}] = name;
+  }
+  return model;
 }
 
 }  // namespace ricochet::mesh

@@ -32,12 +32,19 @@ std::string printed(std::string_view word) {
 MshStream::MshStream(const std::filesystem::path& file)
     : name_(file.filename().string()), stream_(file, std::ios::binary) {
   if (!stream_) fail("cannot be read");
+  stream_.seekg(0, std::ios::end);
+  size_ = stream_.tellg();
+  stream_.seekg(0);
 }
 
 void MshStream::fail(const std::string& what) const {
   if (binary_)
     throw InputError(fmt::format("{}: byte {}: {}", name_, before_ + static_cast<std::int64_t>(at_), what));
   throw InputError(fmt::format("{}: line {}: {}", name_, line_, what));
+}
+
+void MshStream::fail_at_end(const char* missing) const {
+  fail(fmt::format("is cut off: {} is missing: write it again with gmsh", missing));
 }
 
 bool MshStream::fill() {
@@ -62,7 +69,7 @@ bool MshStream::ended() {
 }
 
 std::string_view MshStream::word(const char* expected) {
-  if (ended()) fail(fmt::format("is cut off: {} is missing: write it again with gmsh", expected));
+  if (ended()) fail_at_end(expected);
   word_.clear();
   for (int c = next(); c != EOF && !is_space(c); c = next()) {
     word_ += static_cast<char>(c);
@@ -94,10 +101,35 @@ void MshStream::skip_line() {
   }
 }
 
+void MshStream::go_to(Place place) {
+  line_ = place.line;
+  if (before_ <= place.byte && place.byte <= before_ + static_cast<std::int64_t>(end_)) {
+    at_ = static_cast<std::size_t>(place.byte - before_);
+    return;
+  }
+  stream_.clear();
+  stream_.seekg(place.byte);
+  before_ = place.byte;
+  at_ = end_ = 0;
+}
+
+void MshStream::skip(std::int64_t count, const char* what) {
+  if (binary_) {
+    const Place end{place().byte + 8 * count, line_};
+    if (end.byte > size_) fail_at_end(what);
+    go_to(end);
+    return;
+  }
+  for (; count > 0; --count) {
+    if (ended()) fail_at_end(what);
+    for (int c = next(); c != EOF && !is_space(c); c = next()) ++at_;
+  }
+}
+
 void MshStream::raw(void* to, std::size_t length, const char* what) {
   auto* bytes = static_cast<char*>(to);
   while (length > 0) {
-    if (next() == EOF) fail(fmt::format("is cut off: {} is missing: write it again with gmsh", what));
+    if (next() == EOF) fail_at_end(what);
     const std::size_t part = std::min(length, end_ - at_);
     std::memcpy(bytes, &buffer_[at_], part);
     at_ += part;

@@ -11,6 +11,11 @@
 
 namespace ricochet::mesh {
 
+/// A place in a file. The line is that of text.
+struct Place {
+  std::int64_t byte = 0, line = 1;
+};
+
 class MshStream {
  public:
   /// Throws InputError if the file cannot be read.
@@ -28,6 +33,12 @@ class MshStream {
   std::string rest_of_line();
   void skip_line();
 
+  Place place() const { return {before_ + static_cast<std::int64_t>(at_), line_}; }
+  void go_to(Place place);
+  /// Skips words or, if numbers are binary, numbers of eight bytes. At the end of the file, throws an
+  /// InputError that names `what`.
+  void skip(std::int64_t count, const char* what);
+
   /// Sets whether numbers are binary from here on.
   void set_binary(bool binary) { binary_ = binary; }
 
@@ -41,9 +52,11 @@ class MshStream {
   bool fill();
   int next();
   void raw(void* to, std::size_t length, const char* what);
+  [[noreturn]] void fail_at_end(const char* missing) const;
 
   std::string name_;
   std::ifstream stream_;
+  std::int64_t size_ = 0;
   std::array<char, 1 << 16> buffer_;
   std::size_t at_ = 0, end_ = 0;
   std::int64_t line_ = 1, before_ = 0;  ///< current line; number of bytes before the buffer

@@ -211,15 +211,19 @@ std::set<std::string> parameters_of(const std::filesystem::path& geo) {
   return names;
 }
 
-namespace {
-
-void open_file(const scene::Body& body) {
+void check_file(const scene::Body& body) {
   const std::string file = body.mesh.filename().string();
   check_kind(body.mesh);
   if (!std::filesystem::is_regular_file(body.mesh) || !std::ifstream(body.mesh))
     throw InputError(fmt::format("{}: no such file, or not readable: check bodies.{}.mesh = \"{}\"", file,
                                  body.name, body.mesh.string()));
   check_parameters(body);
+}
+
+namespace {
+
+void open_file(const scene::Body& body) {
+  check_file(body);
   if (body.mesh.extension() == ".msh") check_msh(body.mesh);
   if (body.geometry.empty())
     gmsh::open(body.mesh.string());

@@ -17,6 +17,10 @@ namespace ricochet::mesh {
 /// @return whether the file already contained a mesh
 bool open_model(const scene::Body& body);
 
+/// Throws InputError if the file of a body cannot be opened: it does not exist or is of a kind that gmsh does
+/// not read, or `geometry` contains a name that it does not define.
+void check_file(const scene::Body& body);
+
 /// Extent of a body, determined without meshing it.
 struct Extent {
   double length = 0;  ///< longest side of its bounding box [m]

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "src/mesh/partition.hpp"
 
-#include <metis.h>
-
 #include <algorithm>
-#include <numeric>
-#include <tuple>
+#include <utility>
 
-#include "src/mesh/connected.hpp"
+#include "src/mesh/number.hpp"
 #include "src/mesh/pieces.hpp"
-#include "src/mesh/send.hpp"
+#include "src/mesh/split.hpp"
 
 namespace ricochet::mesh {
 
@@ -17,86 +14,68 @@ namespace {
 
 using parallel::broadcast;
 
-/// Returns the rank of each element, in the order of the blocks. METIS partitions the dual graph that the
-/// corners define.
-Numbers partition(const GlobalMesh& mesh, int ranks) {
-  std::vector<idx_t> start{0}, corner;
-  for (const Block& block : mesh.blocks) {
-    const int corners = reference_element(block.gmsh_type).corners;
-    for (std::size_t e = 0; e < block.size(); ++e) {
-      for (int c = 0; c < corners; ++c)
-        corner.push_back(static_cast<idx_t>(block.node[e * block.nodes_per_element + c]));
-      start.push_back(static_cast<idx_t>(corner.size()));
+/// Sends an equal share of the elements on rank 0 to each rank, with nodes by index, and forgets them there.
+std::vector<Block> shares_of(std::vector<Block> blocks, MPI_Comm comm) {
+  Numbers types, rank;
+  std::int64_t elements = 0;
+  for (const Block& block : blocks) {
+    types.insert(types.end(), {block.gmsh_type, block.nodes_per_element});
+    elements += std::ssize(block.tag);
+  }
+  for (std::int64_t e = 0; e < elements; ++e) rank.push_back(e * parallel::size_of(comm) / elements);
+  broadcast(comm, types);
+  // The other ranks contribute empty blocks of the same types.
+  for (std::size_t k = 0; parallel::rank_of(comm) > 0 && k < types.size(); k += 2)
+    blocks.push_back({static_cast<int>(types[k]), static_cast<int>(types[k + 1]), {}, {}, {}});
+  return exchanged(blocks, rank, comm);
+}
+
+/// Takes the positions and supports of the nodes of a part from rank 0.
+void take_nodes_from_first(Part& part, const GlobalMesh& global, MPI_Comm comm) {
+  std::vector<Numbers> asked(static_cast<std::size_t>(parallel::size_of(comm))), fixed(asked.size());
+  std::vector<std::vector<double>> position(asked.size());
+  asked[0] = part.tag;
+  asked = parallel::exchange(comm, asked);
+  for (std::size_t r = 0; r < asked.size(); ++r)
+    for (const std::int64_t node : asked[r]) {
+      const auto n = static_cast<std::size_t>(node);
+      fixed[r].push_back(global.fixed[n]);
+      position[r].insert(position[r].end(), &global.position[3 * n], &global.position[3 * n] + 3);
     }
-  }
-  idx_t elements = static_cast<idx_t>(start.size()) - 1, nodes = static_cast<idx_t>(mesh.fixed.size()),
-        cut = 0;
-  idx_t parts = std::min<idx_t>(ranks, elements);
-  std::vector<idx_t> part(static_cast<std::size_t>(elements), 0), node_part(static_cast<std::size_t>(nodes));
-  if (parts < 2) return Numbers(part.size(), 0);
-  idx_t common = mesh.dim == 1 ? 1 : 3;  // corners that neighbours must share: in a solid, a triangle
-  if (METIS_PartMeshDual(&elements, &nodes, start.data(), corner.data(), nullptr, nullptr, &common, &parts,
-                         nullptr, nullptr, &cut, part.data(), node_part.data()) != METIS_OK)
-    throw InputError("METIS could not split the mesh: run on fewer ranks");
-  return {part.begin(), part.end()};
+  part.fixed = parallel::exchange(comm, fixed)[0];
+  part.position = parallel::exchange(comm, position)[0];
 }
 
-/// Sets the owners of the nodes, and numbers the nodes by owner, then in reading order.
-/// @return (ranks + 1) the first number of each rank, followed by the number of nodes
-Numbers number_nodes(const GlobalMesh& mesh, const Numbers& part, int ranks, Nodes& nodes) {
-  const std::size_t n = mesh.fixed.size();
-  nodes.owner.assign(n, ranks);
-  std::size_t element = 0;
-  for (const Block& block : mesh.blocks)
-    for (std::size_t e = 0; e < block.size(); ++e, ++element)
-      for (int k = 0; k < block.nodes_per_element; ++k) {
-        std::int64_t& owner =
-            nodes.owner[static_cast<std::size_t>(block.node[e * block.nodes_per_element + k])];
-        owner = std::min(owner, part[element]);
-      }
+/// The part of each rank. The tags of nodes are their indices on rank 0. Collective.
+Part part_of(GlobalMesh& global, MPI_Comm comm, MPI_Comm peers) {
+  Part part;
+  part.order = parallel::of_rank(comm, 0, global.order);
+  part.blocks = split(shares_of(std::exchange(global.blocks, {}), comm), comm, peers);
+  collect_tags(part);
   // Bodies given by matrices have no elements; their nodes are distributed evenly.
-  for (std::size_t i = 0; i < n && mesh.blocks.empty(); ++i)
-    nodes.owner[i] = static_cast<std::int64_t>(i * static_cast<std::size_t>(ranks) / n);
-  Numbers first(static_cast<std::size_t>(ranks) + 1, 0);
-  for (const std::int64_t owner : nodes.owner) ++first[static_cast<std::size_t>(owner) + 1];
-  std::partial_sum(first.begin(), first.end(), first.begin());
-  Numbers next = first;
-  for (const std::int64_t owner : nodes.owner)
-    nodes.number.push_back(next[static_cast<std::size_t>(owner)]++);
-  return first;
+  const std::int64_t nodes = parallel::of_rank(comm, 0, std::ssize(global.fixed)),
+                     ranks = parallel::size_of(comm), me = parallel::rank_of(comm);
+  for (std::int64_t n = nodes * me / ranks; part.blocks.empty() && n < nodes * (me + 1) / ranks; ++n)
+    part.tag.push_back(n);
+  take_nodes_from_first(part, global, comm);
+  global.position = {};
+  global.fixed = {};
+  return part;
 }
 
-/// Returns the index of the connected part of each node (n), and the number of parts. Parts are ordered by
-/// their first nodes.
-std::pair<Numbers, std::int64_t> connected_parts(const GlobalMesh& mesh) {
-  Numbers part = first_connected(mesh.fixed.size(), mesh.blocks);
-  std::int64_t parts = 0;
-  for (std::size_t i = 0; i < part.size(); ++i) {
-    const auto first = static_cast<std::size_t>(part[i]);
-    part[i] = first == i ? parts++ : part[first];
-  }
-  return {std::move(part), parts};
-}
-
-/// Restricts the nodes to those of the facets, with their global numbers.
-void renumber(FacetMesh& facets, const GlobalMesh& mesh, const Numbers& number) {
+/// Facets on rank 0 with the global numbers of their nodes, on rank 0. Collective.
+FacetMesh numbered_facets(FacetMesh facets, const Part& part, const Nodes& nodes, MPI_Comm comm) {
   Numbers used;
   for (const Block& block : facets.blocks) used.insert(used.end(), block.node.begin(), block.node.end());
   sort_once(used);
   std::vector<double> end_normal;
-  facets.node.clear();
-  facets.position.clear();
-  for (std::int64_t node : used) {
-    const auto n = static_cast<std::size_t>(node);
-    facets.node.push_back(number[n]);
-    facets.position.insert(facets.position.end(), &mesh.position[3 * n], &mesh.position[3 * n] + 3);
-    if (!facets.end_normal.empty())
-      end_normal.insert(end_normal.end(), &facets.end_normal[3 * n], &facets.end_normal[3 * n] + 3);
-  }
-  facets.end_normal = std::move(end_normal);
-  for (Block& block : facets.blocks)
-    for (std::int64_t& node : block.node)
-      node = std::lower_bound(used.begin(), used.end(), node) - used.begin();
+  for (const std::int64_t node : used)
+    for (std::size_t c = 0; c < 3 && !facets.end_normal.empty(); ++c)
+      end_normal.push_back(facets.end_normal[3 * static_cast<std::size_t>(node) + c]);
+  FacetMesh out = numbered(std::move(facets.blocks), part, nodes, comm,
+                           InputError("internal: a facet has a node that is not the body's"));
+  out.end_normal = std::move(end_normal);
+  return out;
 }
 
 void broadcast_blocks(std::vector<Block>& blocks, MPI_Comm comm) {
@@ -134,44 +113,19 @@ void broadcast(GlobalMesh& global, MPI_Comm comm) {
   broadcast(global.visualisation, comm);
 }
 
-Mesh distribute(GlobalMesh&& global, MPI_Comm comm) {
-  const int ranks = parallel::size_of(comm);
-  Nodes nodes;
-  Numbers part, first, types;
-  parallel::on_first_rank(comm, [&] {
-    part = partition(global, ranks);
-    first = number_nodes(global, part, ranks, nodes);
-    nodes.canonical.resize(global.fixed.size());
-    std::iota(nodes.canonical.begin(), nodes.canonical.end(), 0);
-    nodes.fixed = global.fixed;
-    std::tie(nodes.part, nodes.parts) = connected_parts(global);
-    for (const Block& block : global.blocks)
-      types.insert(types.end(), {block.gmsh_type, block.nodes_per_element});
-    for (FacetMesh* facets : {&global.contact, &global.loaded, &global.visualisation})
-      renumber(*facets, global, nodes.number);
-  });
-  broadcast(comm, first);
-  broadcast(comm, types);
-  const auto me = static_cast<std::size_t>(parallel::rank_of(comm));
-  nodes.first = first[me];
-  nodes.owned = first[me + 1] - first[me];
-  nodes.total = first.back();
-  nodes.parts = parallel::of_rank(comm, 0, nodes.parts);
-  Mesh mesh;
-  mesh.comm = comm;
+Mesh distribute(GlobalMesh&& global, MPI_Comm comm, MPI_Comm peers) {
+  if (parallel::rank_of(comm) > 0) global = {};
+  const Part part = part_of(global, comm, peers);
+  const Nodes nodes = number_nodes(part, comm);
+  Mesh mesh = numbered(part, nodes, comm);
   mesh.dim = parallel::of_rank(comm, 0, global.dim);
-  mesh.order = parallel::of_rank(comm, 0, global.order);
   mesh.axis = parallel::of_rank(comm, 0, global.axis);
-  // The other ranks contribute empty blocks of the same types.
-  if (me > 0) global = {};
-  for (std::size_t k = 0; me > 0 && k < types.size(); k += 2)
-    global.blocks.push_back({static_cast<int>(types[k]), static_cast<int>(types[k + 1]), {}, {}, {}});
-  send(global.blocks, part, global.position, nodes, mesh);
-  mesh.contact = std::move(global.contact);
+  mesh.contact = numbered_facets(std::move(global.contact), part, nodes, comm);
   broadcast(mesh.contact, comm);
-  mesh.loaded = std::move(global.loaded);
+  mesh.loaded = numbered_facets(std::move(global.loaded), part, nodes, comm);
   broadcast(mesh.loaded, comm);
-  mesh.visualisation = std::move(global.visualisation);
+  mesh.visualisation = numbered_facets(std::move(global.visualisation), part, nodes, comm);
+  if (parallel::rank_of(comm) > 0) mesh.visualisation = {};
   find_pieces(mesh);
   return mesh;
 }

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Reads in parallel a mesh that gmsh saved as one file per part.
+// Reads a mesh in parallel, from one file or from one file per part.
 #pragma once
 
 #include "src/mesh/mesh.hpp"
+#include "src/mesh/msh_files.hpp"
 
 namespace ricochet::mesh {
 
-/// Reads the parts of the mesh of `body` (scene::part_files) and sends to each rank of `team` the elements
-/// that touch its nodes. Each rank reads only its share of the parts; rank 0 also holds the surfaces of all
-/// parts. Ranks without a part must call this function too. Needs a GmshSession. Collective.
-/// Throws InputError on every rank for the reasons of read_mesh, and if the parts do not fit together or the
-/// body is a rod.
-Mesh read_parts(const scene::Body& body, MPI_Comm team, const parallel::Progress& progress = {},
-                const RequestedGroups& asked = {});
+/// Reads a mesh and sends to each rank of `team` the elements that touch its nodes. Each rank reads an equal
+/// range of each list of the files; rank 0 also holds the surfaces. Needs a GmshSession. Collective.
+/// Throws InputError on every rank for the reasons of read_mesh, and if parts do not fit together.
+/// @param peers  ranks in the same place of other teams, which hold the same nodes and elements
+Mesh read_msh(const MshFiles& files, const scene::Body& body, MPI_Comm team, MPI_Comm peers,
+              const parallel::Progress& progress = {}, const RequestedGroups& asked = {});
 
 }  // namespace ricochet::mesh

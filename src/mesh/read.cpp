@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <unordered_map>
 
 #include "src/mesh/complaints.hpp"
@@ -17,7 +16,9 @@
 #include "src/mesh/groups.hpp"
 #include "src/mesh/node_order.hpp"
 #include "src/mesh/open.hpp"
+#include "src/mesh/part.hpp"
 #include "src/mesh/rod.hpp"
+#include "src/mesh/uses.hpp"
 
 namespace ricochet::mesh {
 
@@ -37,6 +38,7 @@ class MeshReader {
         if (progress) progress(stage, 4);
       };
       meshed_before_ = open_model(body_);
+      model_ = entities_of_model();
       reached(1);
       mesh_.dim = dimension();
       collect_nodes();
@@ -60,64 +62,12 @@ class MeshReader {
     return std::move(mesh_);
   }
 
-  /// Reads one part of a mesh.
-  /// @param parts  number of parts of the mesh
-  Part read_part(int parts) {
-    partial_ = true;
-    with_gmsh_errors(file_, [&] {
-      refuse_old_version();
-      meshed_before_ = open_model(body_);
-      refuse_missing_neighbours(parts);
-      mesh_.dim = dimension();
-      if (mesh_.dim == 1)
-        throw InputError(fmt::format("{}: is part of a rod: save the rod in one file", file_));
-      collect_nodes();
-      collect_elements();
-      collect_facets();
-      mark_supports();
-      gmsh::model::remove();
-    });
-    return by_tag();
-  }
-
  private:
-  /// Returns the entities of a group. Throws if a complete mesh does not contain the group; for a part of a
-  /// mesh, records whether the part contains it.
-  std::vector<int> entities(int dim, const std::string& group, const std::string& key) {
-    std::vector<int> found = find_entities(dim, group);
-    if (!partial_ && found.empty()) throw no_group(dim, group, choice_of(dim), file_, key);
-    if (!partial_) return found;
-    GroupUse& of_this = groups_.emplace_back();
-    of_this.found[static_cast<std::size_t>(dim)] = !found.empty();
-    if (found.empty()) of_this.choice = choice_of(dim);
+  /// Returns the entities of a group. Throws InputError if the mesh does not contain it.
+  std::vector<int> entities(int dim, const std::string& group, const std::string& key) const {
+    std::vector<int> found = model_.find(dim, group);
+    if (found.empty()) throw model_.no_group(dim, group, file_, key);
     return found;
-  }
-
-  /// Refuses old versions: in version 2.2, gmsh 4.8 loses the groups of parts.
-  void refuse_old_version() const {
-    std::ifstream stream(body_.mesh);
-    std::string header;
-    double version = 4;
-    if (stream >> header >> version && version < 4)
-      throw InputError(fmt::format(
-          "{}: is of version {}: save parts in version 4.1 (Mesh.MshFileVersion = 4.1)", file_, version));
-  }
-
-  /// Refuses a mesh whose last files are missing. Entities record the parts that they touch, which reveals
-  /// parts without a file.
-  void refuse_missing_neighbours(int parts) const {
-    gmsh::vectorpair all;
-    gmsh::model::getEntities(all);
-    for (const auto& [dim, tag] : all) {
-      std::vector<int> touched;
-      gmsh::model::getPartitions(dim, tag, touched);
-      for (int part : touched)
-        if (part > parts)
-          throw InputError(
-              fmt::format("{}: touches part {} of the mesh, but there are only {}: keep the files of all "
-                          "parts together",
-                          file_, part, parts));
-    }
   }
 
   int dimension() const {
@@ -128,14 +78,10 @@ class MeshReader {
       if (dim == 2 && is_drawing(body_.mesh) && body_.mesh.extension() != ".geo")
         throw InputError(fmt::format(
             "{}: has faces but no solid, as .iges often does: export the body as a solid, in .step", file_));
-      if (dim == 2)
-        throw InputError(fmt::format(
-            "{}: has surface elements but no volume: mesh the volume (gmsh -3) and give it a physical group",
-            file_));
+      if (dim == 2) throw no_volume(dim, file_);
       return dim;
     }
-    throw InputError(fmt::format(
-        "{}: holds no volume or line elements: mesh it with gmsh first, or name another file", file_));
+    throw no_volume(0, file_);
   }
 
   void collect_nodes() {
@@ -143,7 +89,6 @@ class MeshReader {
     std::vector<double> parametric;
     gmsh::model::mesh::getNodes(tags, mesh_.position, parametric);
     for (double& x : mesh_.position) x *= body_.scale;
-    tag_.assign(tags.begin(), tags.end());
     for (std::size_t i = 0; i < tags.size(); ++i) index_[tags[i]] = static_cast<std::int64_t>(i);
     mesh_.fixed.assign(tags.size(), 0);
   }
@@ -156,7 +101,7 @@ class MeshReader {
     for (std::size_t t = 0; t < types.size(); ++t) {
       auto block = std::ranges::find(blocks, types[t], &Block::gmsh_type);
       if (block == blocks.end())
-        block = blocks.insert(block, {types[t], checked_reference(types[t]).nodes, {}, {}, {}});
+        block = blocks.insert(block, {types[t], checked_reference(types[t], file_).nodes, {}, {}, {}});
       for (std::size_t tag : tags[t]) block->tag.push_back(static_cast<std::int64_t>(tag));
       for (std::size_t node : nodes[t]) block->node.push_back(index_.at(node));
       block->label.insert(block->label.end(), tags[t].size(), label);
@@ -165,21 +110,9 @@ class MeshReader {
 
   /// Appends the elements of the whole body.
   void append_body(std::int64_t label) {
-    const Grouped body = grouped_entities(mesh_.dim);
-    for (int entity : body.entities) append(mesh_.blocks, mesh_.dim, entity, label);
-    if (!body.left_out.empty())
-      mesh_.warnings.push_back(fmt::format(
-          "{}: {} of {} belongs to no physical group and is left out, as gmsh does when it saves a "
-          "mesh: add it to a group if it is part of the body",
-          file_, list_of(body.left_out, 8), body_.name));
-  }
-
-  ReferenceElement checked_reference(int type) const {
-    try {
-      return reference_element(type);
-    } catch (const InputError& error) {
-      throw InputError(file_ + ": " + error.what());
-    }
+    for (int entity : model_.grouped(mesh_.dim).entities) append(mesh_.blocks, mesh_.dim, entity, label);
+    if (std::string warning = model_.left_out_warning(mesh_.dim, file_, body_.name); !warning.empty())
+      mesh_.warnings.push_back(std::move(warning));
   }
 
   void collect_elements() {
@@ -205,14 +138,10 @@ class MeshReader {
                         "bodies.{}.material one number as young, and neither stiffness nor shear",
                         file_, body_.name));
     }
-    if (mesh_.blocks.empty() && !partial_) throw no_elements(body_);
-    if (mesh_.blocks.empty()) {
-      mesh_.order = 0;
-      return;
-    }
-    mesh_.order = checked_reference(mesh_.blocks.front().gmsh_type).order;
+    if (mesh_.blocks.empty()) throw no_elements(body_);
+    mesh_.order = reference_element(mesh_.blocks.front().gmsh_type).order;
     for (const Block& block : mesh_.blocks)
-      if (checked_reference(block.gmsh_type).order != mesh_.order) throw mixed_orders(body_);
+      if (reference_element(block.gmsh_type).order != mesh_.order) throw mixed_orders(body_);
     refuse_repeated(mesh_.blocks, "element", "material", body_);
     if (!meshed_before_ && mesh_.order != body_.order)
       throw InputError(
@@ -257,13 +186,6 @@ class MeshReader {
 
   std::string key_of(const char* use) const { return fmt::format("bodies.{}.{}", body_.name, use); }
 
-  /// Whether the contact surface is the whole boundary of a complete mesh. Other parts of a mesh may have a
-  /// group of this name.
-  bool touches_everywhere() const {
-    return mesh_.dim == 3 && std::ranges::count(body_.contact, whole_boundary) > 0 &&
-           find_entities(2, whole_boundary).empty();
-  }
-
   void collect_facets() {
     const int dim = mesh_.dim - 1;
     const auto collect = [&](const std::vector<std::string>& groups, const std::string& key,
@@ -272,7 +194,7 @@ class MeshReader {
         for (int entity : entities(dim, groups[g], key))
           append(facets.blocks, dim, entity, static_cast<std::int64_t>(g));
     };
-    if (!partial_ && touches_everywhere()) {
+    if (mesh_.dim == 3 && touches_everywhere(body_, model_)) {
       refuse_more_than_all(body_);
       mesh_.contact.blocks = boundary_of(mesh_.blocks, outside_);
     } else {
@@ -304,7 +226,7 @@ class MeshReader {
     const std::vector<char> used = used_nodes();
     for (const auto& [name, components] : body_.support) {
       int dim = mesh_.dim;
-      while (dim >= 0 && find_entities(dim, name).empty()) --dim;
+      while (dim >= 0 && model_.find(dim, name).empty()) --dim;
       if (dim < 0) dim = mesh_.dim - 1;  // for the error message
       unsigned bits = moved_bit(body_, asked_, name);
       if (mesh_.dim == 3) {
@@ -326,10 +248,7 @@ class MeshReader {
             any = any || used[node] != 0;
           }
       }
-      if (partial_)
-        groups_.back().holds = any;
-      else if (!any)
-        throw holds_nothing(body_, name);
+      if (!any) throw holds_nothing(body_, name);
     }
   }
 
@@ -361,44 +280,14 @@ class MeshReader {
     if (mesh_.dim == 1) mesh_.visualisation.blocks.push_back(lines_of(mesh_.blocks));
   }
 
-  /// Returns the part, with its nodes identified by tags.
-  Part by_tag() {
-    const auto use_tags = [&](std::vector<std::int64_t>& nodes) {
-      for (std::int64_t& node : nodes) node = tag_[static_cast<std::size_t>(node)];
-    };
-    Part part;
-    part.order = mesh_.order;
-    part.groups = std::move(groups_);
-    const std::vector<char> used = used_nodes();
-    for (std::size_t n = 0; n < tag_.size(); ++n) {
-      if (used[n] == 0) continue;
-      part.tag.push_back(tag_[n]);
-      part.fixed.push_back(mesh_.fixed[n]);
-      part.position.insert(part.position.end(), &mesh_.position[3 * n], &mesh_.position[3 * n] + 3);
-    }
-    for (auto& [key, nodes] : outside_of(mesh_.blocks)) {
-      Corners corners = key;
-      use_tags(corners);
-      use_tags(nodes);
-      add_face(part.outside, std::move(corners), std::move(nodes));
-    }
-    part.blocks = std::move(mesh_.blocks);
-    part.contact = std::move(mesh_.contact.blocks);
-    part.loaded = std::move(mesh_.loaded.blocks);
-    for (std::vector<Block>* blocks : {&part.blocks, &part.contact, &part.loaded})
-      for (Block& block : *blocks) use_tags(block.node);
-    return part;
-  }
-
   const scene::Body& body_;
   const RequestedGroups& asked_;
   std::string file_;
-  bool meshed_before_ = false, partial_ = false;
+  bool meshed_before_ = false;
+  Entities model_;
   GlobalMesh mesh_;
   std::unordered_map<std::size_t, std::int64_t> index_;
-  std::vector<std::int64_t> tag_;  ///< (n) tags of the nodes in gmsh
   Faces outside_;
-  std::vector<GroupUse> groups_;
 };
 
 }  // namespace
@@ -406,10 +295,6 @@ class MeshReader {
 GlobalMesh read_mesh(const scene::Body& body, const parallel::Progress& progress,
                      const RequestedGroups& asked) {
   return MeshReader(body, asked).read(progress);
-}
-
-Part read_part(const scene::Body& body, int parts, const RequestedGroups& asked) {
-  return MeshReader(body, asked).read_part(parts);
 }
 
 }  // namespace ricochet::mesh

@@ -3,7 +3,6 @@
 #pragma once
 
 #include "src/mesh/mesh.hpp"
-#include "src/mesh/part.hpp"
 
 namespace ricochet::mesh {
 
@@ -12,9 +11,5 @@ namespace ricochet::mesh {
 /// the body, gmsh did not reach the requested order, or a rod is bent.
 GlobalMesh read_mesh(const scene::Body& body, const parallel::Progress& progress = {},
                      const RequestedGroups& asked = {});
-
-/// Reads body.mesh, the file of one of the `parts` parts of a mesh. Needs a GmshSession. Throws InputError
-/// like read_mesh, except that the part need not contain every group.
-Part read_part(const scene::Body& body, int parts, const RequestedGroups& asked);
 
 }  // namespace ricochet::mesh

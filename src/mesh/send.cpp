@@ -90,6 +90,27 @@ void send_nodes(std::vector<Numbers> used, const std::vector<double>& position, 
 
 }  // namespace
 
+std::vector<Block> exchanged(const std::vector<Block>& blocks, const Numbers& rank, MPI_Comm comm) {
+  const auto ranks = static_cast<std::size_t>(parallel::size_of(comm));
+  std::vector<Block> received;
+  auto to = rank.begin();
+  for (const Block& block : blocks) {
+    const auto width = static_cast<std::size_t>(block.nodes_per_element);
+    std::vector<Numbers> node(ranks), tag(ranks), label(ranks);
+    for (std::size_t e = 0; e < block.size(); ++e, ++to) {
+      const auto r = static_cast<std::size_t>(*to);
+      node[r].insert(node[r].end(), &block.node[e * width], &block.node[e * width] + width);
+      tag[r].push_back(block.tag[e]);
+      label[r].push_back(block.label[e]);
+    }
+    const auto sent = [&](const std::vector<Numbers>& lists) {
+      return joined(parallel::exchange(comm, lists));
+    };
+    received.push_back({block.gmsh_type, block.nodes_per_element, sent(node), sent(tag), sent(label)});
+  }
+  return received;
+}
+
 void send(const std::vector<Block>& blocks, const Numbers& rank, const std::vector<double>& position,
           const Nodes& nodes, Mesh& mesh) {
   mesh.total_nodes = nodes.total;

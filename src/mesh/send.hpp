@@ -15,6 +15,11 @@ struct Nodes {
   std::int64_t first = 0, owned = 0, total = 0, parts = 0;
 };
 
+/// Sends each element to one rank. Collective.
+/// @param blocks  elements of this rank; all ranks have the same types
+/// @param rank    for each element, in the order of the blocks
+std::vector<Block> exchanged(const std::vector<Block>& blocks, const Numbers& rank, MPI_Comm comm);
+
 /// Sends nodes and elements to the ranks of `mesh.comm` that need them. An element is sent to every rank that
 /// owns one of its nodes. Sets all of `mesh` except dim, order, axis and the facets. Collective.
 /// @param blocks    elements that this rank has read, with nodes by index; all ranks have the same types

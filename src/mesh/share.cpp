@@ -4,13 +4,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numeric>
+#include <array>
+#include <limits>
+#include <optional>
 #include <utility>
 
 #include "src/mesh/complaints.hpp"
 #include "src/mesh/directory.hpp"
-#include "src/mesh/read.hpp"
-#include "src/scene/parts.hpp"
+#include "src/mesh/number.hpp"
+#include "src/mesh/split.hpp"
+#include "src/mesh/uses.hpp"
 
 namespace ricochet::mesh {
 
@@ -18,247 +21,298 @@ namespace {
 
 using parallel::agree;
 
-/// A group that the scene names. Lists of groups have the order of Part::groups.
-struct NamedGroup {
-  std::string name, key;
-  int dim = 0;
-  bool support = false;
-  bool whole_boundary = false;  ///< without this group, the contact surface is the whole boundary
+/// What one rank has read. Nodes are identified by their tags.
+struct Records {
+  Numbers node;
+  std::vector<double> position;              ///< (n,3) [m], scaled
+  std::vector<Block> body, contact, loaded;  ///< of the same types on every rank
+  Numbers held, support;                     ///< nodes of supports, and bits as in Uses::support
 };
 
-std::vector<NamedGroup> named_groups(const scene::Body& body, const RequestedGroups& wanted) {
-  const std::string start = "bodies." + body.name + '.';
-  std::vector<NamedGroup> asked;
-  for (const scene::Material& material : body.materials)
-    if (!material.group.empty()) asked.push_back({material.group, start + "material", 3});
-  for (const std::string& name : body.contact)
-    asked.push_back({name, start + "contact", 2, false, name == whole_boundary});
-  for (const std::string& name : wanted.loaded) asked.push_back({name, traction_key, 2});
-  for (const auto& [name, components] : body.support) asked.push_back({name, start + "support", 2, true});
-  return asked;
+Block& block_in(std::vector<Block>& blocks, const MshElements& elements) {
+  auto found = std::ranges::find(blocks, elements.gmsh_type, &Block::gmsh_type);
+  if (found == blocks.end())
+    found = blocks.insert(found, {elements.gmsh_type, static_cast<int>(elements.list.words) - 1, {}, {}, {}});
+  return *found;
 }
 
-InputError misfit(const scene::Body& body, const std::string& what) {
-  return InputError(
-      fmt::format("{}: its parts do not fit together: {}: split the mesh again, without ghost cells",
-                  body.mesh.filename().string(), what));
-}
+class RangeReader {
+ public:
+  RangeReader(const MshFiles& files, const scene::Body& body, const Uses& uses, MPI_Comm comm)
+      : files_(files),
+        scale_(body.scale),
+        uses_(uses),
+        ranks_(parallel::size_of(comm)),
+        me_(parallel::rank_of(comm)) {}
 
-template <class T>
-void append(std::vector<T>& all, const std::vector<T>& more) {
-  all.insert(all.end(), more.begin(), more.end());
-}
+  Records read() {
+    read_range(
+        [](const MshOutline& file) -> auto& { return file.nodes; },
+        [](const MshNodes& block) { return block.tags.count; },
+        [&](const MshNodes& block, std::int64_t first, std::int64_t last) {
+          read_nodes(
+              *in_, binary_, block, first, last, [&](auto tag) { out_.node.push_back(tag); },
+              [&](double x, double y, double z) {
+                for (const double at : {x, y, z}) out_.position.push_back(scale_ * at);
+              });
+        });
+    // Volumes and other elements each in equal shares.
+    for (const bool of_body : {true, false})
+      read_range(
+          [](const MshOutline& file) -> auto& { return file.elements; },
+          [&](const MshElements& block) {
+            return uses_.contains(block.entity) && is_of_body(block) == of_body ? block.list.count : 0;
+          },
+          [&](const MshElements& block, std::int64_t first, std::int64_t last) {
+            read_block(block, first, last);
+          });
+    return std::move(out_);
+  }
 
-void append(std::vector<Block>& blocks, const std::vector<Block>& more) {
-  for (const Block& block : more) {
-    const auto same = std::ranges::find(blocks, block.gmsh_type, &Block::gmsh_type);
-    if (same == blocks.end()) {
-      blocks.push_back(block);
-      continue;
+ private:
+  bool is_of_body(const MshElements& block) const {
+    return block.entity.dim == 3 && uses_.material.contains(block.entity.tag);
+  }
+
+  /// Reads this rank's equal share of the records of some blocks of all files.
+  template <class Blocks, class Count, class Read>
+  void read_range(const Blocks& blocks, const Count& count, const Read& read) {
+    std::int64_t total = 0, before = 0;
+    for (const MshOutline& file : files_.outline)
+      for (const auto& block : blocks(file)) total += count(block);
+    const std::int64_t first = total * me_ / ranks_, last = total * (me_ + 1) / ranks_;
+    for (std::size_t f = 0; f < files_.outline.size(); ++f) {
+      in_.reset();
+      binary_ = files_.outline[f].binary;
+      for (const auto& block : blocks(files_.outline[f])) {
+        const std::int64_t records = count(block), begin = std::max(first - before, std::int64_t{0}),
+                           end = std::min(last - before, records);
+        before += records;
+        if (begin >= end) continue;
+        if (!in_) in_.emplace(files_.path[f]);
+        read(block, begin, end);
+      }
     }
-    append(same->node, block.node);
-    append(same->tag, block.tag);
-    append(same->label, block.label);
   }
-}
 
-/// Adds a part to a share. Nodes of the share may repeat and are still identified by tags.
-void append(Part& share, Part part, const scene::Body& body) {
-  if (share.order != 0 && part.order != 0 && share.order != part.order) throw mixed_orders(body);
-  share.order = std::max(share.order, part.order);
-  append(share.tag, part.tag);
-  append(share.position, part.position);
-  append(share.fixed, part.fixed);
-  append(share.blocks, part.blocks);
-  append(share.contact, part.contact);
-  append(share.loaded, part.loaded);
-  for (auto& [corners, nodes] : part.outside) add_face(share.outside, corners, std::move(nodes));
-  for (std::size_t g = 0; g < part.groups.size(); ++g) {
-    GroupUse &all = share.groups[g], &one = part.groups[g];
-    for (std::size_t dim = 0; dim < all.found.size(); ++dim) all.found[dim] |= one.found[dim];
-    all.holds |= one.holds;
-    append(all.choice.groups, one.choice.groups);
-    append(all.choice.entities, one.choice.entities);
-  }
-}
-
-InputError apart(const scene::Body& body, std::int64_t tag) {
-  return misfit(body, fmt::format("node {} lies in different places", tag));
-}
-
-InputError repeated(const scene::Body& body, std::int64_t tag) {
-  return misfit(body, fmt::format("element {} is in more than one", tag));
-}
-
-/// Removes duplicate nodes, sorts nodes by tag, and converts the nodes of blocks to indices.
-void merge_nodes(Part& share, const scene::Body& body) {
-  std::vector<std::size_t> order(share.tag.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](auto a, auto b) { return share.tag[a] < share.tag[b]; });
-  std::vector<std::int64_t> tag, fixed;
-  std::vector<double> position;
-  for (std::size_t n : order) {
-    const double* at = &share.position[3 * n];
-    if (tag.empty() || tag.back() != share.tag[n]) {
-      tag.push_back(share.tag[n]);
-      fixed.push_back(share.fixed[n]);
-      position.insert(position.end(), at, at + 3);
-      continue;
+  void read_block(const MshElements& block, std::int64_t first, std::int64_t last) {
+    std::vector<std::pair<Block*, std::int64_t>> to;
+    const auto add = [&](std::vector<Block>& blocks, const Labels& labels) {
+      if (const auto found = labels.find(block.entity.tag); found != labels.end())
+        for (const std::int64_t label : found->second) to.emplace_back(&block_in(blocks, block), label);
+    };
+    if (block.entity.dim == 3) add(out_.body, uses_.material);
+    if (block.entity.dim == 2) {
+      add(out_.contact, uses_.contact);
+      add(out_.loaded, uses_.loaded);
     }
-    fixed.back() |= share.fixed[n];
-    if (!std::equal(at, at + 3, position.end() - 3)) throw apart(body, tag.back());
+    const auto holds = uses_.support.find(block.entity);
+    read_elements(
+        *in_, binary_, block.list, first, last,
+        [&](std::int64_t tag) {
+          for (const auto& [one, label] : to) {
+            one->tag.push_back(tag);
+            one->label.push_back(label);
+          }
+        },
+        [&](std::int64_t node) {
+          for (const auto& [one, label] : to) one->node.push_back(node);
+          if (holds == uses_.support.end()) return;
+          out_.held.push_back(node);
+          out_.support.push_back(holds->second);
+        });
   }
-  share.tag = std::move(tag);
-  share.fixed = std::move(fixed);
-  share.position = std::move(position);
-  for (Block& block : share.blocks)
-    for (std::int64_t& node : block.node)
-      node = std::lower_bound(share.tag.begin(), share.tag.end(), node) - share.tag.begin();
-}
 
-std::vector<std::int64_t> element_tags(const Part& share) {
-  std::vector<std::int64_t> tags;
-  for (const Block& block : share.blocks) append(tags, block.tag);
-  std::sort(tags.begin(), tags.end());
-  return tags;
-}
+  const MshFiles& files_;
+  double scale_;
+  const Uses& uses_;
+  std::int64_t ranks_, me_;
+  std::optional<MshStream> in_;
+  bool binary_ = false;
+  Records out_;
+};
 
-/// Collects the distinct names of all ranks on rank 0. Collective.
-std::vector<std::string> gather_names(MPI_Comm comm, const std::vector<std::string>& mine) {
-  std::vector<char> text;
-  for (const std::string& name : mine) {
-    text.insert(text.end(), name.begin(), name.end());
-    text.push_back('\0');
-  }
-  text = parallel::gather(comm, text);
-  std::vector<std::string> names;
-  for (auto at = text.begin(); at != text.end();) {
-    const auto end = std::find(at, text.end(), '\0');
-    names.emplace_back(at, end);
-    at = end + 1;
-  }
-  // Entities are sorted by number: "surface 9" precedes "surface 10".
-  std::sort(names.begin(), names.end());
-  std::stable_sort(names.begin(), names.end(), [](const auto& a, const auto& b) {
-    return a.find(' ') != std::string::npos && a.size() < b.size();
-  });
-  names.erase(std::unique(names.begin(), names.end()), names.end());
-  return names;
-}
-
-/// Checks each group of the scene: some part must contain it, all parts must agree on its dimension, and a
-/// support must contain nodes of the body. Throws on every rank otherwise. Collective.
-/// @return whether the contact surface is the whole boundary
-bool check_groups(const scene::Body& body, const std::vector<NamedGroup>& asked,
-                  const std::vector<GroupUse>& uses, MPI_Comm comm) {
-  constexpr std::size_t dims = 4;
-  // Per group: number of ranks that found it, for each dimension, then number of ranks on which it has nodes.
-  std::vector<double> parts;
-  for (const GroupUse& use : uses) {
-    for (bool found : use.found) parts.push_back(found ? 1 : 0);
-    parts.push_back(use.holds ? 1 : 0);
-  }
-  parallel::sum(comm, parts);
-  bool touches_everywhere = false;
-  for (std::size_t g = 0; g < asked.size(); ++g) {
-    const auto found = parts.begin() + static_cast<std::ptrdiff_t>(g * (dims + 1));
-    const auto kinds = std::count_if(found, found + dims, [](double ranks) { return ranks > 0; });
-    if (kinds == 0 && asked[g].whole_boundary) {
-      refuse_more_than_all(body);
-      touches_everywhere = true;
-      continue;
+/// Adds empty blocks, so that every rank has the same types in the same order.
+void same_types(const MshFiles& files, const Uses& uses, Records& read) {
+  Records all;
+  for (const MshOutline& outline : files.outline)
+    for (const MshElements& block : outline.elements) {
+      if (block.entity.dim == 3 && uses.material.contains(block.entity.tag)) block_in(all.body, block);
+      if (block.entity.dim == 2 && uses.contact.contains(block.entity.tag)) block_in(all.contact, block);
+      if (block.entity.dim == 2 && uses.loaded.contains(block.entity.tag)) block_in(all.loaded, block);
     }
-    if (kinds == 0) {
-      const Choice choice{gather_names(comm, uses[g].choice.groups),
-                          gather_names(comm, uses[g].choice.entities)};
-      parallel::on_first_rank(comm, [&] {
-        throw no_group(asked[g].dim, asked[g].name, choice, body.mesh.filename().string(), asked[g].key);
-      });
-    }
-    // In an unpartitioned mesh, the group of the highest dimension would be used, but a part may not contain
-    // it.
-    if (kinds > 1)
-      throw InputError(
-          fmt::format("{}: \"{}\" names groups of two dimensions, of which parts have one or the other: give "
-                      "them different names, or change {}",
-                      body.mesh.filename().string(), asked[g].name, asked[g].key));
-    if (asked[g].support && found[dims] == 0) throw holds_nothing(body, asked[g].name);
+  for (auto [empty, mine] : {std::pair{&all.body, &read.body}, std::pair{&all.contact, &read.contact},
+                             std::pair{&all.loaded, &read.loaded}}) {
+    for (Block& block : *empty)
+      if (const auto found = std::ranges::find(*mine, block.gmsh_type, &Block::gmsh_type);
+          found != mine->end())
+        block = std::move(*found);
+    *mine = std::move(*empty);
   }
-  return touches_everywhere;
 }
 
-/// The facets of all faces on the outside of a share, with nodes identified by tags.
-std::vector<Block> boundary_of(const Part& share) {
-  Faces outside;
-  for (const auto& [key, value] : share.outside) {
-    Corners corners = key;
-    FaceNodes nodes = value;
-    for (Corners* tags : {&corners, &nodes})
-      for (std::int64_t& tag : *tags) tag = std::ranges::lower_bound(share.tag, tag) - share.tag.begin();
-    add_face(outside, std::move(corners), std::move(nodes));
-  }
-  std::vector<Block> boundary = boundary_of(share.blocks, outside);
-  for (Block& block : boundary)
-    for (std::int64_t& node : block.node) node = share.tag[static_cast<std::size_t>(node)];
-  return boundary;
+std::string about(const scene::Body& body, const std::string& what) {
+  return fmt::format("{}: {}", body.mesh.filename().string(), what);
 }
 
-/// Checks that all ranks have the same element order, have no element in common, and agree on the positions
-/// of shared nodes. Throws on every rank otherwise. Collective.
-void check_fit(const scene::Body& body, const Part& share, MPI_Comm comm) {
-  std::string complaint;
-  const auto lower = [](auto a, auto b) { return std::min(a, b); };
-  const double order = parallel::largest(comm, share.order);
-  if (order == 0) throw no_elements(body);
-  if (share.order != 0 && share.order != order) complaint = mixed_orders(body).what();
-  agree(comm, complaint);
+/// A fault of one file, or of files that do not fit together.
+std::string misfit(const scene::Body& body, bool in_parts, const std::string& one,
+                   const std::string& several) {
+  return in_parts
+             ? about(body, fmt::format("its parts do not fit together: {}: split the mesh again, without "
+                                       "ghost cells",
+                                       several))
+             : about(body, fmt::format("{}: write it again with gmsh", one));
+}
 
-  const std::vector<std::int64_t> tags = element_tags(share);
+/// Refuses elements that occur twice. Collective; throws InputError on every rank.
+void refuse_repeated_elements(const std::vector<Block>& blocks, const scene::Body& body, bool in_parts,
+                              MPI_Comm comm) {
+  Numbers tags;
+  for (const Block& block : blocks) tags.insert(tags.end(), block.tag.begin(), block.tag.end());
+  std::ranges::sort(tags);
+  std::optional<std::int64_t> twice;
+  if (const auto found = std::ranges::adjacent_find(tags); found != tags.end()) twice = *found;
+  sort_once(tags);
   const std::int64_t me = parallel::rank_of(comm);
-  const std::vector<std::int64_t> reader =
-      Directory(comm, tags).combined(std::vector<std::int64_t>(tags.size(), me), lower);
-  for (std::size_t e = 0; e < tags.size() && complaint.empty(); ++e)
-    if (reader[e] != me) complaint = repeated(body, tags[e]).what();
+  const Numbers reader =
+      Directory(comm, tags).combined(Numbers(tags.size(), me), [](auto a, auto b) { return std::min(a, b); });
+  for (std::size_t e = 0; e < tags.size() && !twice; ++e)
+    if (reader[e] != me) twice = tags[e];
+  agree(comm, twice ? misfit(body, in_parts, fmt::format("element {} occurs twice", *twice),
+                             fmt::format("element {} is in more than one", *twice))
+                    : "");
+}
 
-  const Directory nodes(comm, share.tag);
-  for (std::size_t c = 0; c < 3; ++c) {
-    std::vector<double> x;
-    for (std::size_t n = 0; n < share.tag.size(); ++n) x.push_back(share.position[3 * n + c]);
-    const std::vector<double> lowest = nodes.combined(x, lower);
-    for (std::size_t n = 0; n < x.size() && complaint.empty(); ++n)
-      if (lowest[n] != x[n]) complaint = apart(body, share.tag[n]).what();
+/// The nodes that all ranks have read, by tag. A rank knows those that it has read, and those that its
+/// elements use.
+class NodeTable {
+ public:
+  /// Collective; throws InputError on every rank if a node is missing, or defined twice.
+  /// @param tags  ascending; contains the nodes that were read
+  NodeTable(Numbers tags, const Records& read, const scene::Body& body, bool in_parts, MPI_Comm comm)
+      : tags_(std::move(tags)), support_(tags_.size(), 0) {
+    const auto sum = [](auto a, auto b) { return a + b; };
+    const auto lower = [](auto a, auto b) { return std::min(a, b); };
+    const Directory directory(comm, tags_);
+    Numbers times(tags_.size(), 0);
+    for (const std::int64_t node : read.node) ++times[index(node)];
+    times = directory.combined(times, sum);
+    std::string complaint;
+    const auto complain = [&](const std::string& text) {
+      if (complaint.empty()) complaint = text;
+    };
+    for (std::size_t i = 0; i < tags_.size(); ++i) {
+      if (times[i] == 0)
+        complain(about(
+            body,
+            fmt::format("an element has node {}, which does not exist: write it again with gmsh", tags_[i])));
+      if (times[i] > 1 && !in_parts)
+        complain(misfit(body, false, fmt::format("node {} occurs twice", tags_[i]), ""));
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+      std::vector<double>& x = position_[c];
+      x.assign(tags_.size(), std::numeric_limits<double>::infinity());
+      for (std::size_t i = 0; i < read.node.size(); ++i) {
+        double& lowest = x[index(read.node[i])];
+        lowest = std::min(lowest, read.position[3 * i + c]);
+      }
+      x = directory.combined(x, lower);
+      for (std::size_t i = 0; i < read.node.size(); ++i)
+        if (x[index(read.node[i])] != read.position[3 * i + c])
+          complain(misfit(body, in_parts, fmt::format("node {} occurs twice", read.node[i]),
+                          fmt::format("node {} lies in different places", read.node[i])));
+    }
+    agree(comm, complaint);
+    for (std::size_t i = 0; i < read.held.size(); ++i) support_[index(read.held[i])] |= read.support[i];
+    support_ = directory.combined(support_, [](auto a, auto b) { return a | b; });
   }
-  agree(comm, complaint);
+
+  std::size_t index(std::int64_t tag) const {
+    return static_cast<std::size_t>(std::ranges::lower_bound(tags_, tag) - tags_.begin());
+  }
+  double position(std::int64_t tag, std::size_t component) const { return position_[component][index(tag)]; }
+  std::int64_t support(std::int64_t tag) const { return support_[index(tag)]; }
+
+ private:
+  Numbers tags_;
+  std::array<std::vector<double>, 3> position_;
+  Numbers support_;
+};
+
+/// Sets the nodes of a part, whose blocks identify them by tags, but not yet their supports.
+/// @return bits as in Uses::support, for each node
+Numbers take_nodes(Part& part, const Records& read, const scene::Body& body, bool in_parts, MPI_Comm comm) {
+  collect_tags(part);
+  Numbers all = part.tag;
+  for (const Numbers* more : {&read.node, &read.held}) all.insert(all.end(), more->begin(), more->end());
+  for (const std::vector<Block>* blocks : {&part.contact, &part.loaded})
+    for (const Block& block : *blocks) all.insert(all.end(), block.node.begin(), block.node.end());
+  sort_once(all);
+  const NodeTable table(std::move(all), read, body, in_parts, comm);
+  Numbers support;
+  for (const std::int64_t tag : part.tag) {
+    for (std::size_t c = 0; c < 3; ++c) part.position.push_back(table.position(tag, c));
+    support.push_back(table.support(tag));
+  }
+  return support;
+}
+
+/// Sets the supports of the nodes of a part. Collective; throws InputError on every rank if one of them holds
+/// no node of the body.
+/// @param support  bits as in Uses::support, for each node
+void set_supports(Part& part, const Numbers& support, const scene::Body& body, const RequestedGroups& wanted,
+                  MPI_Comm comm) {
+  std::int64_t used = 0, bit = 1;
+  for (const std::int64_t bits : support) used |= bits;
+  MPI_Allreduce(MPI_IN_PLACE, &used, 1, MPI_INT64_T, MPI_BOR, comm);
+  part.fixed.assign(part.tag.size(), 0);
+  for (const auto& [name, components] : body.support) {
+    if ((used & bit) == 0) throw holds_nothing(body, name);
+    unsigned bits = moved_bit(body, wanted, name);
+    for (const char component : components) bits |= 1U << (component - 'x');
+    for (std::size_t n = 0; n < support.size(); ++n)
+      if ((support[n] & bit) != 0) part.fixed[n] |= bits;
+    bit *= 2;
+  }
+}
+
+/// The facets of all faces on the outside of a part, with nodes identified by tags.
+std::vector<Block> facets_outside(const Part& part) {
+  std::vector<Block> boundary = boundary_of(part.blocks, part.outside);
+  for (Block& block : boundary)
+    for (std::int64_t& node : block.node) node = part.tag[static_cast<std::size_t>(node)];
+  return boundary;
 }
 
 }  // namespace
 
-Part read_share(const scene::Body& body, const RequestedGroups& wanted, MPI_Comm comm,
-                const parallel::Progress& progress) {
-  const std::vector<NamedGroup> groups = named_groups(body, wanted);
-  Part share;
-  share.groups.resize(groups.size());
-  parallel::on_all_ranks(comm, [&] {
-    const std::vector<std::filesystem::path> files = scene::part_files(body.mesh);
-    const auto ranks = static_cast<std::size_t>(parallel::size_of(comm)),
-               me = static_cast<std::size_t>(parallel::rank_of(comm));
-    const std::size_t first = files.size() * me / ranks, last = files.size() * (me + 1) / ranks;
-    scene::Body one = body;
-    for (std::size_t part = first; part < last; ++part) {
-      one.mesh = files[part];
-      append(share, read_part(one, static_cast<int>(files.size()), wanted), body);
-      if (progress)
-        progress(static_cast<std::int64_t>(part + 1 - first), static_cast<std::int64_t>(last - first));
-    }
-    merge_nodes(share, body);
-    const std::vector<std::int64_t> tags = element_tags(share);
-    if (const auto twice = std::adjacent_find(tags.begin(), tags.end()); twice != tags.end())
-      throw repeated(body, *twice);
+Part read_share(const MshFiles& files, const scene::Body& body, const RequestedGroups& wanted, MPI_Comm comm,
+                MPI_Comm peers, const parallel::Progress& progress) {
+  const auto reached = [&](std::int64_t stage) {
+    if (progress) progress(stage, 4);
+  };
+  const bool in_parts = files.path.front() != body.mesh;
+  const Uses uses = uses_of(files, body, wanted);
+  Records read;
+  parallel::on_all_ranks(peers, [&] {  // reading a file may fail on one team only
+    parallel::on_all_ranks(comm, [&] { read = RangeReader(files, body, uses, comm).read(); });
   });
-  share.touches_everywhere = check_groups(body, groups, share.groups, comm);
-  check_fit(body, share, comm);
-  if (share.touches_everywhere) share.contact = boundary_of(share);
-  return share;
+  same_types(files, uses, read);
+  refuse_repeated_elements(read.body, body, in_parts, comm);
+  reached(1);
+  Part part;
+  part.order = uses.order;
+  part.blocks = split(std::exchange(read.body, {}), comm, peers);
+  reached(2);
+  part.contact = std::move(read.contact);
+  part.loaded = std::move(read.loaded);
+  set_supports(part, take_nodes(part, read, body, in_parts, comm), body, wanted, comm);
+  reached(3);
+  part.outside = outside_of(part.blocks);
+  part.touches_everywhere = uses.touches_everywhere;
+  if (part.touches_everywhere) part.contact = facets_outside(part);
+  return part;
 }
 
 }  // namespace ricochet::mesh

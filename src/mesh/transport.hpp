@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "src/mesh/mesh.hpp"
+#include "src/mesh/msh_outline.hpp"
 #include "src/mesh/open.hpp"
 
 namespace ricochet::mesh {
@@ -76,12 +77,12 @@ void pass(Stream& stream, std::vector<T>& list) {
     for (T& one : list) pass(stream, one);
 }
 
-template <class Stream, class Value>
-void pass(Stream& stream, std::map<std::string, Value>& map) {
-  std::vector<std::string> keys;
+template <class Stream, class Key, class Value>
+void pass(Stream& stream, std::map<Key, Value>& map) {
+  std::vector<Key> keys;
   for (const auto& [key, value] : map) keys.push_back(key);
   pass(stream, keys);
-  for (const std::string& key : keys) pass(stream, map[key]);
+  for (const Key& key : keys) pass(stream, map[key]);
 }
 
 template <class Stream, class... Values>
@@ -121,6 +122,32 @@ template <class Stream>
 void pass(Stream& stream, GlobalMesh& mesh) {
   pass_all(stream, mesh.dim, mesh.order, mesh.position, mesh.blocks, mesh.fixed, mesh.axis, mesh.contact,
            mesh.loaded, mesh.visualisation, mesh.warnings);
+}
+
+template <class Stream>
+void pass(Stream& stream, Entity& entity) {
+  pass_all(stream, entity.groups, entity.parent);
+}
+
+template <class Stream>
+void pass(Stream& stream, MshList& list) {
+  pass_all(stream, list.count, list.words, list.at);
+}
+
+template <class Stream>
+void pass(Stream& stream, MshNodes& nodes) {
+  pass_all(stream, nodes.tags, nodes.positions, nodes.lowest, nodes.highest);
+}
+
+template <class Stream>
+void pass(Stream& stream, MshElements& elements) {
+  pass_all(stream, elements.entity, elements.gmsh_type, elements.list);
+}
+
+template <class Stream>
+void pass(Stream& stream, MshOutline& outline) {
+  pass_all(stream, outline.binary, outline.entities.all, outline.entities.group_name, outline.nodes,
+           outline.elements, outline.last_part);
 }
 
 }  // namespace ricochet::mesh

@@ -3,7 +3,7 @@
 //
 //   mpirun -n 2 ricochet-kernel meshes/two-disks/two-disks.toml
 //
-//   mesh ──► METIS parts ──► K, M (PETSc) ──► modes (SLEPc, MUMPS) ──► trace on the contact surface ──►
+//   mesh ──► PT-Scotch parts ──► K, M (PETSc) ──► modes (SLEPc, MUMPS) ──► trace on the contact surface ──►
 //   <out>/<body>-<hash>.kernel.h5
 
 #include <fmt/format.h>

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <memory>
 #include <regex>
 #include <set>
 #include <sstream>
@@ -47,7 +48,7 @@ std::string advice_on(const std::filesystem::path& missing) {
   return "no such file" + existing_names(missing.filename().string(), there);
 }
 
-std::string bytes_of(const std::filesystem::path& path, const std::string& key) {
+std::ifstream opened(const std::filesystem::path& path, const std::string& key) {
   // Reading a device or a pipe might not end.
   std::error_code ignored;
   const bool is_file = std::filesystem::is_regular_file(path, ignored);
@@ -55,9 +56,20 @@ std::string bytes_of(const std::filesystem::path& path, const std::string& key) 
   if (is_file) file.open(path, std::ios::binary);
   if (!file.is_open())
     throw InputError(fmt::format("{} = {}: {}", key, toml_string(path.string()), advice_on(path)));
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
+  return file;
+}
+
+/// Hash of the rest of a file, of which only a piece is in memory at a time.
+std::string hash_of(std::istream& file) {
+  const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> state(EVP_MD_CTX_new(), EVP_MD_CTX_free);
+  std::array<unsigned char, 32> digest{};
+  std::array<char, 1 << 16> piece;
+  bool right = EVP_DigestInit_ex(state.get(), EVP_sha256(), nullptr) == 1;
+  while (right && (file.read(piece.data(), piece.size()) || file.gcount() > 0))
+    right = EVP_DigestUpdate(state.get(), piece.data(), static_cast<std::size_t>(file.gcount())) == 1;
+  if (!right || EVP_DigestFinal_ex(state.get(), digest.data(), nullptr) != 1)
+    throw SolverError("SHA-256 is not available in this OpenSSL");
+  return fmt::format("{:02x}", fmt::join(digest, ""));
 }
 
 /// Hash of a mesh file or of its parts. The hash of a .geo covers the files that it includes or merges.
@@ -66,16 +78,20 @@ std::string mesh_hash(const std::filesystem::path& path, const std::string& key,
   seen.insert(path);
   if (const std::vector<std::filesystem::path> parts = part_files(path); !parts.empty()) {
     std::string all;
-    for (const std::filesystem::path& part : parts) all += sha256(bytes_of(part, key));
+    for (const std::filesystem::path& part : parts) {
+      std::ifstream file = opened(part, key);
+      all += hash_of(file);
+    }
     return sha256(all);
   }
-  const std::string text = bytes_of(path, key);
-  std::string all = sha256(text);
+  std::ifstream file = opened(path, key);
+  std::string all = hash_of(file);
   if (path.extension() != ".geo") return all;
+  file.clear();
+  file.seekg(0);
   static const std::regex pulls("^\\s*(?:Include|Merge)\\s*\"([^\"\n]+)\"");
-  std::istringstream lines(text);
   std::smatch match;
-  for (std::string line; std::getline(lines, line);) {
+  for (std::string line; std::getline(file, line);) {
     if (line.size() > 1000 || !std::regex_search(line, match, pulls)) continue;
     const std::filesystem::path inner = (path.parent_path() / match[1].str()).lexically_normal();
     if (seen.count(inner) == 0) all += mesh_hash(inner, key + " includes", seen);
@@ -220,11 +236,8 @@ void read_sources(const Table& root, const Table& output, KernelRequest& request
 }  // namespace
 
 std::string sha256(const std::string& bytes) {
-  std::array<unsigned char, 32> digest{};
-  unsigned int size = 0;
-  if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), &size, EVP_sha256(), nullptr) != 1)
-    throw SolverError("SHA-256 is not available in this OpenSSL");
-  return fmt::format("{:02x}", fmt::join(digest, ""));
+  std::istringstream stream(bytes);
+  return hash_of(stream);
 }
 
 KernelRequest kernel_request(const Scene& scene, const Body& body, MeshHashes* known) {

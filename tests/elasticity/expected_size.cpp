@@ -29,13 +29,12 @@ double resident_mib() {
 }
 
 void expect_size(const scene::Body& given, int components) {
-  const mesh::GlobalMesh whole = mesh::read_mesh(given);
-  const elasticity::Body body = elasticity::assemble(
-      mesh::distribute(mesh::read_mesh(given), PETSC_COMM_SELF), given.materials, "test");
+  const mesh::Mesh mesh = mesh::distribute(mesh::read_mesh(given), PETSC_COMM_SELF);
+  const elasticity::Body body = elasticity::assemble(mesh, given.materials, "test");
   const double blocks = entries_of(body.stiffness) / (components * components);
-  EXPECT_EQ(elasticity::expected_blocks(whole), blocks);
+  EXPECT_EQ(elasticity::expected_blocks(mesh), blocks);
   // The mean over 100 nodes scatters by a tenth of the range of a few to a hundred neighbours.
-  EXPECT_NEAR(elasticity::expected_blocks(whole, 100) / blocks, 1, 0.15);
+  EXPECT_NEAR(elasticity::expected_blocks(mesh, 100) / blocks, 1, 0.15);
 }
 
 TEST(ExpectedSize, counts_the_blocks_of_every_element_and_order) {
@@ -52,14 +51,13 @@ TEST(ExpectedSize, is_the_memory_that_matrices_take) {
   const mesh::GmshSession gmsh;
   const test::SharedFile file(".geo", test::block_geo("hex", 6, 0.3));
   const scene::Body given = test::body_of(file.path(), 2);
-  const mesh::GlobalMesh whole = mesh::read_mesh(given);
   const mesh::Mesh mesh = mesh::distribute(mesh::read_mesh(given), PETSC_COMM_SELF);
   const double before = resident_mib();
   const elasticity::Body body = elasticity::assemble(mesh, given.materials, "test");
   const modes::Operators operators(mesh, body);
   const modes::Factorisation factor(body.stiffness, body.mass);
   // The analysis of MUMPS keeps the structure of the factors besides; freed memory may be used again.
-  EXPECT_NEAR((resident_mib() - before) / elasticity::expected_mib(whole), 1, 0.5);
+  EXPECT_NEAR((resident_mib() - before) / elasticity::expected_mib(mesh), 1, 0.5);
 }
 
 TEST(ExpectedSize, counts_the_entries_of_a_rod) {

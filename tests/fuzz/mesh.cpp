@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A .msh file, read as a whole body, as a body with named parts, and as a part of a split mesh. Accepted
+// A .msh file, read by gmsh as a whole body and as a body with named parts, and by ranges. Accepted
 // meshes contain valid numbers. Their matrices are assembled or refused with one line.
 #include "src/mesh/mesh.hpp"
 
@@ -10,8 +10,8 @@
 #include "src/elasticity/assemble.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/open.hpp"
-#include "src/mesh/part.hpp"
 #include "src/mesh/partition.hpp"
+#include "src/mesh/parts.hpp"
 #include "src/mesh/read.hpp"
 #include "tests/fuzz/input.hpp"
 
@@ -64,7 +64,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   body.contact = {"top"};
   body.support = {{"foot", "xy"}};
   read(body, {.loaded = {"top"}, .moved = {"foot"}});
-  accepts([&] { mesh::read_part(body, 2, {}); });
-  mesh::forget_meshes();
+  accepts([&] {
+    if (const auto files = mesh::open_msh(body, PETSC_COMM_SELF)) {
+      const mesh::Mesh mesh = mesh::read_msh(*files, body, PETSC_COMM_SELF, PETSC_COMM_SELF);
+      check_blocks(mesh.blocks, mesh.node.size());
+    }
+  });
   return 0;
 }

@@ -49,22 +49,23 @@ class SharedFolder {
   std::filesystem::path path_;
 };
 
-/// Writes the mesh to whole.msh, and again as `parts` files: split_1.msh and so on.
-inline void write_both(const SharedFolder& folder, const std::string& geo, int order, int parts) {
+/// Writes the mesh to whole.msh, and again as `parts` files: split_1.msh and so on, or as the one
+/// file split.msh if there are none.
+inline void write_both(const SharedFolder& folder, const std::string& geo, int order, int parts,
+                       bool binary = false) {
   folder.write("body.geo", geo);
   folder.once([&] {
     const mesh::GmshSession gmsh;
     gmsh::open((folder / "body.geo").string());
     gmsh::model::mesh::generate(3);
     gmsh::model::mesh::setOrder(order);
+    gmsh::option::setNumber("Mesh.Binary", binary ? 1 : 0);  // text rounds coordinates
     gmsh::write((folder / "whole.msh").string());
-    if (parts == 1) {
-      std::filesystem::copy_file(folder / "whole.msh", folder / "split_1.msh");
-      return;
+    if (parts > 1) {
+      gmsh::model::mesh::partition(parts);
+      gmsh::option::setNumber("Mesh.PartitionSplitMeshFiles", 1);
     }
-    gmsh::model::mesh::partition(parts);
-    gmsh::option::setNumber("Mesh.PartitionSplitMeshFiles", 1);
-    gmsh::write((folder / "split.msh").string());
+    gmsh::write((folder / (parts == 1 ? "split_1.msh" : "split.msh")).string());
   });
 }
 

@@ -4,7 +4,6 @@
 
 #include <set>
 
-#include "src/mesh/parts.hpp"
 #include "src/scene/parts.hpp"
 #include "src/scene/request.hpp"
 #include "src/scene/scene.hpp"
@@ -24,7 +23,7 @@ std::string complaint(const scene::Body& body) {
   std::string said = "accepted";
   try {
     const mesh::GmshSession gmsh;
-    mesh::read_parts(body, PETSC_COMM_WORLD);
+    test::mesh_of(body);
   } catch (const InputError& error) {
     said = error.what();
   }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""A mesh in several files gives the same kernel as the mesh in one file."""
+"""A mesh gives the same kernel in one file and in several, on any number of ranks."""
 
 import pathlib
 import tempfile
@@ -11,7 +11,7 @@ import numpy as np
 import scenes
 from programs import ProgramTest, displacement_kernel, kernel, static_responses
 
-CELLS = (3, 3, 4)
+CELLS = (3, 3, 8)  # enough for a graph on eight ranks
 
 MORE = """
 [[loads.traction]]
@@ -54,7 +54,7 @@ def grid():
         return 1 + i + n[0] * (j + n[1] * k)
 
     nodes = [
-        (i / 3 + 0.05 * k, j / 3 * 1.2, k / 4 * (1 + 0.1 * i))
+        (i / 3 + 0.025 * k, j / 3 * 1.2, k / 8 * (1 + 0.1 * i))
         for k in range(n[2])
         for j in range(n[1])
         for i in range(n[0])
@@ -131,6 +131,40 @@ class Parts(ProgramTest):
         self.assertEqual(len(one), 9)
         for key, value in one.items():
             self.assertLess(np.abs(other[key] - value).max(), 1e-8 * max(np.abs(value).max(), 1e-3), key)
+
+    def test_any_number_of_ranks_finds_the_same_frequencies(self):
+        nodes, elements = grid()
+        everything = range(len(elements))
+        self.write("whole.msh", msh(nodes, elements, everything))
+        self.write("split_1.msh", msh(nodes, elements, [e for e in everything if e % 3]))
+        self.write("split_2.msh", msh(nodes, elements, [e for e in everything if e % 3 == 0]))
+        found = []
+        for name, ranks in (("whole", 1), ("whole", 3), ("whole", 8), ("split", 3)):
+            with h5py.File(self.kernel_of(name, "modes={ count = 12 }", ranks=ranks)) as file:
+                found.append(file["modes/angular_frequency"][:])
+        for other in found[1:]:
+            np.testing.assert_allclose(other, found[0], rtol=1e-9)
+
+    def test_a_fault_in_the_range_of_one_rank_ends_in_one_line(self):
+        nodes, elements = grid()
+        text = msh(nodes, elements, range(len(elements)))
+        tag, *corners = text.splitlines()[-2].split()
+        for fault, said in (
+            (
+                f"{tag} {' '.join(corners[:-1])} 9999",
+                "whole.msh: an element has node 9999, which does not exist",
+            ),
+            (
+                f"{tag} {' '.join(corners[:-1])} x",
+                f'whole.msh: line {text.count(chr(10)) - 1}: "x" instead of a node',
+            ),
+            (f"1 {' '.join(corners)}", "whole.msh: element 1 occurs twice"),
+        ):
+            with self.subTest(said=said):
+                self.write("whole.msh", text.replace(f"\n{tag} {' '.join(corners)}\n", f"\n{fault}\n"))
+                run = kernel(self.write("whole.toml", scene_of("whole")), self.folder / "out", ranks=3)
+                self.assertEqual(run.status, 2)
+                self.assertEqual(run.err.count(said), 1, run.err)
 
     def test_a_missing_part_ends_in_one_line(self):
         nodes, elements = grid()
