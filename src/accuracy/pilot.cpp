@@ -14,7 +14,6 @@
 #include "src/mesh/gmsh_session.hpp"
 #include "src/parallel/parallel.hpp"
 #include "src/scene/elastic_law.hpp"
-#include "src/scene/parts.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet::accuracy {
@@ -32,10 +31,8 @@ struct Waves {
 };
 
 Waves waves(const scene::Scene& scene, const scene::Body& body) {
-  scene::Body opened = body;
-  if (const auto parts = scene::part_files(body.mesh); !parts.empty()) opened.mesh = parts.front();
   const mesh::GmshSession gmsh;
-  const mesh::Extent extent = mesh::extent_apart(opened);
+  const mesh::Extent extent = mesh::extent_apart(body);
   const double speed = scene::wave_speeds(body).mean;
   if (!(extent.length > 0))
     throw InputError(

@@ -6,28 +6,12 @@
 #include <algorithm>
 
 #include "src/mesh/complaints.hpp"
-#include "src/mesh/msh_sections.hpp"
 #include "src/mesh/open.hpp"
 #include "src/mesh/transport.hpp"
-#include "src/scene/parts.hpp"
 
 namespace ricochet::mesh {
 
 namespace {
-
-/// The files that all ranks can read; none if the mesh is another one. Rank 0 only.
-std::vector<std::filesystem::path> files_of(const scene::Body& body) {
-  std::vector<std::filesystem::path> files = scene::part_files(body.mesh);
-  for (const std::filesystem::path& part : files)
-    if (const std::string version = msh_version(part); is_old_version(version))
-      throw InputError(
-          fmt::format("{}: is of version {}: save parts in version 4.1 (Mesh.MshFileVersion = 4.1)",
-                      part.filename().string(), version));
-  if (!files.empty() || body.mesh.extension() != ".msh") return files;
-  check_file(body);
-  if (!is_old_version(msh_version(body.mesh))) files.push_back(body.mesh);
-  return files;
-}
 
 /// Refuses a mesh whose last files are missing. Entities record the parts that they touch, which reveals
 /// parts without a file.
@@ -64,7 +48,7 @@ std::optional<MshFiles> open_msh(const scene::Body& body, MPI_Comm comm) {
   MshFiles files;
   std::string names;
   parallel::on_first_rank(comm, [&] {
-    files.path = files_of(body);
+    files.path = msh_files(body);
     Packer packer;
     pass(packer, files.path);
     names = packer.bytes;

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <fstream>
@@ -20,6 +21,9 @@
 #include "src/mesh/fill_surface.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/msh_check.hpp"
+#include "src/mesh/msh_outline.hpp"
+#include "src/mesh/msh_sections.hpp"
+#include "src/scene/parts.hpp"
 
 namespace ricochet::mesh {
 
@@ -220,7 +224,45 @@ void check_file(const scene::Body& body) {
   check_parameters(body);
 }
 
+std::vector<std::filesystem::path> msh_files(const scene::Body& body) {
+  std::vector<std::filesystem::path> files = scene::part_files(body.mesh);
+  for (const std::filesystem::path& part : files)
+    if (const std::string version = msh_version(part); is_old_version(version))
+      throw InputError(
+          fmt::format("{}: is of version {}: save parts in version 4.1 (Mesh.MshFileVersion = 4.1)",
+                      part.filename().string(), version));
+  if (!files.empty() || body.mesh.extension() != ".msh") return files;
+  check_file(body);
+  if (!is_old_version(msh_version(body.mesh))) files.push_back(body.mesh);
+  return files;
+}
+
 namespace {
+
+/// The extent of all nodes of these files.
+Extent extent_of_nodes(const std::vector<std::filesystem::path>& files, double scale) {
+  constexpr double none = std::numeric_limits<double>::infinity();
+  std::array<double, 3> low{none, none, none}, high{-none, -none, -none};
+  Extent extent{0, 0};
+  for (const std::filesystem::path& file : files) {
+    const MshOutline outline = outline_of(file);
+    MshStream in(file);
+    for (const MshNodes& block : outline.nodes)
+      read_nodes(
+          in, outline.binary, block, 0, block.tags.count, [](auto) {},
+          [&](double x, double y, double z) {
+            const std::array<double, 3> at{x, y, z};
+            for (std::size_t c = 0; c < 3; ++c) {
+              low[c] = std::min(low[c], at[c]);
+              high[c] = std::max(high[c], at[c]);
+            }
+          });
+    for (const MshElements& block : outline.elements)
+      if (block.list.count > 0) extent.dimension = std::max(extent.dimension, block.entity.dim);
+  }
+  for (std::size_t c = 0; c < 3; ++c) extent.length = std::max(extent.length, scale * (high[c] - low[c]));
+  return extent;
+}
 
 void open_file(const scene::Body& body) {
   check_file(body);
@@ -263,6 +305,7 @@ class LocalSizes {
 }  // namespace
 
 Extent extent_of(const scene::Body& body) {
+  if (const auto files = msh_files(body); !files.empty()) return extent_of_nodes(files, body.scale);
   open_file(body);
   double low[3], high[3], longest = 0;
   gmsh::model::getBoundingBox(-1, -1, low[0], low[1], low[2], high[0], high[1], high[2]);

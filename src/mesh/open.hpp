@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "src/scene/data/body.hpp"
 
@@ -20,6 +21,10 @@ bool open_model(const scene::Body& body);
 /// Throws InputError if the file of a body cannot be opened: it does not exist or is of a kind that gmsh does
 /// not read, or `geometry` contains a name that it does not define.
 void check_file(const scene::Body& body);
+
+/// The .msh files of version 4.1 of a body, one or several parts; none if its mesh is another one. Throws
+/// InputError for the reasons of check_file, and if a part is missing or of another version.
+std::vector<std::filesystem::path> msh_files(const scene::Body& body);
 
 /// Extent of a body, determined without meshing it.
 struct Extent {

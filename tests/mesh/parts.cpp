@@ -9,6 +9,7 @@
 #include <map>
 #include <set>
 
+#include "src/mesh/open.hpp"
 #include "src/mesh/partition.hpp"
 #include "src/mesh/read.hpp"
 #include "src/scene/parts.hpp"
@@ -135,6 +136,12 @@ TEST_P(Parts, give_each_node_to_one_rank_in_rank_order) {
   parallel::sum(mesh_.comm, owners);
   EXPECT_EQ(owners, std::vector<double>(owners.size(), 1));
   EXPECT_GT(mesh_.owned_nodes, 0);  // however many files there are
+}
+
+TEST_P(Parts, have_the_extent_of_the_complete_mesh) {
+  const mesh::Extent extent = mesh::extent_of(body_);
+  EXPECT_NEAR(extent.length, GetParam().name == "cubes" ? 3 : 1, 1e-12);
+  EXPECT_EQ(extent.dimension, 3);
 }
 
 TEST_P(Parts, have_the_supports_and_connected_parts_of_the_complete_mesh) {
