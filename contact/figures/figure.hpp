@@ -22,8 +22,8 @@ struct Figure {
 /// began, or half of the largest change of velocity if that is larger (bodies that are pressed together have
 /// no approach speed). With one free body, the relative error of its velocity is therefore the error of the
 /// coefficient of restitution. Angular velocities are relative to V divided by the body's radius of gyration,
-/// and energies to kinetic + strain energy when contact began, above the strain under dead loads at t = 0.
-/// All other quantities are relative to themselves.
+/// and energies to the energy that was put in (FigureObserver::energy_put_in). All other quantities are
+/// relative to themselves.
 using Figures = std::map<Quantity, Figure>;
 
 /// Relative error of each quantity that a run has.

@@ -81,6 +81,8 @@ void FigureObserver::count(const Stepper& stepper) {
     out_.contact_start_s = start;
     at_start_ = before_;
   }
+  // What loads do after the last touch, as on a body that falls on, is not put into it.
+  most_work_ = std::max(most_work_, now_.energy.loads - at_start_.energy.loads);
   if (stepper.active() > 0) last_touch_ = now_.time;
   last_force_ = now_.time;
   out_.contact_end_s.reset();
@@ -197,10 +199,10 @@ Figures FigureObserver::quantities() const {
   const Instant &start = out_.contact_start_s ? at_start_ : now_, &end = out_.contact_end_s ? at_end_ : now_;
   add_motion(out, start, end);
   if (!source_.modes()) return out;
-  Figure energy{Vector(2), elastic(start.energy)};
+  Figure energy{Vector(2), energy_put_in()};
   energy.value << elastic(end.energy) + end.energy.residual - end.rigid_energy,
       end.energy.damping + end.energy.contact;
-  // Bodies that are pressed together from rest have no energy at the start.
+  // Bodies that stay at rest have none.
   if (!(energy.scale > 0)) energy.scale = energy.value.cwiseAbs().maxCoeff();
   out[Quantity::energy] = energy;
   return out;

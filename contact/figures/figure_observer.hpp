@@ -36,9 +36,12 @@ class FigureObserver {
   Eigen::Index closest_point() const { return closest_point_; }
   double closest() const { return closest_; }  ///< its distance [m]
 
-  /// Kinetic + strain energy when contact began, above the strain under dead loads at t = 0 [J]; 0 if
-  /// unknown, or without contact.
-  double energy_at_start() const { return out_.contact_start_s ? elastic(at_start_.energy) : 0; }
+  /// Energy put into the bodies [J]: kinetic + strain energy when contact began, above the strain under dead
+  /// loads at t = 0, and the largest net work from outside between then and a step with a force: of loads,
+  /// moving supports and obstacles, and of bodies that are added. 0 if unknown.
+  double energy_put_in() const {
+    return elastic((out_.contact_start_s ? at_start_ : now_).energy) + most_work_;
+  }
   /// Speed of approach along the impulse when contact began [m/s]; no value if more than one pair touched, or
   /// an obstacle that turns.
   std::optional<double> approach() const { return closing_speed(at_start_, impulse_); }
@@ -75,6 +78,7 @@ class FigureObserver {
   Eigen::Matrix3Xd impulse_, episode_impulse_;  ///< Σ λ n Δ by pair, of the run and of the episode [N s]
   std::vector<int> touch_of_;                   ///< by pair: its touch that has not ended, or −1
   double initial_strain_ = 0;                   ///< [J]
+  double most_work_ = 0;  ///< largest net work since contact began, while bodies touch [J]
   double closest_ = 0;
   Eigen::Index closest_point_ = 0;
 };

@@ -60,9 +60,8 @@ struct Summary : ImpactFigures {
   /// Largest deviation of the ledger, relative to the largest of kinetic + strain + residual energy, work of
   /// loads, and energy lost in contact. No value with sampled responses.
   std::optional<double> energy_drift;
-  /// Energy lost in contact, relative to kinetic + strain energy when contact started, above the strain under
-  /// dead loads at t = 0. No value with sampled responses, or if bodies at rest lost energy that loads
-  /// supplied later.
+  /// Energy lost in contact, relative to the energy that was put in (FigureObserver::energy_put_in). No value
+  /// with sampled responses, or if energy was lost and none put in.
   std::optional<double> energy_lost_contact;
   /// Energy that modes above the band would take (band_share.hpp), relative as energy_lost_contact, and the
   /// amount by which the restitution would fall. No values if unknown, as with sampled responses or impulses.

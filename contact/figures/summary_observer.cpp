@@ -83,10 +83,9 @@ Summary SummaryObserver::summary() const {
   static_cast<ImpactFigures&>(out) = figures_.figures();
   if (checks_) {
     out.energy_drift = largest_energy_ > 0 ? worst_ledger_ / largest_energy_ : 0;
-    // Bodies at rest may lose energy that loads supply later.
-    const auto share = [at_start = figures_.energy_at_start()](double lost) -> std::optional<double> {
+    const auto share = [put_in = figures_.energy_put_in()](double lost) -> std::optional<double> {
       if (lost == 0) return 0;
-      return at_start > 0 ? std::optional(lost / at_start) : std::nullopt;
+      return put_in > 0 ? std::optional(lost / put_in) : std::nullopt;
     };
     out.energy_lost_contact = share(energy_lost_);
     if (slipped_.size() > 0) {
@@ -123,8 +122,8 @@ std::vector<std::string> SummaryObserver::warnings(const ImpactFigures& figures)
 /// (1 + e)) with which they approach each other, for an impulse J and an approach v.
 void SummaryObserver::add_band(Summary& out) const {
   const auto energy = band_->energy();
-  if (!energy || !(figures_.energy_at_start() > 0)) return;
-  out.energy_above_band = *energy / figures_.energy_at_start();
+  if (!energy || !(figures_.energy_put_in() > 0)) return;
+  out.energy_above_band = *energy / figures_.energy_put_in();
   if (!out.restitution || !(*out.restitution > 0)) return;
   const double e = *out.restitution, approaching = out.impulse_ns * *figures_.approach() / (2 * (1 + e));
   out.rebound_above_band = e - std::sqrt(std::max(0.0, e * e - *energy / approaching));

@@ -186,7 +186,7 @@ OPEN, STICK, SLIP = 0, 1, 2
 class FrictionFigures:
     """The figures of friction in the summary of a run."""
 
-    #: heat of friction, relative to the energy when contact started; None if bodies at rest had no energy
+    #: heat of friction, relative to the energy put in; None if none was
     energy_lost: float | None
     #: impulse of friction: for each pair the magnitude of its vector, summed over the pairs [N s]
     impulse: float
@@ -704,8 +704,8 @@ _FIGURES = (
     ("peak_force_n", "peak force", " N"),
     ("impulse_ns", "impulse", " N s"),
     ("restitution", "restitution", ""),
-    ("energy_lost_contact", "energy lost to contact", " of the energy before"),
-    ("energy_lost_friction", "heat of friction", " of the energy before"),
+    ("energy_lost_contact", "energy lost to contact", " of the energy put in"),
+    ("energy_lost_friction", "heat of friction", " of the energy put in"),
     ("friction_impulse_ns", "impulse of friction", " N s"),
     ("max_slip_m", "longest slip", " m"),
     ("ambiguous_steps", "steps with several solutions", ""),

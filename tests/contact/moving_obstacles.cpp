@@ -14,6 +14,7 @@
 #include "base/hdf5_reader.hpp"
 #include "contact/api/scene_model.hpp"
 #include "contact/figures/figure_observer.hpp"
+#include "contact/figures/summary_observer.hpp"
 #include "contact/files/motion_file.hpp"
 #include "contact/pairing/rigid_surface.hpp"
 #include "ricochet/ricochet.hpp"
@@ -228,6 +229,32 @@ TEST(MovingObstacles, count_with_their_speed_in_the_restitution) {
   EXPECT_GT(turned.impulse_ns, 0);
   EXPECT_FALSE(turned.restitution);
   EXPECT_FALSE(turned.episodes.at(0).approach_m_per_s);
+}
+
+/// A wall of the speed V hits a plate at rest with the restitution e. Its impulse m (1 + e) V does the work m
+/// (1 + e) V², of which the plate keeps m (1 + e)² V²/2: (1 − e)/2 of the work is lost.
+TEST(MovingObstacles, put_in_the_energy_to_which_losses_are_relative) {
+  constexpr double restitution = 0.6;
+  Scene scene;
+  kernels::Kernel plate = contact::test::rigid_plate();
+  plate.body = "plate";
+  scene.bodies = {{.name = "plate", .kernel = contact::test::shared(std::move(plate))}};
+  scene.obstacles = {wall(Shape::half_space)};
+  scene.obstacles[0].name = "wall";
+  scene.obstacles[0].point = {0, 0, -1.5e-4};
+  scene.obstacles[0].velocity = {0, 0, 0.1};
+  scene.pairs = {{.a = "plate", .b = "wall", .direction = Vector3{0, 0, -1}}};
+  scene.scheme = Scheme::impulse;
+  scene.restitution = restitution;
+  scene.rate_hz = 10'000;
+  const auto model = std::make_shared<const contact::Model>(model_of(scene));
+  const auto stepper = contact::make_stepper(model, step_options(scene));
+  contact::SummaryObserver observer(*model, stepper->options().step, 0);
+  for (int k = 0; k < 100; ++k) {
+    ASSERT_EQ(stepper->step(), StepStatus::ok);
+    observer.observe(*stepper);
+  }
+  EXPECT_NEAR(observer.summary().energy_lost_contact.value(), (1 - restitution) / 2, 1e-9);
 }
 
 /// The same by a history that begins later, after flights: the box turns by ωt from t₀ on and meets the ball
