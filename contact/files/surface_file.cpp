@@ -15,11 +15,13 @@
 #include <string_view>
 #include <system_error>
 
+#include "base/atomic_file.hpp"
 #include "ricochet/error.hpp"
 
 namespace ricochet::contact {
 namespace {
 
+constexpr std::string_view solid = "solid ";
 constexpr std::size_t header = 80, facet = 50;  // bytes of a binary file, and of one of its triangles
 
 /// Triangles by their corners, joined where the file has the same numbers.
@@ -116,6 +118,29 @@ SurfaceMesh read_surface(const std::filesystem::path& path, double scale) {
   SurfaceMesh mesh = out.take();
   if (mesh.triangle.empty()) refuse("has no triangles. Export the surface anew.");
   return mesh;
+}
+
+void write_surface(const SurfaceMesh& mesh, const std::string& title, const std::filesystem::path& path) {
+  base::AtomicFile temporary(path);
+  std::ofstream file(temporary.path());
+  file << solid << title << '\n';
+  for (const auto& triangle : mesh.triangle) {
+    file << "facet normal 0 0 0\nouter loop\n";
+    for (const std::uint32_t corner : triangle)
+      file << fmt::format("vertex {} {} {}\n", mesh.node[corner][0], mesh.node[corner][1],
+                          mesh.node[corner][2]);
+    file << "endloop\nendfacet\n";
+  }
+  file << "endsolid\n";
+  file.close();
+  if (!file) temporary.fail();
+  temporary.commit();
+}
+
+std::string title_of_surface(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::string line;
+  return std::getline(file, line) && line.starts_with(solid) ? line.substr(solid.size()) : "";
 }
 
 }  // namespace ricochet::contact

@@ -10,6 +10,7 @@
 #include "src/scene/scene.hpp"
 #include "src/scene/write.hpp"
 #include "src/store/stored_kernels.hpp"
+#include "src/store/surfaces.hpp"
 
 namespace ricochet::python {
 
@@ -19,11 +20,13 @@ namespace fs = std::filesystem;
 namespace {
 
 /// For each body: its name, the path of its file, and whether the file exists and contains enough candidates.
+/// Without settings or a surface on which they depend, there are none.
 std::vector<std::tuple<std::string, fs::path, bool>> kernel_files(const scene::Scene& scene,
                                                                   const fs::path& folder) {
   store::KernelStore store;
   std::vector<std::tuple<std::string, fs::path, bool>> out;
-  if (scene.modes.open() && accuracy::missing_settings(scene, folder, store)) {
+  if (store::missing_surface(scene, folder) ||
+      (scene.modes.open() && accuracy::missing_settings(scene, folder, store))) {
     for (const scene::Body& body : scene.bodies) out.emplace_back(body.name, "", false);
     return out;
   }

@@ -17,6 +17,8 @@ INSTALLED = gmsh is not None
 AROUND = 24  # triangles around a full circle: a picture needs no more
 SMALLEST = 1 / 400  # of the size of the drawing, so that small fillets get few triangles
 SURE = 1e-6  # relative error of extents, far below the four digits that are shown
+SEWN = (".step", ".stp", ".brep", ".iges", ".igs")
+TOLERANCES = (1e-9, 1e-7, 1e-6, 1e-5)  # of the drawing, by which its faces are joined
 WAYS = np.concatenate([np.eye(3), -np.eye(3)])  # towards both ends of each axis
 # These end on their curves: along each of their straight lines, no coordinate has an inner maximum.
 RULED = ("Plane", "Cylinder", "Cone", "Plane surface")
@@ -176,6 +178,22 @@ def sides() -> dict[int, int]:
 # ---- The drawing ----
 
 
+def sew_faces(path: Path) -> None:
+    """Reads a drawing of loose faces again and joins them, as ricochet-kernel does (src/mesh/sew.cpp), so that faces have its
+    numbers. Those that enclose no volume stay loose."""
+    if gmsh.model.getEntities(3) or not gmsh.model.getEntities(2):
+        return
+    low, high = np.reshape(gmsh.model.getBoundingBox(-1, -1), (2, 3))
+    for option in ("Geometry.OCCSewFaces", "Geometry.OCCMakeSolids"):
+        gmsh.option.setNumber(option, 1)
+    for tolerance in TOLERANCES:
+        gmsh.option.setNumber("Geometry.Tolerance", tolerance * float(np.linalg.norm(high - low)))
+        gmsh.model.remove()
+        gmsh.open(str(path))
+        if gmsh.model.getEntities(3):
+            return
+
+
 def groups() -> dict[int, list[str]]:
     """Names of physical groups by surface."""
     found: dict[int, list[str]] = {}
@@ -207,6 +225,8 @@ def read_here(path: Path) -> Drawing:
     """Reads a drawing or mesh in this process. Raises whatever gmsh raises."""
     gmsh.initialize()
     gmsh.open(str(path))
+    if path.suffix.lower() in SEWN:
+        sew_faces(path)
     if not gmsh.model.mesh.getElements(2)[0].size:
         mesh_coarsely()
     named, side, curves = groups(), sides(), dict[int, Floats]()

@@ -11,6 +11,7 @@
 #include "kernels/read.hpp"
 #include "src/accuracy/around_first_touch.hpp"
 #include "src/scene/scene.hpp"
+#include "src/store/surfaces.hpp"
 
 namespace ricochet::accuracy {
 namespace {
@@ -46,6 +47,7 @@ void set_rate(const scene::Contact& contact, Hertz rate, scene::Time& time) {
 }  // namespace
 
 ClosedScene closed(scene::Scene scene, const std::filesystem::path& folder, store::KernelStore& store) {
+  store::find_surfaces(scene, folder);
   if (!scene.accuracy) return {std::move(scene)};
   const std::filesystem::path path = settings_path(folder, scene, &store.meshes);
   auto settings = read_settings(path);

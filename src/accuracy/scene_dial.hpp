@@ -21,8 +21,9 @@ struct ClosedScene {
   std::optional<Settings> settings{};  ///< no value if the scene has no accuracy, or no such file exists
 };
 
-/// Closes a scene with the settings stored in `folder`. Throws InputError if there are none although the
-/// scene leaves its modes open.
+/// Closes a scene with the settings stored in `folder`, and finds the triangles of its obstacles there.
+/// Throws InputError if there are no settings although the scene leaves its modes open, and as
+/// store::find_surfaces.
 ClosedScene closed(scene::Scene scene, const std::filesystem::path& folder, store::KernelStore& store);
 
 /// The scene with the settings stored in `folder`, that of the steps among them, and without accuracy: it

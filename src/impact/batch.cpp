@@ -28,6 +28,7 @@
 #include "src/scene/request.hpp"
 #include "src/scene/scene.hpp"
 #include "src/scene/write.hpp"
+#include "src/store/surfaces.hpp"
 
 namespace ricochet::impact {
 
@@ -155,9 +156,15 @@ class Batch {
   }
 
  private:
+  /// A file of settings or of a surface without which the kernels of the scene are not known.
+  std::optional<fs::path> missing_file(const scene::Scene& scene) {
+    const auto surface = store::missing_surface(scene, options_.out);
+    return surface ? surface : accuracy::missing_settings(scene, options_.out, store_);
+  }
+
   /// Writes the missing kernels of the scene that can be derived from `file`.
   void derive(const scene::Scene& scene, const fs::path& file) {
-    if (accuracy::missing_settings(scene, options_.out, store_)) return;
+    if (missing_file(scene)) return;
     derive_kernels(accuracy::closed(scene, options_.out, store_).scene, file);
   }
 
@@ -183,8 +190,8 @@ class Batch {
   Json needed(const scene::Scene& scene) {
     store::check_histories(scene);
     Json out = Json::array();
-    if (const auto settings = accuracy::missing_settings(scene, options_.out, store_)) {
-      out.push_back({{"file", settings->filename().string()}, {"there", false}});
+    if (const auto missing = missing_file(scene)) {
+      out.push_back({{"file", missing->filename().string()}, {"there", false}});
       return out;
     }
     const scene::Scene closed = accuracy::closed(scene, options_.out, store_).scene;
@@ -216,6 +223,7 @@ class Batch {
     for (const auto* loads : {&scene.loads.tractions, &scene.loads.points, &scene.loads.motions})
       for (const scene::Forcing& driven : *loads) paths.push_back(driven.history);
     Json out = Json::object();
+    for (const scene::Obstacle& obstacle : scene.obstacles) paths.push_back(obstacle.surface);
     for (const fs::path& path : paths) {
       std::error_code missing;  // reported when the impact reads the file
       const std::uintmax_t size = fs::file_size(path, missing);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numbers>
 #include <string>
 
 #include "src/impact/parting.hpp"
@@ -18,6 +19,11 @@ constexpr double few_steps = 20;
 
 /// Share of the energy that contact may remove. A frictionless contact of elastic bodies removes none.
 constexpr double lost_share = 0.01;
+
+/// Share of the indentation that a surface may be off its drawing at worst. Only what it deviates within the
+/// zone of contact matters: for two balls of 10 mm, of which one was off by 32 % (69 %), the peak force
+/// changed by 2.0 % (0.3 %) with linear and by 0.06 % (1.5 %) with finite rotations.
+constexpr double rough_share = 0.25;
 
 /// A coefficient of restitution from 0 to 1 may leave this interval by the accuracy that is requested by
 /// default, and by what gravity adds to the speeds during a touch.
@@ -82,6 +88,31 @@ std::string separated(const contact::Summary& summary) {
       *summary.separation_s, before, summary.touches.size());
 }
 
+/// The largest indentation of an obstacle by touches that were the only ones at their time [m], from the
+/// speed of approach v and the duration T of each: v T/π of a spring, and v T/2.94 of a Hertzian contact.
+double indentation_of(const scene::Obstacle& obstacle, const contact::Summary& summary) {
+  double deepest = 0;
+  for (const contact::Episode& episode : summary.episodes) {
+    const bool is_of = std::ranges::any_of(summary.touches, [&](const contact::Touch& touch) {
+      return touch.b == obstacle.name && touch.start_s == episode.start_s;
+    });
+    if (is_of && episode.approach_m_per_s && episode.end_s)
+      deepest = std::max(deepest,
+                         *episode.approach_m_per_s * (*episode.end_s - episode.start_s) / std::numbers::pi);
+  }
+  return deepest;
+}
+
+std::string rough_surface(const scene::Obstacle& obstacle, const contact::Summary& summary) {
+  const double indentation = indentation_of(obstacle, summary);
+  if (!(indentation > 0 && obstacle.deviation > rough_share * indentation)) return "";
+  return fmt::format(
+      "the triangles of obstacles.{} are up to {:.2g} m from its drawing, {:.2g} % of the indentation of "
+      "about "
+      "{:.2g} m: forces follow the triangles. Lower obstacles.{}.size_factor",
+      obstacle.name, obstacle.deviation, 100 * obstacle.deviation / indentation, indentation, obstacle.name);
+}
+
 }  // namespace
 
 std::vector<std::string> motions_without_friction(const scene::Scene& scene) {
@@ -112,6 +143,7 @@ void add_warnings(const scene::Scene& scene, contact::Summary& summary) {
     add(separated(summary));
   }
   add(impossible_restitution(summary));
+  for (const scene::Obstacle& obstacle : scene.obstacles) add(rough_surface(obstacle, summary));
   add(ends_in_contact(scene, summary));
 }
 

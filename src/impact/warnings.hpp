@@ -14,7 +14,8 @@ struct Scene;
 namespace ricochet::impact {
 
 /// Adds warnings about too few steps for a touch, energy that contact removes, steps whose forces are not the
-/// only solution, and a restitution below 0 or above 1. With an accuracy in the scene, its error estimate
+/// only solution, a restitution below 0 or above 1, and triangles of an obstacle that are too far from its
+/// drawing. With an accuracy in the scene, its error estimate
 /// covers the steps.
 void add_warnings(const scene::Scene& scene, contact::Summary& summary);
 

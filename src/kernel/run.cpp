@@ -15,6 +15,7 @@
 #include "src/kernel/compute.hpp"
 #include "src/kernel/discretise.hpp"
 #include "src/kernel/imported_modes.hpp"
+#include "src/kernel/obstacles.hpp"
 #include "src/kernel/plan.hpp"
 #include "src/kernel/verify.hpp"
 #include "src/scene/derive.hpp"
@@ -256,6 +257,7 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
 
   console::Console console(options.quiet || !first,
                            [comm] { return parallel::largest(comm, console::peak_memory_mib()); });
+  make_surfaces(scene, options.out, comm, console);
   if (scene.bodies.empty())
     console.say("the scene takes its responses from contact.table: nothing to compute");
   if (options.plan) {

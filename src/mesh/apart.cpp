@@ -34,21 +34,23 @@ struct Limits {
   double bytes = 0, seconds = 0;
 };
 
+enum class Wanted { mesh, extent, triangles };
+
 /// What a child is to read.
 struct Request {
   Limits limits;
-  bool extent = false;  ///< the extent alone
+  Wanted wanted = Wanted::mesh;
   scene::Body body;
   RequestedGroups asked;
 };
 
 template <class Stream>
 void pass(Stream& stream, Request& request) {
-  pass_all(stream, request.limits, request.extent, request.body, request.asked);
+  pass_all(stream, request.limits, request.wanted, request.body, request.asked);
 }
 
 /// The answer is a sequence of parts: a header and its bytes.
-enum class AnswerKind : std::uint64_t { progress, refused, failed, mesh, extent };
+enum class AnswerKind : std::uint64_t { progress, refused, failed, wanted };
 struct Header {
   AnswerKind kind{};
   std::uint64_t size = 0;
@@ -141,10 +143,11 @@ InputError no_answer(const scene::Body& body, const Ending& ending, const Limits
   return gmsh_error(file, fmt::format("{}{}: {}", what, said, remedy));
 }
 
-/// Lets a child answer. @return its answer, of this kind
-std::string ask(const scene::Body& body, bool extent, const RequestedGroups& asked,
-                const parallel::Progress& progress) {
-  Request request{current_limits(), extent, body, asked};
+/// Lets a child answer.
+template <class Answered>
+Answered ask(const scene::Body& body, Wanted wanted, const RequestedGroups& asked = {},
+             const parallel::Progress& progress = {}) {
+  Request request{current_limits(), wanted, body, asked};
   Packer packer;
   pass(packer, request);
   Answer answer(progress);
@@ -152,9 +155,11 @@ std::string ask(const scene::Body& body, bool extent, const RequestedGroups& ask
                                   [&](const char* data, std::size_t size) { answer.add(data, size); });
   if (answer.last() == AnswerKind::refused) throw InputError(answer.bytes());
   if (answer.last() == AnswerKind::failed) throw std::runtime_error(answer.bytes());
-  if (answer.last() != (extent ? AnswerKind::extent : AnswerKind::mesh))
-    throw no_answer(body, ending, request.limits);
-  return answer.bytes();
+  if (answer.last() != AnswerKind::wanted) throw no_answer(body, ending, request.limits);
+  Unpacker unpacker(answer.bytes());
+  Answered out;
+  pass(unpacker, out);
+  return out;
 }
 
 bool is_read_here(const scene::Body& body) { return body.mesh.extension() == ".msh"; }
@@ -208,10 +213,13 @@ void answer_to_request(Request& request) {
   gmsh::option::setNumber("General.Terminal", 1);
   gmsh::option::setNumber("General.Verbosity", 4);
   Packer packer;
-  if (request.extent) {
+  if (request.wanted == Wanted::extent) {
     Extent extent;
     with_gmsh_errors(name_of_file, [&] { extent = extent_of(request.body); });
     pass(packer, extent);
+  } else if (request.wanted == Wanted::triangles) {
+    Triangulation triangles = triangulate(request.body);
+    pass(packer, triangles);
   } else {
     const auto progress = [](std::int64_t done, std::int64_t total) {
       const Stage stage{done, total};
@@ -220,7 +228,7 @@ void answer_to_request(Request& request) {
     GlobalMesh mesh = read_mesh(request.body, progress, request.asked);
     pass(packer, mesh);
   }
-  write_part(request.extent ? AnswerKind::extent : AnswerKind::mesh, packer.bytes);
+  write_part(AnswerKind::wanted, packer.bytes);
   _exit(0);  // gmsh crashes when it deletes some models
 }
 
@@ -229,23 +237,18 @@ void answer_to_request(Request& request) {
 GlobalMesh read_mesh_apart(const scene::Body& body, const parallel::Progress& progress,
                            const RequestedGroups& asked) {
   if (is_read_here(body)) return read_mesh(body, progress, asked);
-  const std::string bytes = ask(body, false, asked, progress);
-  Unpacker unpacker(bytes);
-  GlobalMesh mesh;
-  pass(unpacker, mesh);
-  return mesh;
+  return ask<GlobalMesh>(body, Wanted::mesh, asked, progress);
 }
 
 Extent extent_apart(const scene::Body& body) {
+  if (!is_read_here(body)) return ask<Extent>(body, Wanted::extent);
   Extent extent;
-  if (is_read_here(body)) {
-    with_gmsh_errors(body.mesh.filename().string(), [&] { extent = extent_of(body); });
-    return extent;
-  }
-  const std::string bytes = ask(body, true, {}, {});
-  Unpacker unpacker(bytes);
-  pass(unpacker, extent);
+  with_gmsh_errors(body.mesh.filename().string(), [&] { extent = extent_of(body); });
   return extent;
+}
+
+Triangulation triangulate_apart(const scene::Body& body) {
+  return ask<Triangulation>(body, Wanted::triangles);
 }
 
 int answer_request() {

@@ -8,6 +8,7 @@
 
 #include "src/mesh/open.hpp"
 #include "src/mesh/read.hpp"
+#include "src/mesh/triangulate.hpp"
 
 namespace ricochet::mesh {
 
@@ -21,6 +22,9 @@ GlobalMesh read_mesh_apart(const scene::Body& body, const parallel::Progress& pr
 
 /// Returns extent_of(body), likewise, and with the errors of gmsh as InputError.
 Extent extent_apart(const scene::Body& body);
+
+/// Returns triangulate(body) of a child, which also reads a .msh.
+Triangulation triangulate_apart(const scene::Body& body);
 
 /// The main function of ricochet-mesh: reads a request from stdin, writes the answer to stdout and the
 /// messages of gmsh to stderr. @return the exit status

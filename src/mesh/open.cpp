@@ -23,6 +23,7 @@
 #include "src/mesh/msh_check.hpp"
 #include "src/mesh/msh_outline.hpp"
 #include "src/mesh/msh_sections.hpp"
+#include "src/mesh/sew.hpp"
 #include "src/scene/parts.hpp"
 
 namespace ricochet::mesh {
@@ -264,13 +265,17 @@ Extent extent_of_nodes(const std::vector<std::filesystem::path>& files, double s
   return extent;
 }
 
-void open_file(const scene::Body& body) {
+/// @return what was done to its faces, for the user; mostly empty
+std::string open_file(const scene::Body& body) {
   check_file(body);
   if (body.mesh.extension() == ".msh") check_msh(body.mesh);
   if (body.geometry.empty())
     gmsh::open(body.mesh.string());
   else
     gmsh::open(Parameters(body).path());
+  // A .geo says itself what it merges, and built-in geometry knows no tolerance.
+  return is_drawing(body.mesh) && !body.mesh.extension().string().starts_with(".geo") ? sew_faces(body.mesh)
+                                                                                      : "";
 }
 
 /// Asks gmsh for the small elements of a body while this object lives.
@@ -313,23 +318,48 @@ Extent extent_of(const scene::Body& body) {
   return {longest * body.scale, gmsh::model::getDimension()};
 }
 
-bool open_model(const scene::Body& body) {
-  open_file(body);
-  if (body.mesh.extension() == ".msh" || (body.mesh.extension() != ".geo" && holds_elements())) return true;
-  if (is_surface(body.mesh)) fill_surface(body.mesh.filename().string());
+namespace {
+
+/// Whether the file of the model is a mesh, and not a geometry.
+bool is_meshed(const scene::Body& body) {
+  return body.mesh.extension() == ".msh" || (body.mesh.extension() != ".geo" && holds_elements());
+}
+
+/// Meshes the entities of the model up to this dimension.
+void mesh_model(const scene::Body& body, int dimension) {
   refuse_points_for_lines(body.mesh.filename().string());
   double own = 1;  // of the file
   gmsh::option::getNumber("Mesh.MeshSizeFactor", own);
   if (body.size_factor != 1) gmsh::option::setNumber("Mesh.MeshSizeFactor", own * body.size_factor);
   const LocalSizes sizes(body, own * body.size_factor);
   try {
-    gmsh::model::mesh::generate(gmsh::model::getDimension());
+    gmsh::model::mesh::generate(dimension);
     gmsh::model::mesh::setOrder(body.order);
   } catch (...) {
     GmshSession::keep_broken_model();
     throw;
   }
-  return false;
+}
+
+}  // namespace
+
+Opened open_model(const scene::Body& body) {
+  Opened out{.sewn = open_file(body), .meshed_before = is_meshed(body)};
+  if (out.meshed_before) return out;
+  if (is_surface(body.mesh)) fill_surface(body.mesh.filename().string());
+  mesh_model(body, gmsh::model::getDimension());
+  return out;
+}
+
+Opened open_surface(const scene::Body& body) {
+  constexpr const char* curvature = "Mesh.MeshSizeFromCurvature";
+  Opened out{.sewn = open_file(body), .meshed_before = is_meshed(body)};
+  if (out.meshed_before) return out;
+  double own = 0;  // of the file
+  gmsh::option::getNumber(curvature, own);
+  if (own == 0) gmsh::option::setNumber(curvature, triangles_around);
+  mesh_model(body, 2);
+  return out;
 }
 
 }  // namespace ricochet::mesh

@@ -11,12 +11,21 @@
 
 namespace ricochet::mesh {
 
+struct Opened {
+  std::string sewn;            ///< how loose faces were joined, for the user; empty if there were none
+  bool meshed_before = false;  ///< whether the file already contained a mesh
+};
+
 /// Opens the mesh of a body. A geometry is meshed with elements of the body's order; an existing mesh keeps
 /// the order of its elements. Rank 0 only; needs a GmshSession.
 /// Throws InputError if the file does not exist, a .msh file is not a mesh or is truncated, or `geometry`
-/// contains a name that the file does not define.
-/// @return whether the file already contained a mesh
-bool open_model(const scene::Body& body);
+/// contains a name that the file does not define, or the faces of a drawing enclose no volume.
+Opened open_model(const scene::Body& body);
+
+/// The same for the surface alone: a geometry gets no elements in its volumes, and a full circle at least
+/// `triangles_around` edges of triangles, unless a .geo gives another number (Mesh.MeshSizeFromCurvature).
+Opened open_surface(const scene::Body& body);
+inline constexpr double triangles_around = 48;
 
 /// Throws InputError if the file of a body cannot be opened: it does not exist or is of a kind that gmsh does
 /// not read, or `geometry` contains a name that it does not define.

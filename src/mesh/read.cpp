@@ -37,7 +37,7 @@ class MeshReader {
       const auto reached = [&](std::int64_t stage) {
         if (progress) progress(stage, 4);
       };
-      meshed_before_ = open_model(body_);
+      open();
       model_ = entities_of_model();
       reached(1);
       mesh_.dim = dimension();
@@ -63,6 +63,12 @@ class MeshReader {
   }
 
  private:
+  void open() {
+    const Opened opened = open_model(body_);
+    meshed_before_ = opened.meshed_before;
+    if (!opened.sewn.empty()) mesh_.warnings.push_back(opened.sewn);
+  }
+
   /// Returns the entities of a group. Throws InputError if the mesh does not contain it.
   std::vector<int> entities(int dim, const std::string& group, const std::string& key) const {
     std::vector<int> found = model_.find(dim, group);
@@ -75,9 +81,6 @@ class MeshReader {
       std::vector<int> types;
       gmsh::model::mesh::getElementTypes(types, dim);
       if (types.empty()) continue;
-      if (dim == 2 && is_drawing(body_.mesh) && body_.mesh.extension() != ".geo")
-        throw InputError(fmt::format(
-            "{}: has faces but no solid, as .iges often does: export the body as a solid, in .step", file_));
       if (dim == 2) throw no_volume(dim, file_);
       return dim;
     }

@@ -14,6 +14,7 @@
 #include "src/mesh/mesh.hpp"
 #include "src/mesh/msh_outline.hpp"
 #include "src/mesh/open.hpp"
+#include "src/mesh/triangulate.hpp"
 
 namespace ricochet::mesh {
 
@@ -148,6 +149,11 @@ template <class Stream>
 void pass(Stream& stream, MshOutline& outline) {
   pass_all(stream, outline.binary, outline.entities.all, outline.entities.group_name, outline.nodes,
            outline.elements, outline.last_part);
+}
+
+template <class Stream>
+void pass(Stream& stream, Triangulation& triangles) {
+  pass_all(stream, triangles.position, triangles.triangle, triangles.exact, triangles.sewn);
 }
 
 }  // namespace ricochet::mesh

@@ -201,6 +201,7 @@ bool is_one(const Obstacle& obstacle) {
 constexpr auto& is_mesh = is_one<Shape::mesh>;
 constexpr auto& is_half_space = is_one<Shape::half_space>;
 bool is_solid(const Obstacle& obstacle) { return !obstacle.is_half_space(); }
+bool is_drawn(const Obstacle& obstacle) { return obstacle.is_drawn(); }
 
 }  // namespace
 
@@ -248,11 +249,15 @@ const SectionOf<Obstacle> obstacle_keys{
      {"size", Access<Obstacle>(&Obstacle::size).only(is_one<Shape::box>, "a box"), "m", "– of a box",
       above("0"), "edges of a box along x, y, z"},
      {"surface", Access<Obstacle>(&Obstacle::surface).only(is_mesh, "a mesh"), "", "– of a mesh", any(),
-      "an STL file of a closed surface. Edges at which its triangles meet at less than 29° are smooth; "
-      "there, the "
-      "surface between the nodes is curved"},
+      "an STL file of a closed surface, or a [drawing or mesh](scene.md#drawings) such as a `.step`, of "
+      "which "
+      "`ricochet-kernel` makes one beside the kernels. Edges at which triangles meet at less than 29° are "
+      "smooth; there, the surface between the nodes is curved"},
      {"scale", Access<Obstacle>(&Obstacle::scale).only(is_mesh, "a mesh"), "1", initial, above("0"),
-      "factor on the coordinates of the file, for example 1e-3 for millimetres"}}};
+      "factor on the coordinates of the file, for example 1e-3 for millimetres"},
+     {"size_factor", Access<Obstacle>(&Obstacle::size_factor).only(is_drawn, "a drawing").if_changed(), "1",
+      initial, above("0"),
+      "factor on the sizes of the triangles of a drawing (gmsh's `Mesh.MeshSizeFactor`)"}}};
 
 namespace {
 
@@ -305,7 +310,7 @@ Obstacle read_obstacle(const std::string& name, const Table& table, const Scene&
     if (needed && !table.has(key)) table.complain(key, std::string("is missing: ") + what);
   };
   need("normal", "the direction out of the obstacle, for example [0, 0, 1]", obstacle.is_half_space());
-  need("surface", "name an STL file", obstacle.shape == Shape::mesh);
+  need("surface", "name an STL file or a drawing", obstacle.shape == Shape::mesh);
   need("size", "give the edges along x, y, z in m, for example [1, 1, 0.2]", obstacle.shape == Shape::box);
   need("radius", "give a number in m",
        is_one<Shape::sphere, Shape::cylinder, Shape::capsule, Shape::cone, Shape::torus>(obstacle));

@@ -27,6 +27,8 @@ namespace {
 
 /// Must be increased whenever the meaning of a kernel changes, so that old kernels are computed again.
 constexpr int kernel_generation = 7;
+/// The same for the triangles of obstacles.
+constexpr int surface_generation = 1;
 /// The same for kernels with a visualisation surface.
 constexpr const char* view_generation = " view 2";
 /// The same for kernels with stress, at gauges or on the surface.
@@ -368,6 +370,18 @@ void scale_places(KernelRequest& request, double factor) {
 
 std::filesystem::path kernel_path(const std::filesystem::path& out, const KernelRequest& request) {
   return out / fmt::format("{}-{}.kernel.h5", request.body.name, request.hash.substr(0, 12));
+}
+
+
+std::filesystem::path surface_path(const std::filesystem::path& out, const Scene& scene,
+                                   const Obstacle& obstacle) {
+  std::set<std::filesystem::path> seen;
+  const std::string key = fmt::format("{}: obstacles.{}.surface", scene.file.filename().string(),
+                                      obstacle.name),
+                    hash = sha256(fmt::format("surface {} {} {}", surface_generation,
+                                              mesh_hash(obstacle.surface, key, seen),
+                                              toml_number(obstacle.size_factor)));
+  return out / fmt::format("{}-{}.stl", slug(obstacle.name), hash.substr(0, 12));
 }
 
 }  // namespace ricochet::scene

@@ -14,6 +14,7 @@ struct Header;
 
 namespace ricochet::scene {
 
+struct Obstacle;
 struct Scene;
 
 /// The data that determine the kernel of a body, and nothing else. Vectors are in the frame of the body.
@@ -82,5 +83,11 @@ void scale_places(KernelRequest& request, double factor);
 
 /// `<out>/<body>-<first 12 digits of hash>.kernel.h5`
 std::filesystem::path kernel_path(const std::filesystem::path& out, const KernelRequest& request);
+
+
+/// `<out>/<obstacle>-<first 12 digits of a hash>.stl`: the triangles of a drawn obstacle. The hash covers
+/// what they depend on. Throws InputError if the drawing cannot be read.
+std::filesystem::path surface_path(const std::filesystem::path& out, const Scene& scene,
+                                   const Obstacle& obstacle);
 
 }  // namespace ricochet::scene

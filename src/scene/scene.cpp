@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <string_view>
 #include <utility>
@@ -27,6 +28,18 @@ const Obstacle* Scene::find_obstacle(const std::string& name) const {
   const auto found = std::ranges::find(obstacles, name, &Obstacle::name);
   return found == obstacles.end() ? nullptr : &*found;
 }
+
+namespace {
+
+std::string ending_of(const std::filesystem::path& file) {
+  std::string ending = file.extension().string();
+  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  return ending;
+}
+
+}  // namespace
+
+bool Obstacle::is_drawn() const { return shape == Shape::mesh && ending_of(surface) != ".stl"; }
 
 bool Contact::rubs(const std::string& name) const {
   return std::ranges::any_of(pairs, [&](const Pair& pair) { return pair.friction && pair.names(name); });

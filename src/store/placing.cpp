@@ -21,8 +21,8 @@ Scene library_scene(const scene::Scene& scene, const KernelPointers& kernels) {
     out.bodies.emplace_back(scene.bodies[k]).kernel = SharedKernel(SharedKernel(), kernels[k]);
   for (const scene::Obstacle& obstacle : scene.obstacles) {
     out.obstacles.emplace_back(obstacle);
-    if (obstacle.shape == Shape::mesh)
-      out.obstacles.back().mesh = contact::read_surface(obstacle.surface, obstacle.scale);
+    const fs::path& file = obstacle.is_drawn() ? obstacle.triangles : obstacle.surface;
+    if (!file.empty()) out.obstacles.back().mesh = contact::read_surface(file, obstacle.scale);
   }
   out.pairs.assign(scene.contact.pairs.begin(), scene.contact.pairs.end());
   out.gravity = scene.loads.gravity;

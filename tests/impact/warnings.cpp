@@ -53,6 +53,29 @@ TEST(Restitution, outside_0_to_1_is_warned_of) {
   for (const double e : {-0.005, 0.0, 0.5, 1.0, 1.005}) EXPECT_THAT(warnings({.restitution = e}), IsEmpty());
 }
 
+// Touches of 1e-3 s at 0.1 m/s, of a spring: 3.18e-5 m deep, of which 25 % are 8e-6 m.
+TEST(Obstacles, with_triangles_off_their_drawing_by_more_than_a_share_of_the_indentation_are_warned_of) {
+  contact::Summary summary;
+  summary.episodes = {{.start_s = 0.5, .end_s = 0.501, .approach_m_per_s = 0.1}};
+  summary.touches = {{.start_s = 0.5, .end_s = 0.501, .a = "ball", .b = "anvil"}};
+  scene::Obstacle anvil;
+  anvil.name = "anvil";
+  const auto found = [&](double deviation) {
+    scene::Scene scene;
+    anvil.deviation = deviation;
+    scene.obstacles = {anvil};
+    contact::Summary made = summary;
+    impact::add_warnings(scene, made);
+    return made.warnings;
+  };
+  EXPECT_THAT(found(1e-5),
+              ElementsAre(HasSubstr("the triangles of obstacles.anvil are up to 1e-05 m from its "
+                                    "drawing, 31 % of the indentation of about 3.2e-05 m")));
+  EXPECT_THAT(found(7e-6), IsEmpty());
+  summary.touches[0].b = "another";
+  EXPECT_THAT(found(1e-5), IsEmpty());
+}
+
 TEST(Touches, of_fewer_than_twenty_steps_are_warned_of) {
   EXPECT_THAT(warnings({.duration = 19 / 44100.0}), ElementsAre(HasSubstr("the longest touch has 19 steps")));
   EXPECT_THAT(warnings({.duration = 20 / 44100.0}), IsEmpty());

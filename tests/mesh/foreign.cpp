@@ -14,6 +14,7 @@
 #include "src/mesh/partition.hpp"
 #include "src/mesh/read.hpp"
 #include "tests/meshes.hpp"
+#include "tests/support.hpp"
 
 namespace ricochet {
 namespace foreign_test {
@@ -149,9 +150,62 @@ TEST(Foreign, drawings_of_faces_without_a_solid_are_refused_with_the_format_that
     mesh::read_mesh(test::body_of(file.path(), 1));
     FAIL() << "accepted";
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("has faces but no solid"));
+    EXPECT_THAT(error.what(), HasSubstr("has faces but no solid, and 4 edges of its 1 faces stay free"));
     EXPECT_THAT(error.what(), HasSubstr("export the body as a solid, in .step"));
   }
+}
+
+/// A .brep of the faces of a unit cube, each with edges of its own. The last `missing` faces are left out,
+/// and the first one is off its place by `gap`.
+std::string loose_faces(int missing, double gap) {
+  const auto own = std::filesystem::temp_directory_path() / fmt::format("ricochet-loose-{}.brep", getpid());
+  gmsh::model::add("loose");
+  for (int face = 0; face < 6 - missing; ++face) {
+    const int axis = face / 2;
+    std::vector<int> points, lines;
+    for (const auto& [u, v] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}}) {
+      double x[3];
+      x[axis] = face % 2 - (face == 0 ? gap : 0);
+      x[(axis + 1) % 3] = u;
+      x[(axis + 2) % 3] = v;
+      points.push_back(gmsh::model::occ::addPoint(x[0], x[1], x[2]));
+    }
+    for (std::size_t k = 0; k < 4; ++k)
+      lines.push_back(gmsh::model::occ::addLine(points[k], points[(k + 1) % 4]));
+    gmsh::model::occ::addPlaneSurface({gmsh::model::occ::addCurveLoop(lines)});
+  }
+  gmsh::model::occ::synchronize();
+  gmsh::write(own.string());
+  gmsh::model::remove();
+  std::ostringstream text;
+  text << std::ifstream(own).rdbuf();
+  std::filesystem::remove(own);
+  return text.str();
+}
+
+TEST(Foreign, loose_faces_of_a_cube_are_sewn_with_the_smallest_tolerance_that_closes_it) {
+  const mesh::GmshSession gmsh;
+  // The diagonal of the cube is √3; tolerances grow by factors of 10.
+  for (const auto& [gap, tolerance] : {std::pair{0.0, "of 1.7e-09"}, {1e-6, "of 1.7e-06"}}) {
+    const test::SharedFile file(".brep", loose_faces(0, gap));
+    const scene::Body body = test::body_of(file.path(), 1);
+    const mesh::GlobalMesh mesh = mesh::read_mesh(body);
+    ASSERT_EQ(mesh.warnings.size(), 1U);
+    EXPECT_THAT(mesh.warnings[0], HasSubstr("its 6 loose faces were sewn into a solid with a tolerance "));
+    EXPECT_THAT(mesh.warnings[0], HasSubstr(tolerance));
+    EXPECT_NEAR(volume_of(body, mesh), 1, 2e-6);  // the gap
+  }
+}
+
+TEST(Foreign, faces_that_do_not_close_after_sewing_are_refused_with_their_free_edges) {
+  const mesh::GmshSession gmsh;
+  const auto complaint = [](const std::string& text) {
+    const test::SharedFile file(".brep", text);
+    return test::complaint_of([&] { mesh::read_mesh(test::body_of(file.path(), 1)); });
+  };
+  EXPECT_THAT(complaint(loose_faces(1, 0)),
+              HasSubstr("has faces but no solid, and 4 edges of its 5 faces stay free"));
+  EXPECT_THAT(complaint(loose_faces(0, 1e-3)), HasSubstr("and 8 edges of its 6 faces stay free"));
 }
 
 /// The triangles of a box of `edge` around the origin as text of a .stl, without the last `missing` ones.

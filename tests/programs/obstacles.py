@@ -2,12 +2,14 @@
 """Obstacles with surfaces, from scenes to results: an elastic ball on a rigid one and on a stiff one, a box and its mesh, and what
 files say about them."""
 
+import pathlib
 import struct
 import unittest
 
+import gmsh
 import numpy as np
 from dimensions import dimensions_of
-from programs import ProgramTest, impact
+from programs import ProgramTest, contact, impact, kernel
 
 from ricochet.pictures.planes import solids_of
 
@@ -73,6 +75,27 @@ def write_text_stl(path, facets):
         lines += [f"vertex {x!r} {y!r} {z!r}" for x, y, z in facet.tolist()]
         lines += ["endloop", "endfacet"]
     path.write_text("\n".join([*lines, "endsolid box"]))
+
+
+def draw(path, make, faces=False, mesh=False):
+    """Writes a drawing of what `make(occ)` adds, in millimetres. @param faces  remove the last face, and the volume
+    @param mesh  write a mesh of its volume instead"""
+    gmsh.initialize()
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        occ = gmsh.model.occ
+        make(occ)
+        if faces:
+            occ.remove([(3, 1)])
+            occ.remove([(2, 6)])
+        occ.synchronize()
+        if mesh:
+            gmsh.option.setNumber("Mesh.MeshSizeMax", 3)
+            gmsh.model.mesh.generate(3)
+            gmsh.model.mesh.setOrder(2)
+        gmsh.write(str(path))
+    finally:
+        gmsh.finalize()
 
 
 class Obstacles(ProgramTest):
@@ -145,6 +168,71 @@ class Obstacles(ProgramTest):
         self.assertEqual(found["obstacles/1/element"], ["/obstacles/1/triangle", "/obstacles/1/corner"])
         edges = {(a, b) for t in element.tolist() for a, b in zip(t, t[1:] + t[:1])}
         self.assertEqual(edges, {(b, a) for a, b in edges})
+
+    def drawn(self, name, lower, extra="", rotation="linear"):
+        """The scene of a ball on this drawing, without a run."""
+        path = self.made / f"{pathlib.Path(name).stem}.toml"
+        text = f'[obstacles.anvil]\nsurface = "{name}"\nscale = 1e-3\npoint = {lower}\n{extra}'
+        path.write_text(SCENE.format(bodies=UPPER, obstacle=text, rotation=rotation, contact=""))
+        return path
+
+    def test_a_drawing_acts_like_its_closed_form(self):
+        """A zone of contact of 0.2 mm lies within a few triangles of 0.7 mm. Their curvature there differs by about a tenth, and the
+        force of a Hertzian impact depends on it to the power of 1/5. Steps are the same."""
+        round_ones = {
+            "sphere": (lambda occ: occ.addSphere(0, 0, 0, 10), "ball.step", f"radius = {RADIUS}\n"),
+            "cylinder": (
+                lambda occ: occ.addCylinder(-20, 0, 0, 40, 0, 0, 10),
+                "rod.brep",
+                f"radius = {RADIUS}\nlength = 0.04\nrotate_deg = [0, 90, 0]\n",
+            ),
+        }
+        for shape, (make, name, sizes) in round_ones.items():
+            draw(self.made / name, make)
+            for rotation in ("linear", "finite"):
+                with self.subTest(shape, rotation=rotation):
+                    closed = f'[obstacles.anvil]\nshape = "{shape}"\npoint = {BELOW}\n{sizes}'
+                    exact = self.run_of(f"{shape} {rotation}", UPPER, closed, rotation).summary
+                    scene = self.drawn(name, BELOW, "size_factor = 0.5\n", rotation)
+                    found = impact(scene, self.out, f'title="{name} {rotation}"').summary
+                    for key, share in (("impulse_ns", 0.01), ("peak_force_n", 0.03)):
+                        self.assertLess(abs(found[key] / exact[key] - 1), share, key)
+            (stored,) = self.out.glob("anvil-*.stl")
+            deviation = 1e-3 * float(stored.read_text().split("\n", 1)[0].split()[-1])
+            # Half of what flat triangles of s = 0.7 mm are off, s²/(8 R)
+            self.assertTrue(0 < deviation < 3e-6, deviation)
+            stored.unlink()
+
+    def test_a_mesh_of_volumes_is_an_obstacle_by_its_outer_faces(self):
+        draw(self.made / "block.msh", lambda occ: occ.addBox(-30, -25, -20, 60, 50, 20), mesh=True)
+        plane = "[obstacles.anvil]\nnormal = [0, 0, 1]\n"
+        exact = self.run_of("plane of a block", UPPER, plane, contact="gap = 1e-7\n").summary
+        path = self.drawn("block.msh", "[0.0041, 0.0032, -1e-7]")
+        found = impact(path, self.out, 'title="block"').summary
+        self.assertLess(abs(found["impulse_ns"] / exact["impulse_ns"] - 1), 1e-6)
+        (stored,) = self.out.glob("anvil-*.stl")
+        stored.unlink()
+
+    def test_what_is_no_closed_surface_is_refused_in_one_line_on_all_ranks(self):
+        draw(self.made / "shell.brep", lambda occ: occ.addBox(-5, -5, -5, 10, 10, 10), faces=True)
+        out = self.folder / "out"
+        self.refused(
+            kernel(self.drawn("shell.brep", BELOW), out, ranks=2),
+            "shell.brep",
+        )
+        self.refused(
+            kernel(self.drawn("none.step", BELOW), out, ranks=2), "obstacles.anvil.surface", "no such file"
+        )
+        (self.made / "odd.step").write_text("no drawing")
+        self.refused(kernel(self.drawn("odd.step", BELOW), out, ranks=2), "odd.step")
+        self.assertFalse(list(out.glob("*.stl")) + list(out.glob("*.partial")))
+
+    def test_a_program_without_gmsh_names_the_command_that_makes_the_triangles(self):
+        draw(self.made / "ball.step", lambda occ: occ.addSphere(0, 0, 0, 10))
+        path = self.drawn("ball.step", BELOW)
+        self.refused(
+            contact(path, self.folder), "the triangles of ball.step are not at", f"Run ricochet-kernel {path}"
+        )
 
 
 if __name__ == "__main__":

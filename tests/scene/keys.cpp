@@ -36,10 +36,10 @@ direction = [0, 0, 1]
 const std::string endless = changed(barest, "duration = 0.01", "duration = \"until parted\"");
 /// The same with a cone, and with a mesh as the obstacle.
 const std::string coned = changed(barest, "normal = [0, 0, 1]", "shape = \"cone\"\nradius = 1\nlength = 1");
-const std::string of_mesh = changed(barest, "normal = [0, 0, 1]", "surface = \"anvil.stl\"");
+const std::string of_mesh = changed(barest, "normal = [0, 0, 1]", "surface = \"anvil.step\"");
 /// A scene to which a key may be added.
 const std::string& with_room_for(const Section& section, const Key& key) {
-  if (&section == &obstacle_keys && key.name == "scale") return of_mesh;
+  if (&section == &obstacle_keys && (key.name == "scale" || key.name == "size_factor")) return of_mesh;
   if (&section == &obstacle_keys && (key.name == "side" || key.name == "rotate_deg" ||
                                      key.name == "radius_small" || key.name == "angular_velocity"))
     return coned;

@@ -95,8 +95,11 @@ def words_for_snapshots(
 
 
 def newer(target: Path, *sources: Path) -> bool:
-    """Whether `target` exists and no source has changed since it was written."""
-    return target.exists() and all(source.stat().st_mtime <= target.stat().st_mtime for source in sources)
+    """Whether `target` and all sources exist, and no source has changed since it was written."""
+    files = [target, *sources]
+    return (
+        all(map(Path.exists, files)) and max(file.stat().st_mtime for file in files) == target.stat().st_mtime
+    )
 
 
 def summary_of(result: Path) -> Path:
@@ -120,8 +123,9 @@ def same(made: dict[str, Any], asked: dict[str, Any]) -> bool:
     return made | {"motion": motion} == asked | {"motion": asked.get("motion", {})}
 
 
-def current(result: Path, scene: dict[str, Any]) -> bool:
-    """Whether the result file is complete and belongs to this resolved scene, these kernels and this program."""
+def current(result: Path, scene: dict[str, Any], folder: Path) -> bool:
+    """Whether the result file is complete and belongs to this resolved scene, the surfaces of its obstacles, which are named from
+    `folder`, these kernels and this program."""
     import h5py
 
     if not result.exists() or not summary_of(result).exists():
@@ -134,7 +138,8 @@ def current(result: Path, scene: dict[str, Any]) -> bool:
             return False
     except (OSError, KeyError, AttributeError, TypeError, ValueError):  # not a result of ricochet-contact
         return False
-    return same(made, scene) and newer(result, programs.BIN / "ricochet-contact", *kernels)
+    surfaces = [folder / one["surface"] for one in scene.get("obstacles", {}).values() if "surface" in one]
+    return same(made, scene) and newer(result, programs.BIN / "ricochet-contact", *kernels, *surfaces)
 
 
 def run(options: argparse.Namespace) -> None:
@@ -155,7 +160,7 @@ def run(options: argparse.Namespace) -> None:
         words = [*words, *snapshots]
         table["output"]["snapshot_every"] = int(str(snapshots[1]).rpartition("=")[2])
     wanted = ["--write-scene", options.write_scene] if options.write_scene else []
-    if not wanted and current(result, table):
+    if not wanted and current(result, table, options.scene.parent):
         print(f"{result}: up to date")
     else:
         programs.contact(options.scene, [*words, *wanted])
