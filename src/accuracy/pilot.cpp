@@ -31,8 +31,10 @@ struct Waves {
 };
 
 Waves waves(const scene::Scene& scene, const scene::Body& body) {
+  scene::Body opened = body;
+  if (!body.converted.empty()) opened.mesh = body.converted;
   const mesh::GmshSession gmsh;
-  const mesh::Extent extent = mesh::extent_apart(body);
+  const mesh::Extent extent = mesh::extent_apart(opened);
   const double speed = scene::wave_speeds(body).mean;
   if (!(extent.length > 0))
     throw InputError(

@@ -14,6 +14,7 @@
 #include "src/accuracy/scene_dial.hpp"
 #include "src/kernel/compute.hpp"
 #include "src/kernel/discretise.hpp"
+#include "src/kernel/foreign.hpp"
 #include "src/kernel/imported_modes.hpp"
 #include "src/kernel/obstacles.hpp"
 #include "src/kernel/plan.hpp"
@@ -250,6 +251,7 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
   }
   if (options.verify) {
     console::Console console(options.quiet || !first);
+    import_meshes(scene, options.out, comm, console);
     return verify_kernels(scene, options, comm, console);
   }
   // Before the computation starts.
@@ -257,6 +259,7 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
 
   console::Console console(options.quiet || !first,
                            [comm] { return parallel::largest(comm, console::peak_memory_mib()); });
+  import_meshes(scene, options.out, comm, console);
   make_surfaces(scene, options.out, comm, console);
   if (scene.bodies.empty())
     console.say("the scene takes its responses from contact.table: nothing to compute");

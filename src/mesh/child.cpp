@@ -70,7 +70,8 @@ Descriptor file_of(const std::string& content, const std::filesystem::path& prog
 /// A process that is killed at the end of the scope unless it was waited for.
 class Process {
  public:
-  Process(const std::filesystem::path& program, int input, int output, int log) {
+  Process(const std::filesystem::path& program, std::vector<std::string> arguments, int input, int output,
+          int log) {
     posix_spawn_file_actions_t files;
     posix_spawnattr_t attributes;
     posix_spawn_file_actions_init(&files);
@@ -85,8 +86,10 @@ class Process {
     posix_spawnattr_setsigdefault(&attributes, &all);
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
     std::string name = program.string();
-    char* words[] = {name.data(), nullptr};
-    const int error = posix_spawn(&pid_, name.c_str(), &files, &attributes, words, environ);
+    std::vector<char*> words{name.data()};
+    for (std::string& argument : arguments) words.push_back(argument.data());
+    words.push_back(nullptr);
+    const int error = posix_spawn(&pid_, name.c_str(), &files, &attributes, words.data(), environ);
     posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&files);
     if (error != 0) {
@@ -172,11 +175,12 @@ std::filesystem::path helper_program(const std::string& name) {
 }
 
 Ending run_child(const std::filesystem::path& program, const std::string& input,
-                 const std::function<void(const char* data, std::size_t size)>& received, int idle_s) {
+                 const std::function<void(const char* data, std::size_t size)>& received, int idle_s,
+                 const std::vector<std::string>& arguments) {
   Descriptor asked = file_of(input, program);
   auto [answer, answer_end] = make_pipe(program);
   auto [log, log_end] = make_pipe(program);
-  Process process(program, asked.number(), answer_end.number(), log_end.number());
+  Process process(program, arguments, asked.number(), answer_end.number(), log_end.number());
   asked.close();
   answer_end.close();
   log_end.close();

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace ricochet::mesh {
 
@@ -25,11 +26,12 @@ std::filesystem::path helper_program(const std::string& name);
 /// Runs a program until it ends, without a shell and with the signals of a new process. Neither MPI nor the
 /// threads of this process reach it: it is executed, not only forked.
 /// @param input     what it reads from stdin
+/// @param arguments  of the program
 /// @param received  called with what it writes to stdout. If it throws, the child is killed
 /// @param idle_s    seconds without processor time after which it is killed
 /// Throws std::runtime_error if the program cannot be started.
 Ending run_child(const std::filesystem::path& program, const std::string& input,
                  const std::function<void(const char* data, std::size_t size)>& received,
-                 int idle_s = longest_idle_s);
+                 int idle_s = longest_idle_s, const std::vector<std::string>& arguments = {});
 
 }  // namespace ricochet::mesh

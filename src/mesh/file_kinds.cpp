@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "ricochet/error.hpp"
+#include "src/scene/scene.hpp"
 
 namespace ricochet::mesh {
 
@@ -17,9 +18,8 @@ namespace {
 
 // Kinds that gmsh 4.8 of Debian reads.
 constexpr std::array drawings{".geo", ".geo_unrolled", ".step", ".stp", ".brep", ".iges", ".igs"};
-constexpr std::array meshes{".msh", ".stl", ".unv", ".mesh", ".bdf", ".nas", ".vtk"};
+constexpr std::array meshes{".msh", ".stl", ".unv", ".mesh", ".vtk"};
 
-constexpr const char* by_import = nullptr;  // by ricochet import mesh: the advice names the file
 constexpr const char* by_other_kind =
     "export it from there as .vtu, .med or .bdf, and run ricochet import mesh on that";
 constexpr const char* by_export = "export it from there as .step";
@@ -31,24 +31,7 @@ struct Foreign {
   const char *software, *advice;
 };
 constexpr Foreign others[] = {
-    {".inp", "a mesh of Abaqus or CalculiX", by_import},
-    {".med", "a mesh of Salome or code_aster", by_import},
-    {".mmed", "a mesh of Salome or code_aster", by_import},
-    {".vtu", "a mesh of ParaView", by_import},
     {".pvtu", "a mesh of ParaView", "save it from there as one .vtu, and run ricochet import mesh on it"},
-    {".cgns", "a mesh of a flow solver (CGNS)", by_import},
-    {".xml", "a mesh of FEniCS, or other XML", by_import},
-    {".xdmf", "a mesh of FEniCS or ParaView", by_import},
-    {".e", "a mesh of Cubit or Sierra (Exodus)", by_import},
-    {".exo", "a mesh of Cubit or Sierra (Exodus)", by_import},
-    {".ex2", "a mesh of Cubit or Sierra (Exodus)", by_import},
-    {".f3grid", "a mesh of FLAC3D", by_import},
-    {".avs", "a mesh of AVS", by_import},
-    {".su2", "a mesh of SU2", by_import},
-    {".node", "a mesh of TetGen", by_import},
-    {".ele", "a mesh of TetGen", by_import},
-    {".vol", "a mesh of Netgen", by_import},
-    {".fem", "a deck of OptiStruct", by_import},
     {".k", "a deck of LS-DYNA", by_other_kind},
     {".key", "a deck of LS-DYNA", by_other_kind},
     {".cdb", "a mesh of Ansys", "export it from there as Nastran, .bdf"},
@@ -81,10 +64,6 @@ std::string ending_of(const std::filesystem::path& file) {
   return ending;
 }
 
-std::string advice_to_import(const std::filesystem::path& file) {
-  return fmt::format("run ricochet import mesh {}, and name the .msh that it writes", file.string());
-}
-
 }  // namespace
 
 bool is_drawing(const std::filesystem::path& file) {
@@ -99,11 +78,16 @@ void check_kind(const std::filesystem::path& file) {
   const std::string name = file.filename().string();
   const auto* const other = std::ranges::find(others, ending, &Foreign::ending);
   if (other != std::end(others))
-    throw InputError(fmt::format("{}: is {}, which gmsh does not read: {}", name, other->software,
-                                 other->advice == by_import ? advice_to_import(file) : other->advice));
+    throw InputError(
+        fmt::format("{}: is {}, which gmsh does not read: {}", name, other->software, other->advice));
+  if (scene::is_foreign_mesh(file))
+    throw InputError(
+        fmt::format("{}: is a mesh of another program, which gmsh does not read: run ricochet import "
+                    "mesh {}, and name the .msh that it writes",
+                    name, file.string()));
   throw InputError(
       fmt::format("{}: \"{}\" is no kind of mesh or drawing that gmsh reads: name a .geo, .msh, .step, "
-                  ".brep, .iges, .stl, .unv, .mesh, .bdf or .vtk",
+                  ".brep, .iges, .stl, .unv, .mesh, .vtk, .inp, .bdf or .med",
                   name, ending));
 }
 

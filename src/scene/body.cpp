@@ -116,7 +116,8 @@ const SectionOf<Body> body_keys{
     {{"mesh", &Body::mesh, "", required(), any(),
       "mesh file. `.msh` is read as it is; `.geo`, `.step`, `.brep` and `.stl` are meshed by the gmsh "
       "library; `.h5` is a [body file](interchange.md#bodies-from-another-finite-element-program) from "
-      "another program. `ricochet import mesh` converts [other meshes](meshes.md#meshes-of-other-programs)"},
+      "another program. [Meshes of other programs](meshes.md#meshes-of-other-programs), such as `.inp` and "
+      "`.med`, are converted"},
      {"geometry", &Body::geometry, "", "`{}`", any(),
       "values for the `DefineConstant` names of a `.geo`. Names that the `.geo` does not define are refused, "
       "and so is `geometry` for other files",
@@ -270,7 +271,7 @@ void check_matter(const Table& table, const Body& body) {
                                "geometry (.geo, .step or .brep)",
                                body.mesh.filename().string()));
   if (!body.imported()) {
-    if (body.materials.empty())
+    if (body.materials.empty() && !body.foreign())  // ricochet-kernel then names those of the file
       table.complain("material",
                      "is missing: give a name, \"steel\", or { density = …, young = …, poisson = … }");
     return;

@@ -12,6 +12,7 @@
 #include <regex>
 #include <set>
 #include <sstream>
+#include <utility>
 
 #include "kernels/read.hpp"
 #include "src/scene/keys.hpp"
@@ -27,6 +28,8 @@ namespace {
 
 /// Must be increased whenever the meaning of a kernel changes, so that old kernels are computed again.
 constexpr int kernel_generation = 7;
+/// The same for meshes of other programs.
+constexpr int import_generation = 1;
 /// The same for the triangles of obstacles.
 constexpr int surface_generation = 1;
 /// The same for kernels with a visualisation surface.
@@ -74,7 +77,19 @@ std::string hash_of(std::istream& file) {
   return fmt::format("{:02x}", fmt::join(digest, ""));
 }
 
-/// Hash of a mesh file or of its parts. The hash of a .geo covers the files that it includes or merges.
+/// How a line of a file includes another one; null: files of this kind include none.
+const std::regex* includes_of(const std::filesystem::path& file) {
+  static const std::regex geo("^\\s*(?:Include|Merge)\\s*\"([^\"\n]+)\""),
+      inp(R"(^\*[^=]*\bINPUT\s*=\s*"?([^",\s]+))", std::regex::icase),
+      bulk(R"(^\s*INCLUDE\s+['"]?([^'"$]+?)['"]?\s*$)", std::regex::icase);
+  const std::string ending = file.extension().string();
+  if (ending == ".geo") return &geo;
+  if (ending == ".inp") return &inp;
+  return ending == ".bdf" || ending == ".nas" || ending == ".fem" ? &bulk : nullptr;
+}
+
+/// Hash of a mesh file or of its parts. The hash of a .geo or a deck covers the files that it includes or
+/// merges.
 std::string mesh_hash(const std::filesystem::path& path, const std::string& key,
                       std::set<std::filesystem::path>& seen) {
   seen.insert(path);
@@ -88,17 +103,25 @@ std::string mesh_hash(const std::filesystem::path& path, const std::string& key,
   }
   std::ifstream file = opened(path, key);
   std::string all = hash_of(file);
-  if (path.extension() != ".geo") return all;
+  const std::regex* const pulls = includes_of(path);
+  if (pulls == nullptr) return all;
   file.clear();
   file.seekg(0);
-  static const std::regex pulls("^\\s*(?:Include|Merge)\\s*\"([^\"\n]+)\"");
   std::smatch match;
   for (std::string line; std::getline(file, line);) {
-    if (line.size() > 1000 || !std::regex_search(line, match, pulls)) continue;
+    if (line.size() > 1000 || !std::regex_search(line, match, *pulls)) continue;
     const std::filesystem::path inner = (path.parent_path() / match[1].str()).lexically_normal();
     if (seen.count(inner) == 0) all += mesh_hash(inner, key + " includes", seen);
   }
   return sha256(all);
+}
+
+/// Hash of the mesh of a body.
+std::string mesh_hash(const Scene& scene, const Body& body) {
+  std::set<std::filesystem::path> seen;
+  const std::string hash = mesh_hash(
+      body.mesh, fmt::format("{}: bodies.{}.mesh", scene.file.filename().string(), body.name), seen);
+  return body.foreign() ? sha256(fmt::format("import {} {}", import_generation, hash)) : hash;
 }
 
 /// Rounds to 1e-12, so that hashes do not depend on round-off.
@@ -283,10 +306,10 @@ KernelRequest kernel_request(const Scene& scene, const Body& body, MeshHashes* k
   if (known != nullptr && known->contains(body.mesh)) {
     request.mesh_sha256 = known->at(body.mesh);
   } else {
-    std::set<std::filesystem::path> seen;
-    request.mesh_sha256 = mesh_hash(body.mesh, fmt::format("{}: bodies.{}.mesh", file, body.name), seen);
+    request.mesh_sha256 = mesh_hash(scene, body);
     if (known != nullptr) known->emplace(body.mesh, request.mesh_sha256);
   }
+  if (!body.converted.empty()) request.body.mesh = std::exchange(request.body.converted, {});
   take_sources(scene, body, request);
   constexpr int lowest_with_estimate = 2;
   request.mesh_error = scene.accuracy && !body.imported() && body.order >= lowest_with_estimate;
@@ -372,6 +395,9 @@ std::filesystem::path kernel_path(const std::filesystem::path& out, const Kernel
   return out / fmt::format("{}-{}.kernel.h5", request.body.name, request.hash.substr(0, 12));
 }
 
+std::filesystem::path converted_path(const std::filesystem::path& out, const Scene& scene, const Body& body) {
+  return out / fmt::format("{}-{}.msh", body.mesh.filename().string(), mesh_hash(scene, body).substr(0, 12));
+}
 
 std::filesystem::path surface_path(const std::filesystem::path& out, const Scene& scene,
                                    const Obstacle& obstacle) {

@@ -84,6 +84,9 @@ void scale_places(KernelRequest& request, double factor);
 /// `<out>/<body>-<first 12 digits of hash>.kernel.h5`
 std::filesystem::path kernel_path(const std::filesystem::path& out, const KernelRequest& request);
 
+/// `<out>/<name>-<first 12 digits of the hash of the file>.msh`: what a foreign mesh becomes. Throws
+/// InputError if the file cannot be read.
+std::filesystem::path converted_path(const std::filesystem::path& out, const Scene& scene, const Body& body);
 
 /// `<out>/<obstacle>-<first 12 digits of a hash>.stl`: the triangles of a drawn obstacle. The hash covers
 /// what they depend on. Throws InputError if the drawing cannot be read.

@@ -39,6 +39,15 @@ std::string ending_of(const std::filesystem::path& file) {
 
 }  // namespace
 
+bool is_foreign_mesh(const std::filesystem::path& file) {
+  static constexpr std::array endings{".inp",  ".bdf",  ".nas",  ".fem", ".med",   ".mmed", ".vtu",
+                                      ".cgns", ".xdmf", ".xml",  ".e",   ".exo",   ".ex2",  ".vol",
+                                      ".su2",  ".avs",  ".node", ".ele", ".f3grid"};
+  return std::ranges::count(endings, ending_of(file)) > 0;
+}
+
+bool Body::foreign() const { return is_foreign_mesh(mesh); }
+
 bool Obstacle::is_drawn() const { return shape == Shape::mesh && ending_of(surface) != ".stl"; }
 
 bool Contact::rubs(const std::string& name) const {

@@ -57,6 +57,10 @@ struct Scene {
   bool operator==(const Scene&) const = default;
 };
 
+/// Whether the ending of a file is that of a mesh which gmsh does not read, or without its groups, and
+/// `ricochet import mesh` converts.
+bool is_foreign_mesh(const std::filesystem::path& file);
+
 /// The scene with finite rotations, which it leaves open. @param reason  why
 Scene with_finite_rotation(Scene scene, std::string reason);
 

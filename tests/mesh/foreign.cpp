@@ -123,14 +123,15 @@ TEST(Foreign, kinds_that_gmsh_does_not_read_are_named_before_the_file_is_opened)
     }
     return "accepted";
   };
-  EXPECT_THAT(complaint("/nowhere/part.inp"),
-              HasSubstr("part.inp: is a mesh of Abaqus or CalculiX, which gmsh does not "
-                        "read: run ricochet import mesh /nowhere/part.inp, and name"));
-  EXPECT_THAT(complaint("/nowhere/PART.MED"), HasSubstr("is a mesh of Salome or code_aster"));
+  EXPECT_THAT(
+      complaint("/nowhere/part.inp"),
+      HasSubstr("part.inp: is a mesh of another program, which gmsh does not read: run ricochet import "
+                "mesh /nowhere/part.inp, and name"));
+  EXPECT_THAT(complaint("/nowhere/PART.MED"), HasSubstr("is a mesh of another program"));
   EXPECT_THAT(complaint("/nowhere/part.SLDPRT"), HasSubstr("SolidWorks, which gmsh does not read: export"));
   EXPECT_THAT(complaint("/nowhere/part.zip"), HasSubstr("\".zip\" is no kind of mesh or drawing"));
   EXPECT_THAT(complaint("/nowhere/part"), HasSubstr("\"\" is no kind"));
-  for (const char* known : {"/nowhere/part.STEP", "/nowhere/part.bdf", "/nowhere/part.igs"})
+  for (const char* known : {"/nowhere/part.STEP", "/nowhere/part.vtk", "/nowhere/part.igs"})
     EXPECT_THAT(complaint(known), HasSubstr("no such file"));
 }
 

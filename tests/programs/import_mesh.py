@@ -133,7 +133,7 @@ class ImportMesh(ProgramTest):
                     names = {".med": {"one", "two"}, ".inp": {"whole"}}.get(ending, {"1", "2"})
                     self.assertEqual(set(found.groups.solids), names)
 
-    def test_kernels_of_all_formats_are_those_of_gmsh(self):
+    def test_kernels_of_all_formats_in_a_scene_are_those_of_gmsh(self):
         # The import adds nodes to bricks of 20 nodes, the same for all formats.
         for kind, endings in (
             ("tetrahedron", (".inp", ".med", "-free.bdf", "-ascii.vtu")),
@@ -146,7 +146,7 @@ class ImportMesh(ProgramTest):
             self.files(sample, kind)
             for ending in endings:
                 path = self.folder / f"{kind}{ending}"
-                found = self.kernel_of(self.imported(path)[0])
+                found = self.kernel_of(path)
                 for name, values in wanted.items():
                     error = abs(found[name] - values).max()
                     self.assertLess(error, 1e-10 * abs(values).max(), f"{path.name}: {name}")
@@ -171,6 +171,42 @@ class ImportMesh(ProgramTest):
                 "response": np.einsum("icn,jdn->icjd", shape / omega**2, shape)
                 + residual[order][:, :, order],
             }
+
+    def test_a_mesh_in_a_scene_is_converted_once_and_again_when_it_changes(self):
+        Sample("tetrahedron", 1).write_inp(self.folder / "deck.inp")
+        self.write("block.inp", "*INCLUDE, INPUT=deck.inp\n")
+        scene, out = self.write("block.toml", SCENE.format(mesh="block.inp")), self.folder / "out"
+        self.succeed(kernel(scene, out, ranks=2))
+        (first,) = out.glob("block.inp-*.msh")
+        made = first.stat().st_mtime_ns
+        self.succeed(kernel(scene, out))
+        self.assertEqual(first.stat().st_mtime_ns, made)
+        Sample("tetrahedron", 1, lambda place: 1.5 * place).write_inp(self.folder / "deck.inp")
+        self.succeed(kernel(scene, out))
+        self.assertEqual(len(list(out.glob("block.inp-*.msh"))), 2)
+        self.assertEqual(len(list(out.glob("*.kernel.h5"))), 2)
+
+    def test_a_mesh_in_a_scene_is_refused_in_one_line_on_all_ranks(self):
+        scene, out = self.write("block.toml", SCENE.format(mesh="block.inp")), self.folder / "out"
+        Sample("tetrahedron", 1).write_inp(self.folder / "block.inp")
+        text = (self.folder / "block.inp").read_text()
+        self.write(
+            "block.inp", text.replace("*ELEMENT, TYPE=C3D4", "*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 999999", 1)
+        )
+        self.refused(kernel(scene, out, ranks=2), "ricochet-kernel: ", "block.inp", "999999")
+        self.assertFalse(list(out.iterdir()))
+        (self.folder / "block.inp").unlink()
+        self.refused(kernel(scene, out, ranks=2), "bodies.block.mesh", "no such file")
+        steel = "*MATERIAL, NAME=STEEL\n*ELASTIC\n210000, 0.3\n*DENSITY\n7.85e-9\n*SOLID SECTION, ELSET=1, MATERIAL=STEEL\n"
+        self.write("block.inp", text + steel)
+        bare = self.write(
+            "bare.toml", "\n".join(line for line in scene.read_text().split("\n") if "material" not in line)
+        )
+        self.refused(
+            kernel(bare, out, ranks=2),
+            "bodies.block.material: is missing",
+            "STEEL (density 7.85e-09, young 210000, poisson 0.3)",
+        )
 
 
 if __name__ == "__main__":

@@ -50,6 +50,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="draft of a scene with materials and supports of a .inp or .bdf (default: FILE with the suffix .toml, "
         "unless that file exists)",
     )
+    mesh.add_argument(
+        "--brief",
+        action="store_true",
+        help="for ricochet-kernel: print size, materials and warnings, one on a line each, and write no draft",
+    )
     purpose = "a job of CalculiX whose matrices ccx has stored"
     job = sources.add_parser(
         "calculix", parents=[common, units], help=purpose, description=f"Imports {purpose}."
@@ -119,10 +124,17 @@ def import_mesh(options: argparse.Namespace) -> None:
         raise unreadable(error) from None
     with files.writing(out, "--out"):
         found.write(out)
-    for warning in found.mesh.warnings:
-        print(f"ricochet import: warning: {warning}", file=sys.stderr)
     mesh, groups = found.mesh, found.groups
-    print(f"{out}: {len(mesh.node)} nodes, {len(mesh.solid_number)} elements")
+    size = f"{len(mesh.node)} nodes, {len(mesh.solid_number)} elements"
+    if options.brief:
+        materials = found.offer.materials if found.offer else {}
+        print(f"size: {size}")
+        print(*(f"material: {material.in_words()}" for material in materials.values()), sep="\n")
+        print(*(f"warning: {warning}" for warning in mesh.warnings), sep="\n")
+        return
+    for warning in mesh.warnings:
+        print(f"ricochet import: warning: {warning}", file=sys.stderr)
+    print(f"{out}: {size}")
     for kind, names in (("volumes", groups.solids), ("faces", groups.faces), ("points", groups.points)):
         print(f"groups of {kind}: {listed(list(names))}")
     if found.offer:

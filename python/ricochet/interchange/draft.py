@@ -27,6 +27,11 @@ class Material:
             self.poisson,
         )
 
+    def in_words(self) -> str:
+        """The name, and the values that the deck has."""
+        values = {name: getattr(self, name) for name in UNITS}
+        return f"{self.name} ({', '.join(f'{k} {v:g}' for k, v in values.items() if v is not None)})"
+
 
 UNITS = {"density": "kg/m³", "young": "Pa", "poisson": ""}
 

@@ -30,6 +30,7 @@ struct FineBall {
 /// What meshes and kernels need beside the settings of the library, whose `kernel` it does not hold.
 struct Body : ricochet::Body {
   std::filesystem::path mesh;              ///< resolved against the scene's folder
+  std::filesystem::path converted{};       ///< the .msh of a foreign mesh; set by kernel::import_meshes
   std::map<std::string, double> geometry;  ///< DefineConstant overrides of a .geo
   int order = 3;
   double size_factor = 1;        ///< factor on the element sizes of a geometry (gmsh's Mesh.MeshSizeFactor)
@@ -46,8 +47,10 @@ struct Body : ricochet::Body {
 
   /// Whether `mesh` is a body file: matrices or modes from another program, without elements or materials.
   bool imported() const { return mesh.extension() == ".h5"; }
+  /// Whether `mesh` is the mesh of another program, which `ricochet import mesh` converts for gmsh.
+  bool foreign() const;
   /// Whether gmsh meshes the body, so that it may have elements of any order.
-  bool meshable() const { return !imported() && mesh.extension() != ".msh"; }
+  bool meshable() const { return !imported() && !foreign() && mesh.extension() != ".msh"; }
   bool operator==(const Body&) const = default;
 };
 
