@@ -143,7 +143,7 @@ class Obstacles(ProgramTest):
                 name: self.run_of(f"{name} {rotation}", UPPER, text, rotation, friction, sideways).summary
                 for name, text in obstacles.items()
             }
-            # With linear rotation, all have the same rows. With finite rotation, candidates around the point of a ball that touches have
+            # With linear rotation, all have the same rows. With finite rotation, candidates around the touching point of a ball have
             # springs of their own over a half-space only, which changes where the force acts, and so the spin.
             allowed = {"impulse_ns": 0.005, "peak_force_n": 0.02, "friction_impulse_ns": 0.15}
             for name in ("box", "mesh", "text"):
