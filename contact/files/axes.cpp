@@ -45,10 +45,17 @@ Scales of_contact(const std::string& name, bool turns) {
   return out;
 }
 
-/// Of /obstacles/NUMBER, a surface.
-Scales of_obstacle(const std::string& group, const std::string& name) {
+/// Of a pose, by the scale of its times.
+Scales of_pose(const std::string& time, const std::string& name) {
+  return {time, name == "attitude" ? shared::quaternion : shared::component};
+}
+
+/// Of /obstacles/NUMBER: a surface, and poses at the times of rows and of snapshots.
+Scales of_obstacle(const std::vector<std::string>& parts) {
+  const std::string group = "/obstacles/" + parts[1], &name = parts.back();
   if (name == "node") return {group + "/vertex", shared::component};
-  return {group + "/triangle", group + "/corner"};
+  if (name == "element") return {group + "/triangle", group + "/corner"};
+  return of_pose(parts[2] == "pose" ? shared::snapshot : "/time", name);
 }
 
 /// Of /static/BODY, forces and loads at the times of snapshots.
@@ -66,14 +73,14 @@ Scales scales_of(const std::string& dataset, bool turns) {
   if (last == "time" && parts.size() <= 2) return {dataset};
   if (group == "energy") return {"/time"};
   if (group == "contact") return of_contact(last, turns);
-  if (group == "bodies") return {"/time", last == "attitude" ? shared::quaternion : shared::component};
+  if (group == "bodies") return of_pose("/time", last);
   if (group == "receivers") return {"/receivers/time", shared::component};
   if (group == "gauges")
     return last == "stress" ? Scales{"/gauges/time", "/stress_component"} : Scales{"/gauges/time"};
   if (group == "snapshots") return {"/snapshots/time", "/mode_" + last};
-  if (group == "pose") return {shared::snapshot, last == "attitude" ? shared::quaternion : shared::component};
+  if (group == "pose") return of_pose(shared::snapshot, last);
   if (group == "static") return of_static("/static/" + parts[1], last);
-  if (group == "obstacles") return of_obstacle("/obstacles/" + parts[1], last);
+  if (group == "obstacles") return of_obstacle(parts);
   return {"/node_" + parts[1]};  // /stress/BODY
 }
 

@@ -7,22 +7,19 @@
 #include <map>
 
 #include "base/xdmf.hpp"
-#include "contact/motion/driven_pose.hpp"
-#include "contact/pairing/surface_projection.hpp"
 
 namespace ricochet::contact {
 namespace {
 
 namespace xdmf = base::xdmf;
 using base::hdf5::Shape;
-using Eigen::Index;
 
 std::filesystem::path with(std::filesystem::path stem, const char* ending) { return stem += ending; }
 
 std::string number_of(std::size_t frame) { return fmt::format("/{:06}", frame); }
 
 std::string group_of(const std::string& body) { return "/bodies/" + body; }
-std::string group_of_solid(std::size_t solid) { return fmt::format("/obstacles/{}", solid + 1); }
+std::string group_of_obstacle(std::size_t number) { return fmt::format("/obstacles/{}", number + 1); }
 std::string group_of(std::size_t pair) { return fmt::format("/contact/{}", pair + 1); }
 
 template <class Values>
@@ -31,23 +28,6 @@ void write(base::hdf5::Writer& file, const std::string& dataset, const Values& x
   const auto rows = static_cast<std::size_t>(x.rows()), columns = static_cast<std::size_t>(x.cols());
   file.write(dataset, std::span<const T>(x.data(), rows * columns),
              Values::ColsAtCompileTime == 1 ? Shape{rows} : Shape{rows, columns}, unit);
-}
-
-/// Half of the edge of the square that shows a half-space, as a share of the size of its contact points.
-constexpr double square = 1.5;
-
-/// (4,3) corners of the part of a half-space that is near points y. @param on  its surface faces along
-/// `normal`
-Matrix square_of(const Matrix& points, const Eigen::Vector3d& normal) {
-  const Eigen::RowVector3d middle = 0.5 * (points.colwise().minCoeff() + points.colwise().maxCoeff()),
-                           at =
-                               middle - normal.dot((middle - points.row(0)).transpose()) * normal.transpose();
-  const double size = square * std::max((points.rowwise() - middle).rowwise().norm().maxCoeff(), 1e-6);
-  const Eigen::Matrix<double, 2, 3> across = size * tangents_of(normal);
-  Matrix out(4, 3);
-  out << at - across.row(0) - across.row(1), at + across.row(0) - across.row(1),
-      at + across.row(0) + across.row(1), at - across.row(0) + across.row(1);
-  return out;
 }
 
 /// The candidate of each point of a pair on its body a, or −1 if the point has several, as coarsened patches
@@ -82,7 +62,8 @@ MotionFile::MotionFile(const Model& model, const StepOptions& step, const Motion
       stem_(options.stem),
       every_(options.every),
       file_(with(stem_, ".h5")),
-      coordinates_(model) {
+      coordinates_(model),
+      obstacles_(obstacle_surfaces(model)) {
   for (std::size_t k = 0; k < model.bodies.size(); ++k) {
     surfaces_.emplace_back(model, static_cast<int>(k), step);
     const kernels::Kernel& kernel = *model.bodies[k].kernel;
@@ -90,29 +71,7 @@ MotionFile::MotionFile(const Model& model, const StepOptions& step, const Motion
   }
   for (std::size_t p = 0; p < model.pairs.size(); ++p)
     patches_.push_back(patch_of(model.pairs[p], options.pairs.at(p)));
-  add_solids();
   write_setting(options);
-}
-
-void MotionFile::add_solids() {
-  for (const Model::PairBlock& pair : model_.pairs) {
-    if (pair.b >= 0 || std::ranges::count(solids_, pair.obstacle, &Solid::name) > 0) continue;
-    Solid out{.name = pair.obstacle, .node = {}, .element = {}, .start = {}, .driven = pair.driven};
-    if (pair.solid) {
-      const WorldSurface surface = placed(*pair.solid);
-      out.start.position = pair.solid->point;
-      out.node.resize(std::ssize(surface.node), 3);
-      for (std::size_t i = 0; i < surface.node.size(); ++i)
-        out.node.row(static_cast<Index>(i)) = surface.node[i].transpose();
-      for (const WorldSurface::Element& one : surface.element)
-        out.element.insert(out.element.end(), one.corner.begin(), one.corner.end());
-    } else if (pair.points > 0) {
-      out.node = square_of(model_.point_b.middleRows(pair.first_point, pair.points),
-                           -model_.normal.row(pair.first_point).transpose());
-      out.element = {0, 1, 2, 0, 2, 3};
-    }
-    if (!out.element.empty()) solids_.push_back(std::move(out));
-  }
 }
 
 MotionFile::MotionFile(const Stepper& start, const Model& model, const MotionOptions& options)
@@ -171,10 +130,10 @@ void MotionFile::write_setting(const MotionOptions& options) {
   for (std::size_t k = 0; k < surfaces_.size(); ++k)
     elements(group_of(model_.bodies[k].name), surfaces_[k].view().element,
              surfaces_[k].view().element_corners);
-  for (std::size_t s = 0; s < solids_.size(); ++s) {
-    elements(group_of_solid(s), solids_[s].element, 3);
-    file_.attribute(group_of_solid(s), "name", solids_[s].name);
-    if (!solids_[s].driven) write(file_, group_of_solid(s) + "/position", solids_[s].node, "m");
+  for (std::size_t o = 0; o < obstacles_.size(); ++o) {
+    elements(group_of_obstacle(o), obstacles_[o].element, 3);
+    file_.attribute(group_of_obstacle(o), "name", obstacles_[o].name);
+    if (!obstacles_[o].driven) write(file_, group_of_obstacle(o) + "/position", obstacles_[o].node, "m");
   }
   for (std::size_t p = 0; p < patches_.size(); ++p) {
     elements(group_of(p), patches_[p].element, patches_[p].corners);
@@ -206,16 +165,9 @@ void MotionFile::frame(double t, const Vector& q, const Vector& v, const Vector&
       if (patches_[p].pair->a == static_cast<int>(k))
         contact_frame(p, number, u, force, states, surface, turning);
   }
-  for (std::size_t s = 0; s < solids_.size(); ++s) {
-    const Solid& solid = solids_[s];
-    if (!solid.driven) continue;
-    const Pose pose = driven_pose(*solid.driven, solid.start, t);
-    const Matrix position = ((solid.node.rowwise() - solid.start.position.transpose()) *
-                             pose.attitude.toRotationMatrix().transpose())
-                                .rowwise() +
-                            pose.position.transpose();
-    write(file_, group_of_solid(s) + "/position" + number, position, "m");
-  }
+  for (std::size_t o = 0; o < obstacles_.size(); ++o)
+    if (obstacles_[o].driven)
+      write(file_, group_of_obstacle(o) + "/position" + number, obstacles_[o].at(t), "m");
   time_.push_back(t);
 }
 
@@ -299,15 +251,15 @@ void MotionFile::write_xdmf() const {
           .element = group + "/element"},
          group, moving);
   }
-  for (std::size_t s = 0; s < solids_.size(); ++s) {
-    const Solid& solid = solids_[s];
-    const std::string group = group_of_solid(s);
+  for (std::size_t o = 0; o < obstacles_.size(); ++o) {
+    const ObstacleSurface& obstacle = obstacles_[o];
+    const std::string group = group_of_obstacle(o);
     std::vector<xdmf::Field> moving;
-    if (solid.driven) moving.push_back({"position", "", true, 8});
-    film({.name = solid.name,
+    if (obstacle.driven) moving.push_back({"position", "", true, 8});
+    film({.name = obstacle.name,
           .corners = 3,
-          .elements = solid.element.size() / 3,
-          .nodes = static_cast<std::size_t>(solid.node.rows()),
+          .elements = obstacle.element.size() / 3,
+          .nodes = static_cast<std::size_t>(obstacle.node.rows()),
           .element = group + "/element",
           .position = {"position", group + "/position", true, 8}},
          group, moving);

@@ -16,6 +16,7 @@
 #include "base/hdf5_writer.hpp"
 #include "contact/figures/surface_stress.hpp"
 #include "contact/figures/visualisation_surface.hpp"
+#include "contact/files/obstacle_surface.hpp"
 #include "contact/model/model.hpp"
 #include "contact/static/equilibrium.hpp"
 #include "contact/stepping/stepper.hpp"
@@ -61,17 +62,7 @@ class MotionFile {
     Matrix offset;  ///< (points,3) from that closest point to the contact point, at the start [m]
   };
 
-  /// The surface of an obstacle, or the part of a half-space that is near its contact points.
-  struct Solid {
-    std::string name;
-    Matrix node;                                   ///< at t = 0, world axes [m]
-    std::vector<std::int64_t> element;             ///< triangles
-    Pose start{};                                  ///< about which it turns
-    std::shared_ptr<const DrivenMotion> driven{};  ///< null if it does not move
-  };
-
   MotionFile(const Model& model, const StepOptions& step, const MotionOptions& options);
-  void add_solids();
   Patch patch_of(const Model::PairBlock& pair, const std::string& name) const;
   void write_setting(const MotionOptions& options);
   void frame(double t, const Vector& q, const Vector& v, const Vector& u, const Vector& force,
@@ -89,7 +80,7 @@ class MotionFile {
   std::vector<std::optional<SurfaceStress>> stress_;  ///< by body, if its kernel has it
   AllCoordinates coordinates_;
   std::vector<Patch> patches_;
-  std::vector<Solid> solids_;
+  std::vector<ObstacleSurface> obstacles_;
   std::vector<double> time_;  ///< of the frames
 };
 

@@ -9,8 +9,8 @@
 
 namespace ricochet::contact {
 
-/// Rows of the place of a body: `position` (3) of its centre of mass [m], and `attitude` (4), the unit
-/// quaternion w, x, y, z from body axes to world axes.
+/// Rows of the place of a body or of an obstacle: `position` (3) of its centre of mass or origin [m], and
+/// `attitude` (4), the unit quaternion w, x, y, z from its axes to world axes.
 class PoseRows {
  public:
   /// Creates the datasets in a group. `file` must outlive this object.

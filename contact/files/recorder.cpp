@@ -2,14 +2,11 @@
 #include "contact/files/recorder.hpp"
 
 #include <algorithm>
-#include <set>
 #include <utility>
 
-#include "base/format.hpp"
 #include "contact/files/axes.hpp"
 #include "contact/files/rows.hpp"
 #include "contact/motion/turning.hpp"
-#include "contact/pairing/surface_projection.hpp"
 
 namespace ricochet::contact {
 namespace {
@@ -68,7 +65,10 @@ Recorder::Recorder(const MotionSource& source, const StepOptions& step, const Re
   }
   if (const Model* const places = source_.places()) {
     write_points(*places);
-    write_obstacles(*places);
+    const std::vector<ObstacleSurface> obstacles = obstacle_surfaces(*places);
+    write_obstacles(file_, obstacles);
+    obstacle_rows_.emplace(file_, obstacles);
+    if (source_.modes() && snapshot_every_ > 0) snapshots_.emplace(file_, *places, turns_, obstacles);
     for (std::size_t k = 0; k < places->bodies.size(); ++k)
       if (std::ranges::count(source_.bodies(), places->bodies[k].name, &MotionSource::Body::name) > 0)
         write_place(places->bodies[k], k, options);
@@ -81,6 +81,7 @@ Recorder::Recorder(const MotionSource& source, const StepOptions& step, const Re
   const std::optional<Turning> turning =
       source_.modes() ? initial_turning(*source_.modes(), step) : std::nullopt;
   bodies_row(source_.initial_state(), turning ? turning->poses : std::vector<Pose>(), 0, 0);
+  if (obstacle_rows_) obstacle_rows_->append(0);
   if (persistency_) persistency_->append(0);
 }
 
@@ -101,6 +102,7 @@ void Recorder::record(const Equilibrium& equilibrium) {
     append(bodies_[k].reaction, body.supported ? Vector3d(-load) : Vector3d::Zero());
     bodies_[k].contact_impulse.setZero();
   }
+  obstacle_rows_->append(equilibrium.time);
   energy_->append(equilibrium.energy);
   persistency_->append(0);
   if (equilibrium.active > 0) {
@@ -121,24 +123,6 @@ void Recorder::write_points(const Model& model) {
   for (std::size_t p = 0; p < model.pairs.size(); ++p)
     std::fill_n(number.begin() + model.pairs[p].first_point, model.pairs[p].points, p + 1);
   file_.write<double>("/contact/pair", number, {m}, "1");
-}
-
-/// Adds the triangles of obstacles that have a surface. Their names may be any text, so groups have numbers.
-void Recorder::write_obstacles(const Model& model) {
-  std::set<std::string> written;
-  for (const Model::PairBlock& pair : model.pairs) {
-    if (!pair.solid || !written.insert(pair.obstacle).second) continue;
-    const std::string group = base::format("/obstacles/{}", written.size());
-    const WorldSurface surface = placed(*pair.solid);
-    std::vector<double> node;
-    std::vector<std::int64_t> element;
-    for (const Vector3d& x : surface.node) node.insert(node.end(), x.begin(), x.end());
-    for (const WorldSurface::Element& one : surface.element)
-      element.insert(element.end(), one.corner.begin(), one.corner.end());
-    file_.write<double>(group + "/node", node, {surface.node.size(), 3}, "m");
-    file_.write<std::int64_t>(group + "/element", element, {surface.element.size(), 3}, "1");
-    file_.attribute(group, "name", pair.obstacle);
-  }
 }
 
 void Recorder::write_place(const Bodies::Block& body, std::size_t number, const RecorderOptions& options) {
@@ -165,7 +149,6 @@ void Recorder::add_model_rows(const Model& model, const StepOptions& step, const
     contact_.state = &file_.rows("/contact/state", {m}, "1");
   }
   energy_.emplace(file_);
-  if (snapshot_every_ > 0) snapshots_.emplace(file_, model, turns_);
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const std::string group = "/bodies/" + model.bodies[k].name;
     bodies_[k].angular_momentum = &file_.rows(group + "/angular_momentum", {3}, "kg m^2/s");
@@ -208,6 +191,7 @@ void Recorder::record(const Stepper& stepper) {
     time_->append(t);
     if (persistency_) persistency_->append(stepper.persistency());
     bodies_row(source_.state(stepper), stepper.poses(), static_cast<double>(last_row_) * step_, t);
+    if (obstacle_rows_) obstacle_rows_->append(t);
     if (energy_) energy_->append(stepper.modal()->energy());
     last_row_ = k;
   }

@@ -23,6 +23,7 @@
 #include "contact/files/energy_rows.hpp"
 #include "contact/files/entry_rows.hpp"
 #include "contact/files/gauge_rows.hpp"
+#include "contact/files/obstacle_rows.hpp"
 #include "contact/files/pose_rows.hpp"
 #include "contact/files/receiver_rows.hpp"
 #include "contact/files/snapshot_rows.hpp"
@@ -87,7 +88,6 @@ class Recorder {
   };
 
   void write_points(const Model& model);
-  void write_obstacles(const Model& model);
   void write_place(const Bodies::Block& body, std::size_t number, const RecorderOptions& options);
   void add_model_rows(const Model& model, const StepOptions& step, const RecorderOptions& options);
   void push(const RowFrames& frames, const Vector& force, double duration);
@@ -109,6 +109,7 @@ class Recorder {
   ContactRows contact_{};             ///< of others
   std::optional<EnergyRows> energy_;
   std::vector<BodyRows> bodies_;
+  std::optional<ObstacleRows> obstacle_rows_;
   std::optional<ReceiverRows> receiver_rows_;
   std::optional<GaugeRows> gauge_rows_;
   std::optional<SnapshotRows> snapshots_;

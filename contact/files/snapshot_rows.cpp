@@ -8,8 +8,12 @@ std::span<const double> span_of(const Vector& x) { return {x.data(), static_cast
 
 }  // namespace
 
-SnapshotRows::SnapshotRows(base::hdf5::Writer& file, const Model& model, bool turns)
-    : model_(model), coordinates_(model), time_(file.rows("/snapshots/time", {}, "s")) {
+SnapshotRows::SnapshotRows(base::hdf5::Writer& file, const Model& model, bool turns,
+                           std::span<const ObstacleSurface> obstacles)
+    : model_(model),
+      coordinates_(model),
+      time_(file.rows("/snapshots/time", {}, "s")),
+      obstacles_(file, obstacles, "/pose") {
   for (const Bodies::Block& body : model.bodies) {
     const kernels::Kernel& kernel = *body.kernel;
     Body& rows = bodies_.emplace_back();
@@ -33,6 +37,7 @@ SnapshotRows::SnapshotRows(base::hdf5::Writer& file, const Model& model, bool tu
 
 void SnapshotRows::append(double time, const Vector& q, const Vector& p, const Turning* turning) {
   time_.append(time);
+  obstacles_.append(time);
   coordinates_.set(time, q, p, turning);
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const Body& rows = bodies_[k];

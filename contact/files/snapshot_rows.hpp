@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Snapshots of all bodies in a result file: their coordinates (body_coordinates.hpp), from which a kernel
 // gives the motion of any of its points (docs/formats/result.md). With finite rotations, the pose of the body
-// is written beside them.
+// is written beside them, and so are those of obstacles that move.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,7 @@
 
 #include "base/hdf5_writer.hpp"
 #include "contact/figures/body_coordinates.hpp"
+#include "contact/files/obstacle_rows.hpp"
 #include "contact/files/pose_rows.hpp"
 
 namespace ricochet::contact {
@@ -18,7 +19,9 @@ class SnapshotRows {
  public:
   /// Creates the datasets. `file` and `model` must outlive this object.
   /// @param turns  whether bodies have poses
-  SnapshotRows(base::hdf5::Writer& file, const Model& model, bool turns);
+  /// @param obstacles  those that `write_obstacles` got
+  SnapshotRows(base::hdf5::Writer& file, const Model& model, bool turns,
+               std::span<const ObstacleSurface> obstacles);
 
   /// @param q, p  (N), (n) modal coordinates and forces at `time` [s]; p = 0 under impulses
   /// @param turning  of the stepper; null unless bodies turn
@@ -40,6 +43,7 @@ class SnapshotRows {
   Rows& time_;
   std::int64_t count_ = 0;  ///< snapshots so far
   std::vector<Body> bodies_;
+  ObstacleRows obstacles_;
 };
 
 }  // namespace ricochet::contact

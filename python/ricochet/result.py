@@ -108,17 +108,18 @@ class BodyMotion(_Data):
         return self._vector("translation")
 
 
-class SnapshotPoses(_Data):
-    """Poses of a body with finite rotations. s rows, at the times `Result.snapshots["time"]`; world axes."""
+class PoseRows(_Data):
+    """Poses of a body with finite rotations, or of an obstacle that moves. s rows, at the times of the snapshots or of the
+    rows of state; world axes."""
 
     @cached_property
     def position(self) -> Floats:
-        """(s,3) centre of mass [m]"""
+        """(s,3) centre of mass, or `point` of an obstacle [m]"""
         return self._read("position", self._rows, 3)
 
     @cached_property
     def attitude(self) -> Floats:
-        """(s,4) unit quaternion w, x, y, z of the rotation from the axes of the body to those of the world"""
+        """(s,4) unit quaternion w, x, y, z of the rotation from the axes of the body or obstacle to those of the world"""
         return self._read("attitude", self._rows, 4)
 
 
@@ -626,12 +627,22 @@ class Result(_Data):
         }
 
     @cached_property
-    def poses(self) -> dict[str, SnapshotPoses]:
+    def obstacles(self) -> dict[str, PoseRows]:
+        """Poses at the times `time`, of the obstacles that move. Of half-spaces, only the motion along the normal counts."""
+        groups = [f"/obstacles/{number}" for number in self._file.names("/obstacles")]
+        return {
+            self._file.text(group, "name") or group: PoseRows(self._file, group, len(self.time))
+            for group in groups
+            if self._file.has(f"{group}/position")
+        }
+
+    @cached_property
+    def poses(self) -> dict[str, PoseRows]:
         """Poses at the snapshots, of the bodies with finite rotations. A point X of the body, in its axes, is at
         position + A (X − centre + u), with the rotation matrix A of the attitude, `Kernel.centre`, and the
         deformation u by modes and static response."""
         return {
-            name: SnapshotPoses(self._file, f"/pose/{name}", len(self._read("snapshots/time", None)))
+            name: PoseRows(self._file, f"/pose/{name}", len(self._read("snapshots/time", None)))
             for name in self._file.names("/pose")
         }
 

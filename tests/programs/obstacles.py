@@ -11,7 +11,7 @@ import numpy as np
 from dimensions import dimensions_of
 from programs import ProgramTest, contact, impact, kernel
 
-from ricochet.pictures.planes import solids_of
+from ricochet.pictures.obstacles import shown_obstacles
 
 RADIUS = 0.01
 BALL = f"""SetFactory("OpenCASCADE");
@@ -160,13 +160,13 @@ class Obstacles(ProgramTest):
         path = self.made / "bowl.toml"
         path.write_text(scene.format(bodies=UPPER, obstacle=rigid, rotation="finite", contact="gap = 1e-6"))
         result = impact(path, self.out, 'title="bowl"')
-        ((name, (node, element)),) = solids_of(result._file).items()
+        ((name, bowl),) = shown_obstacles(result._file, result.scene, -np.ones(3), np.ones(3)).items()
         self.assertEqual(name, "the bowl")
-        self.assertLess(np.max(np.abs(np.linalg.norm(node - [0, 0, 0.05], axis=1) - 0.05)), 1e-15)
+        self.assertLess(np.max(np.abs(np.linalg.norm(bowl.at(0) - [0, 0, 0.05], axis=1) - 0.05)), 1e-15)
         found = dimensions_of(result.path)
         self.assertEqual(found["obstacles/1/node"], ["/obstacles/1/vertex", "/component"])
         self.assertEqual(found["obstacles/1/element"], ["/obstacles/1/triangle", "/obstacles/1/corner"])
-        edges = {(a, b) for t in element.tolist() for a, b in zip(t, t[1:] + t[:1])}
+        edges = {(a, b) for t in bowl.element.tolist() for a, b in zip(t, t[1:] + t[:1])}
         self.assertEqual(edges, {(b, a) for a, b in edges})
 
     def drawn(self, name, lower, extra="", rotation="linear"):

@@ -35,8 +35,8 @@ class Document:
         self._samplers: list[dict[str, Any]] = []
         self._channels: list[dict[str, Any]] = []
 
-    def material(self, name: str, colour: str, opacity: float = 1.0) -> int:
-        """Adds a dull material and returns its number."""
+    def material(self, name: str, colour: str, opacity: float = 1.0, both: bool = True) -> int:
+        """Adds a dull material and returns its number. @param both  whether both sides of triangles are seen"""
         made: dict[str, Any] = {
             "name": name,
             "pbrMetallicRoughness": {
@@ -44,7 +44,7 @@ class Document:
                 "metallicFactor": 0.0,
                 "roughnessFactor": 0.8,
             },
-            "doubleSided": True,
+            "doubleSided": both,
         }
         self.materials.append(made | ({"alphaMode": "BLEND"} if opacity < 1 else {}))
         return len(self.materials) - 1

@@ -4,20 +4,22 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ricochet.arrays import Array
 from ricochet.errors import InputError
 from ricochet.files import write, writing
 from ricochet.films import arrows as arrow_shapes
 from ricochet.films.arrows import Arrow, arrows_of, directions, turns_to
-from ricochet.films.bodies import FilmBody
+from ricochet.films.bodies import FilmBody, continuous
 from ricochet.films.colours import Colours
 from ricochet.films.document import Document, xyzw
 from ricochet.films.fields import QUANTITIES, colour_field
 from ricochet.interchange.rotations import quaternion_of
 from ricochet.pictures.loaded_result import LoadedResult
 from ricochet.pictures.moving_surfaces import amplification, moving_surfaces
-from ricochet.pictures.planes import normals_of, planes_of, solids_of, square_of, upward
+from ricochet.pictures.obstacles import shown_obstacles
+from ricochet.pictures.planes import normals_of, upward
 from ricochet.pictures.style import GREY, NORMAL, colour_of, prefixed
 from ricochet.pictures.viewpoint import clearest
 from ricochet.result_file import expected
@@ -110,7 +112,7 @@ def film_of(result: LoadedResult, kernels: Path, choice: Choice) -> Film:
     film.state("film", timing(time, slow, len(all_times)))
     box = box_around(bodies)
     document = Document(result.title, (time - time[0]) * slow, quaternion_of(base_of(result, bodies, arrows)))
-    add_obstacles(document, result, box)
+    add_obstacles(document, result, chosen, box)
     film.state("deformation", f"{magnify:g} times as large" if magnify != 1 else "true to scale")
     for name, body in bodies.items():
         material = document.material(name, "#ffffff" if colours else colour_of(result, name), opacity)
@@ -219,15 +221,22 @@ def add_body(
         film.judge("the colours", name, tint.basis.relative)
 
 
-def add_obstacles(document: Document, result: LoadedResult, box: tuple[Array, Array]) -> None:
-    """Adds the part of each half-space that is near the bodies, and the other obstacles."""
-    square = np.array([[0, 1, 2], [0, 2, 3]])
-    planes = {name: (square_of(plane, *box), square) for name, plane in planes_of(result.scene).items()}
-    for name, (place, element) in (planes | solids_of(result.file)).items():
-        middle = place.mean(axis=0)
-        glass = document.material(name, GREY, GLASS)
-        mesh = document.mesh(name, place - middle, element, glass)
-        document.node(name, mesh, translation=middle)
+def add_obstacles(
+    document: Document, result: LoadedResult, chosen: NDArray[np.int64], box: tuple[Array, Array]
+) -> None:
+    """Adds the part of each half-space that is near the bodies, and the other obstacles, at the snapshots `chosen`. Of shapes,
+    the side that bodies touch is seen."""
+    for name, obstacle in shown_obstacles(result.file, result.scene, *box).items():
+        middle = np.zeros(3) if obstacle.poses else obstacle.node.mean(axis=0)
+        glass = document.material(name, GREY, GLASS, both=obstacle.normal is not None)
+        mesh = document.mesh(name, obstacle.node - middle, obstacle.element, glass)
+        if obstacle.poses is None:
+            document.node(name, mesh, translation=middle)
+            continue
+        position, attitude = obstacle.poses.position[chosen], continuous(obstacle.poses.attitude[chosen])
+        node = document.node(name, mesh, translation=position[0], rotation=xyzw(attitude[0]))
+        document.animate(node, "translation", position)
+        document.animate(node, "rotation", xyzw(attitude))
 
 
 def add_arrows(document: Document, arrows: list[Arrow], longest: float) -> float | None:

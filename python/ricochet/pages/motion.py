@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from ricochet.arrays import Array
 from ricochet.interchange.rotations import product
 from ricochet.pictures.loaded_result import LoadedResult
-from ricochet.pictures.planes import gravity_of, normals_of, planes_of, solids_of, square_of, upward
+from ricochet.pictures.obstacles import ShownObstacle, shown_obstacles
+from ricochet.pictures.planes import gravity_of, normals_of, upward
 from ricochet.pictures.moving_surfaces import (
     MovingSurface,
     Poses,
@@ -144,14 +145,24 @@ def body_of(name: str, surface: MovingSurface, chosen: Array, share: float, scen
 
 
 def poses_of(poses: Poses, chosen: Array) -> dict[str, Any]:
-    """The poses at the snapshots `chosen`: the centre of mass, its position, and the turn of the body since the first
-    snapshot, whose axes are those of its nodes and shapes."""
+    """The poses at the snapshots `chosen`: the centre of mass, its position, and the turn since the first snapshot, whose
+    axes are those of the nodes and shapes."""
     start = poses.attitude[0] * [1, -1, -1, -1]
     return {
         "centre": poses.position[0].tolist(),
         "position": packed(poses.position[chosen]),
         "turn": packed(product(poses.attitude[chosen], start)),
     }
+
+
+def obstacle_of(name: str, obstacle: ShownObstacle, chosen: Array) -> dict[str, Any]:
+    """An obstacle at the snapshots `chosen`."""
+    data = {"name": name, "node": packed(obstacle.at(0)), "element": packed(obstacle.element, "u4")}
+    if obstacle.normal is not None:
+        data["normal"] = obstacle.normal
+    if obstacle.poses:
+        data["poses"] = poses_of(obstacle.poses, chosen)
+    return data
 
 
 def nearest(points: Array, places: Sequence[Array]) -> tuple[Array, Array]:
@@ -288,13 +299,12 @@ def motion_of(result: LoadedResult, folder: Path, scene: dict[str, Any]) -> dict
         spikes = moving_spikes(result, surfaces, chosen, time, points, places)
     else:
         spikes = spikes_at(result, time[chosen], points, places)
-    planes = normals_of(scene)
     view = clearest(
         [(body.place, body.element) for body in bodies],
         spikes.place,
         tilted=True,
         up=upward(scene),
-        normals=list(planes.values()),
+        normals=list(normals_of(scene).values()),
     )
     strain = np.max(
         [body.deformation / surface.size for body, surface in zip(bodies, surfaces.values())], axis=0
@@ -308,17 +318,8 @@ def motion_of(result: LoadedResult, folder: Path, scene: dict[str, Any]) -> dict
         "snapshots": result.file.has("/snapshots/time"),
         "bodies": [body.data for body in bodies],
         "obstacles": [
-            {
-                "name": name,
-                "node": packed(square_of(plane, *box)),
-                "element": packed([[0, 1, 2], [0, 2, 3]], "u4"),
-                "normal": planes[name],
-            }
-            for name, plane in planes_of(scene).items()
-        ]
-        + [
-            {"name": name, "node": packed(node), "element": packed(element, "u4")}
-            for name, (node, element) in solids_of(result.file).items()
+            obstacle_of(name, obstacle, chosen)
+            for name, obstacle in shown_obstacles(result.file, scene, *box).items()
         ],
         "gravity": gravity_of(scene),
         "view": {"base": view.base, "azimuth": view.azimuth, "elevation": view.elevation},

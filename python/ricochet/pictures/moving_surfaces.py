@@ -21,11 +21,11 @@ MOST = 0.25  # the same at the upper end of a choice
 
 @dataclass
 class Poses:
-    """Where a body with finite rotations is at each snapshot; world axes."""
+    """Where a body with finite rotations, or an obstacle, is at each snapshot; world axes."""
 
-    position: Array  # (s,3) centre of mass [m]
-    attitude: Array  # (s,4) unit quaternion w, x, y, z, from the axes of the body
-    centre: Array  # (3) centre of mass in the axes of the body [m]
+    position: Array  # (s,3) centre of mass, or origin of an obstacle [m]
+    attitude: Array  # (s,4) unit quaternion w, x, y, z, from its own axes
+    centre: Array  # (3) the same point in its own axes [m]
 
     def __post_init__(self) -> None:
         self.rotation: Array = matrices_of(self.attitude)  # (s,3,3)
@@ -208,9 +208,14 @@ def poses_of(result: File, kernel: File, body: str, count: int) -> Poses | None:
     group = f"/pose/{body}"
     if not result.has(f"{group}/attitude"):
         return None
+    return read_poses(result, group, count, kernel.array("/body/centre", 3))
+
+
+def read_poses(result: File, group: str, count: int, centre: Array) -> Poses:
+    """The `count` poses of a group."""
     attitude = result.array(f"{group}/attitude", count, 4)
     if np.abs(np.linalg.norm(attitude, axis=1) - 1).max(initial=0) > 1e-6:
         raise InputError(
             f'{result.path}: dataset "{group}/attitude" holds other than unit quaternions. Compute it again.'
         )
-    return Poses(result.array(f"{group}/position", count, 3), attitude, kernel.array("/body/centre", 3))
+    return Poses(result.array(f"{group}/position", count, 3), attitude, centre)

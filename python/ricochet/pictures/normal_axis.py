@@ -45,11 +45,23 @@ def normal_axis(
     sign = 1 if still == first else -1
     is_obstacle = still in scene.get("obstacles", {})
     name = f"the {still}" if is_obstacle else still
-    zero = name if is_obstacle else f"where the surface of {name} was"
+    zero = name if is_obstacle and not moves(still, scene) else f"where the surface of {name} was"
     gravity = np.asarray(scene.get("loads", {}).get("gravity", [0, 0, 0]), dtype=float)
     upwards = -sign * (normal @ gravity) > 0.9 * np.linalg.norm(gravity)
     position = f"height above {name}" if upwards else f"distance from {name}"
     return NormalAxis(sign, still, zero, position, f"velocity away from {name}")
+
+
+def moves(obstacle: str, scene: Mapping[str, Any]) -> bool:
+    """Whether the surface of an obstacle moves: that of a half-space, along its normal."""
+    table = scene["obstacles"][obstacle]
+    motions = [one for one in scene.get("loads", {}).get("motion", []) if one.get("obstacle") == obstacle]
+    shifts = np.array([table.get("velocity", [0, 0, 0])] + [one.get("vector", [0, 0, 0]) for one in motions])
+    turns = [table.get("angular_velocity", [0, 0, 0])] + [one.get("turn_deg", [0, 0, 0]) for one in motions]
+    if "normal" in table:
+        along = shifts @ table["normal"] / np.linalg.norm(table["normal"])
+        return bool(np.any(np.abs(along) > 1e-9 * np.linalg.norm(shifts, axis=1)))
+    return bool(shifts.any() or np.any(turns))
 
 
 def still_side(sides: tuple[str, str], scene: Mapping[str, Any], masses: Mapping[str, float]) -> str | None:

@@ -1,12 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The obstacles of a scene, planes and surfaces, and the direction that points up in its pictures."""
+"""The half-spaces of a scene, and the direction that points up in its pictures."""
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ricochet.arrays import Array
-from ricochet.result_file import File
 
 WALL = 0.9  # a normal within acos(0.9) = 26° of x is that of a wall, because x is horizontal by custom
 
@@ -17,16 +15,6 @@ def planes_of(scene: dict[str, Any]) -> dict[str, Any]:
     return {
         name: table for name, table in obstacles.items() if table.get("shape", "half-space") == "half-space"
     }
-
-
-def solids_of(file: File) -> dict[str, tuple[Array, NDArray[np.int64]]]:
-    """(n,3) nodes [m] and (t,3) triangles of the obstacles of a result that have a surface, by name."""
-    found = {}
-    for number in file.names("/obstacles"):
-        group = f"/obstacles/{number}"
-        node, element = file.array(f"{group}/node", None, 3), file.array(f"{group}/element", None, 3)
-        found[file.text(group, "name") or number] = node, element.astype(np.int64)
-    return found
 
 
 def normals_of(scene: dict[str, Any]) -> dict[str, Array]:

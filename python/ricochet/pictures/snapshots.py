@@ -2,6 +2,7 @@
 """The picture of a contact at several moments: the forces, and the bodies from the viewpoint with the best
 view of the contact."""
 import textwrap
+from collections.abc import Iterable
 
 import matplotlib
 from matplotlib.axes import Axes
@@ -16,13 +17,17 @@ from numpy.typing import NDArray
 
 from ricochet.arrays import Array
 from ricochet.pictures.loaded_result import LoadedResult
-from ricochet.pictures.planes import normals_of, solids_of, square_of, upward
+from ricochet.pictures.obstacles import ShownObstacle, shown_obstacles
+from ricochet.pictures.planes import normals_of, upward
 from ricochet.pictures.moving_surfaces import MovingSurface, amplification
 from ricochet.pictures.style import WIDTH, colour_of, fit, largest_of, legend_below, normals, prefixed
 from ricochet.pictures.viewpoint import clearest
 
 MOMENTS = 9
 FLOOR, GHOST = "#dedbd3", "#8a8a8a"
+LIGHT = np.array([0.35, 0.5, 0.8]) / np.linalg.norm(
+    [0.35, 0.5, 0.8]
+)  # towards it, as right, up and towards the viewer
 COLOURS = matplotlib.colormaps["viridis"]
 
 
@@ -76,12 +81,13 @@ def snapshots_picture(result: LoadedResult, surfaces: dict[str, MovingSurface], 
     shape = (high[1] - low[1] + 2 * margin) / (high[0] - low[0] + 2 * margin)
     resting = np.concatenate(shown if turning else list(first.values()))
     box = resting.min(axis=0), resting.max(axis=0)
-    obstacles = scene.get("obstacles", {})
     if len(planes) > 1 and (up := upward(scene)) is not None:  # the walls of a box would cover what is in it
         planes = {name: normal for name, normal in planes.items() if normal @ up > 0.1} or planes
-    floors = [(square_of(obstacles[name], *box) @ turn.T)[None, :, :2] for name in planes]
-    solids = solids_of(result.file)
-    floors += [(node @ turn.T)[element][:, :, :2] for node, element in solids.values()]
+    obstacles = {
+        name: obstacle
+        for name, obstacle in shown_obstacles(result.file, scene, *box).items()
+        if obstacle.normal is None or name in planes
+    }
 
     # Bars are drawn beside tall pictures and below wide ones.
     beside, rows = shape > 1.3 and not whole, -(-len(chosen) // 3)
@@ -110,8 +116,7 @@ def snapshots_picture(result: LoadedResult, surfaces: dict[str, MovingSurface], 
     for cell, k in enumerate(chosen):
         r, c = divmod(cell, 3)
         ax = figure.add_subplot(grid[r, c] if whole else grid[r, 2 * c] if beside else grid[2 * r, c])
-        for floor in floors:
-            ax.add_collection(PolyCollection(list(floor), facecolors=FLOOR, edgecolors=FLOOR, zorder=0))
+        paint_obstacles(ax, obstacles.values(), int(k), turn)
         bodies.append(ax)
         paint(ax, result, surfaces, places[cell], turn, fields[cell], most)
         if amplify != 1:
@@ -136,9 +141,9 @@ def snapshots_picture(result: LoadedResult, surfaces: dict[str, MovingSurface], 
     if amplify != 1:
         handles.append(Line2D([], [], color=GHOST, linewidth=0.8))
         names.append("without deformation")
-    if floors:
+    if obstacles:
         handles.append(Rectangle((0, 0), 1, 1, color=FLOOR))
-        names.append(", ".join([*planes, *solids]))
+        names.append(", ".join(obstacles) if len(obstacles) <= 4 else "obstacles")
     legend_below(figure, handles, names)
     scale = "true to scale" if amplify == 1 else f"deformation drawn {amplify:,.0f} times as large"
     count = "one moment" if len(chosen) == 1 else f"{len(chosen)} moments"
@@ -230,6 +235,37 @@ def unhidden(surface: MovingSurface, seen: Array) -> NDArray[np.int64]:
     return edges[[not hidden(point) for point in seen[edges].mean(axis=1)]]
 
 
+def shaded(colour: Array, normal: Array) -> Array:
+    """(n,3) colours of triangles with these unit normals (n,3)."""
+    return colour * (0.62 + 0.38 * np.abs(normal @ LIGHT))[:, None]
+
+
+def paint_obstacles(ax: Axes, obstacles: Iterable[ShownObstacle], k: int, turn: Array) -> None:
+    """Paints obstacles at snapshot k behind the bodies, from back to front. Of shapes, the side that bodies touch is seen."""
+    corners, faces = [], []
+    for obstacle in obstacles:
+        corner = (obstacle.at(k) @ turn.T)[obstacle.element]
+        normal = normals(corner)
+        face = np.tile(to_rgb(FLOOR), (len(corner), 1))
+        if obstacle.normal is None:
+            front = normal[:, 2] > 0
+            corner, face = corner[front], shaded(face[front], normal[front])
+        corners.append(corner)
+        faces.append(face)
+    if corners:
+        corner, face = np.concatenate(corners), np.concatenate(faces)
+        order = np.argsort(corner[:, :, 2].mean(axis=1), kind="stable")
+        ax.add_collection(
+            PolyCollection(
+                list(corner[order, :, :2]),
+                facecolors=face[order],
+                edgecolors=face[order],
+                linewidths=0.3,
+                zorder=0,
+            )
+        )
+
+
 def paint(
     ax: Axes,
     result: LoadedResult,
@@ -242,7 +278,6 @@ def paint(
     """Paints triangles and outlines from back to front: triangles by a field of the nodes from 0 to `most`, outlines in the
     colour of the body."""
     patches, depth, face, edge, width = [], [], [], [], []
-    light = np.array([0.35, 0.5, 0.8]) / np.linalg.norm([0.35, 0.5, 0.8])
     # Where flat bodies overlap slightly, the later one is in front. Outlines are in front of their surfaces.
     near = 0.02 * np.ptp(np.concatenate(list(places.values())), axis=0).max()
     for number, (body, surface) in enumerate(surfaces.items()):
@@ -252,13 +287,12 @@ def paint(
         line = surface.element.shape[1] == 2
         if not line:
             corner = seen[surface.element]
-            normal = normals(corner)
             share = fields[body][surface.element].mean(axis=1) / (most or 1)
-            shaded = COLOURS(share)[:, :3] * (0.62 + 0.38 * np.abs(normal @ light))[:, None]
+            colours = shaded(COLOURS(share)[:, :3], normals(corner))
             patches += list(corner[:, :, :2])
             depth += list(corner[:, :, 2].mean(axis=1) + number * near)
-            face += list(shaded)
-            edge += list(shaded)
+            face += list(colours)
+            edge += list(colours)
             width += [0.3] * len(corner)
         patches += list(seen[outline][:, :, :2])
         depth += list(seen[outline][:, :, 2].mean(axis=1) + (len(surfaces) + 1) * near)

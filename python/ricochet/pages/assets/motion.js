@@ -57,6 +57,7 @@ class Motion {
   placeBodies(k, f, amplify) {
     this.placed = [k, f];
     for (const body of this.bodies) body.placeAt(body.place, k, f, amplify);
+    for (const obstacle of this.obstacles.filter(obstacle => obstacle.poses)) obstacle.placeAt(obstacle.place, k, f);
   }
 
   /** Determines the box around the bodies in a part of the run: those that turn, at all its moments. */
@@ -320,15 +321,20 @@ class Motion {
     if (body.rim) this.send(body, [...cssColour("--ink"), 1], {lit: false, lines: body.rim});
   }
 
-  /** Draws the planes seen from their front, behind the bodies, or those seen from their back and shapes, as glass before the bodies. */
+  /** Draws the planes seen from their front, behind the bodies, or those seen from their back and shapes, as glass before the bodies. Of a
+   *  shape, the side that bodies touch is seen: the outside, or the far wall of one that bodies are in. */
   drawPlanes(front) {
     const gl = this.gl, eye = this.target.map((x, i) => x + 4 * this.size * this.turn()[2][i]);
     for (const plane of this.obstacles.filter(plane => plane.visible)) {
-      if ((plane.normal ? dot(plane.normal, eye.map((x, i) => x - plane.node[i])) > 0 : false) !== front) continue;
+      if ((plane.normal ? dot(plane.normal, eye.map((x, i) => x - plane.place[i])) > 0 : false) !== front) continue;
       if (front) gl.disable(gl.DEPTH_TEST);
+      if (!plane.normal) gl.enable(gl.CULL_FACE);
+      gl.depthMask(front);
       this.send(plane, front ? [...cssColour("--floor"), 1] : [0.5, 0.5, 0.5, 0.28], {lit: !plane.normal});
       gl.enable(gl.DEPTH_TEST);
+      gl.disable(gl.CULL_FACE);
     }
+    gl.depthMask(true);
   }
 
   /** Draws the forces of snapshot k, over everything else. */
