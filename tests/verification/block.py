@@ -78,11 +78,11 @@ class Block:
             tables = [line.table[pair] for line, pair in zip(lines, pairs)]
             return np.kron(np.kron(tables[0], tables[1]), tables[2])
 
-        stiffness = np.block(
-            stiffness_of({a + b: product(a, b) for a in "xyz" for b in "xyz"}, isotropic(young, poisson))
-        )
         scalar = density * product("0", "0")
         count = len(scalar)
+        stiffness = stiffness_of(
+            lambda a, b, rows, columns: product(a, b), isotropic(young, poisson), [range(count)] * 3
+        )
         x, y = (line.node for line in lines[:2])
         self.node = np.array([(a, b) for a in x for b in y])
         load = np.kron(lines[0].hat, lines[1].hat)

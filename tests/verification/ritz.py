@@ -3,7 +3,16 @@
 1971, J. Acoust. Soc. Am. 49, 768; Visscher, Migliori, Bell & Reinert 1991, 90, 2154). There is no mesh, no element and
 no shift. Errors fall exponentially with the degree. Even and odd functions do not couple, so each class is solved separately."""
 import numpy as np
+import scipy.linalg
 from numpy.polynomial import legendre
+
+
+def product_of(factors, numbers, rows, columns):
+    """Products of entries of the `factors`. Function k has the number numbers[k, f] in factor f."""
+    found = 1.0
+    for factor, number in zip(factors, numbers.T):
+        found = found * factor[np.ix_(number[rows], number[columns])]
+    return found
 
 
 def legendre_at(degree, x):
@@ -38,14 +47,17 @@ def tensor(constants):
     return matrix[place[:, :, None, None], place[None, None, :, :]]
 
 
-def stiffness_of(g, law):
-    """Stiffness, by blocks of the components x, y, z, from g[a + b] = ∫ ∂_a f_m ∂_b f_n and C_ijkl."""
+def stiffness_of(product, law, rows):
+    """Stiffness of the functions rows[i] of each component i, from product(a, b, m, n) = ∫ ∂_a f_m ∂_b f_n and C_ijkl."""
 
     def block(i, k):
         pairs = [(j, l) for j in range(3) for l in range(3) if law[i, j, k, l] != 0]
-        return sum((law[i, j, k, l] * g["xyz"[j] + "xyz"[l]] for j, l in pairs), np.zeros_like(g["xx"]))
+        found = np.zeros((len(rows[i]), len(rows[k])))
+        for j, l in pairs:
+            found += law[i, j, k, l] * product("xyz"[j], "xyz"[l], rows[i], rows[k])
+        return found
 
-    return [[block(i, k) for k in range(3)] for i in range(3)]
+    return np.block([[block(i, k) for k in range(3)] for i in range(3)])
 
 
 def symmetries(law, axes):
@@ -63,14 +75,13 @@ def symmetries(law, axes):
     return np.array(found, dtype=int).reshape(-1, 3)
 
 
-def frequencies(product, parity, law, axes=(True, True, True)):
-    """All frequencies [Hz] in ascending order. Those of rigid modes are 0 to round-off.
+def frequencies(product, parity, law, axes=(True, True, True), count=None):
+    """All frequencies [Hz], or the lowest ones, in ascending order. Those of rigid modes are 0 to round-off.
 
-    product(a, b) is ∫ ∂_a f_m ∂_b f_n of scalar functions with ∫ ρ f_m f_n = δ_mn, for a, b from "xyz". parity
+    product(a, b, m, n) is ∫ ∂_a f_m ∂_b f_n of the scalar functions numbered m and n, with ∫ ρ f_m f_n = δ_mn, for a, b from "xyz". parity
     (functions, 3) is 0 or 1 along x, y and z. axes: whether the body is symmetric along each of them. Motions that
     differ under a symmetry of body and law do not couple.
     """
-    blocks = stiffness_of({a + b: product(a, b) for a in "xyz" for b in "xyz"}, law)
     reversals = symmetries(law, axes)
     kind = np.array(
         [(parity @ reversals.T + reversals[:, c]) % 2 for c in range(3)]
@@ -78,10 +89,10 @@ def frequencies(product, parity, law, axes=(True, True, True)):
     number = kind @ 2 ** np.arange(len(reversals))
     values = []
     for one in np.unique(number):
-        rows = [np.flatnonzero(number[c] == one) for c in range(3)]
-        stiffness = np.block([[blocks[i][j][np.ix_(rows[i], rows[j])] for j in range(3)] for i in range(3)])
-        values.append(np.linalg.eigvalsh((stiffness + stiffness.T) / 2))
-    return np.sqrt(np.maximum(np.sort(np.concatenate(values)), 0)) / (2 * np.pi)
+        stiffness = stiffness_of(product, law, [np.flatnonzero(number[c] == one) for c in range(3)])
+        some = count and (0, min(count, len(stiffness)) - 1)
+        values.append(scipy.linalg.eigvalsh(stiffness, subset_by_index=some, overwrite_a=True))
+    return np.sqrt(np.maximum(np.sort(np.concatenate(values)), 0))[:count] / (2 * np.pi)
 
 
 def multiplicities(frequencies, tolerance):
@@ -90,13 +101,14 @@ def multiplicities(frequencies, tolerance):
     return [len(group) for group in groups]
 
 
-def box(sides, degree, density, law, clamped=False):
-    """Frequencies of a box with the stiffness C_ijkl by polynomials of up to `degree` in each of x, y and z. If `clamped`, the face
-    at the lowest z is clamped."""
-    points, weights = legendre.leggauss(degree + 3)
+def box(sides, degree, density, law, clamped=False, count=None):
+    """Frequencies of a box with the stiffness C_ijkl by polynomials of up to `degree`, a number or three, in x, y and z. If `clamped`,
+    the face at the lowest z is clamped. @param count  of the lowest ones; by default all"""
+    degrees = np.broadcast_to(degree, 3)
     tables = {}
-    for axis, side in zip("xyz", sides):
-        value, slope = legendre_at(degree, points)
+    for axis, side, highest in zip("xyz", sides, degrees):
+        points, weights = legendre.leggauss(highest + 3)
+        value, slope = legendre_at(highest, points)
         if clamped and axis == "z":
             value, slope = value * (1 + points), slope * (1 + points) + value
         pair = {"0": value, axis: slope * 2 / side}
@@ -105,13 +117,14 @@ def box(sides, degree, density, law, clamped=False):
             {p + q: (pair[p] * weight) @ pair[q].T for p in pair for q in pair}, density ** (1 / 3)
         )
 
-    def product(a, b):
+    powers = np.stack(np.meshgrid(*map(np.arange, degrees + 1), indexing="ij"), axis=-1).reshape(-1, 3)
+
+    def product(a, b, rows, columns):
         factors = [tables[axis][(a if a == axis else "0") + (b if b == axis else "0")] for axis in "xyz"]
-        return np.kron(np.kron(factors[0], factors[1]), factors[2])
+        return product_of(factors, powers, rows, columns)
 
     # The factor ρ^(1/3) of each axis is also contained in the tables of derivatives, so that ∫ ρ f f = 1.
-    parity = np.stack(np.meshgrid(*[np.arange(degree + 1) % 2] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
-    return frequencies(product, parity, law, (True, True, not clamped))
+    return frequencies(product, powers % 2, law, (True, True, not clamped), count)
 
 
 def disk(radius, thickness, degree, through, density, law):
@@ -139,9 +152,11 @@ def disk(radius, thickness, degree, through, density, law):
         {a + b: (depth[a] * z_weight * thickness / 2) @ depth[b].T for a in depth for b in depth}
     )
 
-    def product(a, b):
+    numbers = np.array([(p, k) for p in range(len(pairs)) for k in range(through + 1)])
+
+    def product(a, b, rows, columns):
         keys = ["".join(key if key in of else "0" for key in (a, b)) for of in ("xy", "z")]
-        return np.kron(in_plane[keys[0]], in_depth[keys[1]])
+        return product_of([in_plane[keys[0]], in_depth[keys[1]]], numbers, rows, columns)
 
     parity = np.array([(i % 2, j % 2, k % 2) for i, j in pairs for k in range(through + 1)])
     return frequencies(product, parity, law)

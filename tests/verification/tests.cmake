@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 add_program_test(verification anisotropic)
 add_program_test(verification box FIRST)
+add_program_test(verification crystal_agreement FIRST LONG)
 add_program_test(verification estimates FIRST LONG)
 add_program_test(verification oracle_test)
 add_program_test(verification peers_test)

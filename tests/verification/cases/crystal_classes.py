@@ -3,7 +3,8 @@
 constants. A single element of order 3 has the same functions as the polynomials of degree 3, so its frequencies agree to round-off. Two
 elements of order 4 along each side are compared with degree 9; the first six frequencies count, and the error of the oracle is shown by
 the change from degree 8. One brick is repeated with twice as many elements along each side. Spruce is 23 times stiffer along the grain
-than across it, and both converge more slowly."""
+than across it, and both converge more slowly. `tests/verification/crystal_agreement.py`, a long test, goes on until both have converged: with
+four elements of order 5 along each side, thinner at the faces, and degree 14 they agree within 1e-6 for each crystal class."""
 import numpy as np
 
 import crystals
