@@ -6,7 +6,7 @@
 //   bench_contact --worst [STEPS]      percentiles of the time of a step and of a block of 64 steps
 //   bench_contact --least [NAME]       least and median CPU times of 48 steps, comparable while other
 //                                      programs run; of scenes whose name contains NAME
-//   bench_contact --turning [ROUNDS]   bodies that turn: a step of two and of eight bodies, and flight
+//   bench_contact --turning [ROUNDS [PART]]   bodies that turn: steps and flight; scenes named like PART
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
@@ -266,7 +266,7 @@ TurningScene flying(int steps_per_sample) {
 
 /// Rounds begin from the same state. Of each step, the least time of all rounds counts: other programs
 /// lengthen some.
-void turning(int rounds) {
+void turning(int rounds, std::string_view part) {
   fmt::print("| scene | touching | us a step: mean | median | p99 | largest | s a second |\n|{}\n",
              "---|---|---|---|---|---|---|");
   std::vector<TurningScene> scenes;
@@ -274,6 +274,7 @@ void turning(int rounds) {
   for (const Eight motion : {Eight::spin, Eight::one_awake, Eight::tumble}) scenes.push_back(eight(motion));
   for (const int steps_per_sample : {441, 44100}) scenes.push_back(flying(steps_per_sample));
   for (TurningScene& scene : scenes) {
+    if (scene.name.find(part) == std::string::npos) continue;
     for (int k = 0; k < scene.warm; ++k)
       if (scene.stepper->step() != ricochet::StepStatus::ok) std::abort();
     const std::unique_ptr<Stepper> begin = scene.stepper->clone();
@@ -315,7 +316,7 @@ int main(int argc, char** argv) {
     return 0;
   }
   if (argc > 1 && std::string_view(argv[1]) == "--turning") {
-    turning(argc > 2 ? std::atoi(argv[2]) : 5);
+    turning(argc > 2 ? std::atoi(argv[2]) : 5, argc > 3 ? argv[3] : "");
     return 0;
   }
   for (const Size& size : sizes)
