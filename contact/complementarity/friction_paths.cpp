@@ -8,6 +8,8 @@
 namespace ricochet::contact {
 namespace {
 
+using Eigen::Map;
+
 constexpr double first_factor = 0.1, fastest = 0.01, slowest = 0.95;  // from one ridge to the next
 constexpr double first_share = 0.25;                                  // of the load
 constexpr int most_shares = 16;
@@ -59,7 +61,7 @@ SolveStatus FrictionSystem::follow_load(int& left, SolveStatistics& statistics) 
 /// Replaces A by A + ρ and r by r + ρ c.
 void FrictionSystem::set_ridge(double ridge) noexcept {
   for (int i = 0; i < rows_; ++i) {
-    A()(i, i) = plain_.A[i] + ridge;
+    A_.column(i)[i] = plain_.A[i] + ridge;
     r_[i] = plain_.r[i] + ridge * centre_[i];
   }
   multiplied_rows_ = 0;
@@ -73,7 +75,12 @@ void FrictionSystem::set_ridge(double ridge) noexcept {
 /// point, so that few points change their state if ρ decreases little enough. At a turning point, the last
 /// solution becomes the centre c of a new path.
 SolveStatus FrictionSystem::follow_paths(int& left, SolveStatistics& statistics) noexcept {
-  for (int i = 0; i < rows_; ++i) plain_.A[i] = A()(i, i);
+  if (matrix_ != nullptr) {
+    const Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>> of_others(matrix_, rows_, rows_,
+                                                                        Eigen::OuterStride<>(of_matrix_));
+    A() = of_others;
+  }
+  for (int i = 0; i < rows_; ++i) plain_.A[i] = entry(i);
   std::copy_n(r_.begin(), rows_, plain_.r.begin());
   std::fill_n(centre_.begin(), rows_, 0.0);
   std::fill_n(p_.begin(), rows_, 0.0);

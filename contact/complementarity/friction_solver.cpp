@@ -104,14 +104,8 @@ void FrictionSolver::add(int k) noexcept {
   gathered_ = false;
 }
 
-/// Copies rows and columns of the chosen points.
-void FrictionSolver::gather(const Symmetric& S, const Right& r) noexcept {
-  for (int k = 0; k < system_.points(); ++k) {
-    const Point& point = points_[touching_[k]];
-    for (int d = 0; d < system_[k].rows(); ++d) system_.r()[system_[k].row + d] = r(point.row(d));
-    system_[k].coefficient = point.coefficient;
-  }
-  if (gathered_) return;
+/// Lists the rows of the chosen points.
+void FrictionSolver::list_runs() noexcept {
   runs_.clear();
   for (int k = 0; k < system_.points(); ++k)
     for (int d = 0; d < system_[k].rows(); ++d) {
@@ -121,13 +115,27 @@ void FrictionSolver::gather(const Symmetric& S, const Right& r) noexcept {
       else
         runs_.push_back({.row = row, .of_system = system_[k].row + d, .size = 1});
     }
-  auto A = system_.A();
-  for (const Run& of_columns : runs_)
-    for (int j = 0; j < of_columns.size; ++j) {
-      const double* const column = &S.coeffRef(0, of_columns.row + j);
-      double* const out = &A.coeffRef(0, of_columns.of_system + j);
-      for (const Run& run : runs_) std::copy_n(column + run.row, run.size, out + run.of_system);
-    }
+}
+
+/// Takes rows and columns of the chosen points: copies them, unless they follow one another in S.
+void FrictionSolver::gather(const Symmetric& S, const Right& r) noexcept {
+  for (int k = 0; k < system_.points(); ++k) {
+    const Point& point = points_[touching_[k]];
+    for (int d = 0; d < system_[k].rows(); ++d) system_.r()[system_[k].row + d] = r(point.row(d));
+    system_[k].coefficient = point.coefficient;
+  }
+  if (!gathered_) list_runs();
+  if (runs_.size() == 1) system_.use(&S.coeffRef(runs_[0].row, runs_[0].row), S.outerStride());
+  if (gathered_) return;
+  if (runs_.size() != 1) {
+    auto A = system_.A();
+    for (const Run& of_columns : runs_)
+      for (int j = 0; j < of_columns.size; ++j) {
+        const double* const column = &S.coeffRef(0, of_columns.row + j);
+        double* const out = &A.coeffRef(0, of_columns.of_system + j);
+        for (const Run& run : runs_) std::copy_n(column + run.row, run.size, out + run.of_system);
+      }
+  }
   system_.set_matrix();
   gathered_ = true;
 }

@@ -97,6 +97,7 @@ class FrictionSolver {
   void choose_none() noexcept;
   void choose(const Forces& p) noexcept;
   void add(int k) noexcept;
+  void list_runs() noexcept;
   void gather(const Symmetric& S, const Right& r) noexcept;
   bool add_closing(const Symmetric& S, const Right& r) noexcept;
   bool is_unsolvable(const Symmetric& S, const Right& r) noexcept;
@@ -124,7 +125,7 @@ class FrictionSolver {
   double largest_r_ = 0, largest_normal_r_ = 0;  ///< |r|_∞, and over normal rows
   std::vector<Point> points_;                    ///< all normal rows, those of contacts first
   std::vector<int> touching_;                    ///< points of the system
-  std::vector<Run> runs_;                        ///< scratch: their rows
+  std::vector<Run> runs_;                        ///< their rows
   std::vector<ContactState> states_;
   std::vector<double> slips_;             ///< |w_t| of slip
   Eigen::VectorXd root_, work_, forces_;  ///< (n) √S_ii; scratch

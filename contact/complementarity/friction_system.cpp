@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "contact/simd/dense.hpp"
+
 namespace ricochet::contact {
 namespace {
 
@@ -65,13 +67,14 @@ void FrictionSystem::add(double coefficient) noexcept {
   touch_[count_] = {.row = rows_, .coefficient = coefficient};
   held_[count_] = {};
   rows_ += touch_[count_++].rows();
-  A_.begin(rows_);
 }
 
 void FrictionSystem::set_matrix() noexcept {
   multiplied_rows_ = 0;
-  sizes_.norm = rows_ > 0 ? A().cwiseAbs().colwise().sum().maxCoeff() : 0;
-  sizes_.diagonal = rows_ > 0 ? A().diagonal().maxCoeff() : 0;
+  sizes_.norm =
+      simd::dense().norm(static_cast<std::size_t>(rows_), column(0), static_cast<std::size_t>(stride()));
+  sizes_.diagonal = 0;
+  for (int i = 0; i < rows_; ++i) sizes_.diagonal = std::max(sizes_.diagonal, entry(i));
 }
 
 double FrictionSystem::scale() const { return sizes_.r + sizes_.norm * largest_of(p_, rows_); }
@@ -82,7 +85,7 @@ void FrictionSystem::evaluate() noexcept {
   const auto n = static_cast<std::size_t>(rows_);
   // Rounding is least if the sum begins with −r, which it nearly cancels.
   for (int i = 0; i < rows_; ++i) w_[i] = -r_[i];
-  simd::add_product(n, A_.column(0), static_cast<std::size_t>(A_.stride()), p_.data(), w_.data());
+  simd::add_product(n, column(0), static_cast<std::size_t>(stride()), p_.data(), w_.data());
   for (int i = 0; i < rows_; ++i) product_[i] = w_[i] + r_[i];
   set_tolerances();
 }
@@ -245,10 +248,10 @@ FrictionPoint FrictionSystem::local(int k) const noexcept {
   point.coefficient = touch_[k].coefficient;
   Vector3d w;
   for (int d = 0; d < 3; ++d) {
-    const double* const column = A_.column(row + d);
-    w(d) = Map<const Eigen::VectorXd>(column, rows_).dot(Map<const Eigen::VectorXd>(p_.data(), rows_)) -
+    const double* const of_row = column(row + d);
+    w(d) = Map<const Eigen::VectorXd>(of_row, rows_).dot(Map<const Eigen::VectorXd>(p_.data(), rows_)) -
            r_[row + d];
-    point.S.col(d) = Map<const Vector3d>(column + row);
+    point.S.col(d) = Map<const Vector3d>(of_row + row);
   }
   point.S.diagonal().array() += proximal * sizes_.diagonal;
   point.r = point.S * Map<const Vector3d>(&p_[row]) - w;
@@ -268,11 +271,11 @@ void FrictionSystem::sweep() noexcept {
     Touch& touch = touch_[k];
     const int row = touch.row;
     if (touch.rows() == 1) {
-      const double* const column = A_.column(row);
+      const double* const of_row = column(row);
       const double w =
-          Map<const Eigen::VectorXd>(column, rows_).dot(Map<const Eigen::VectorXd>(p_.data(), rows_)) -
+          Map<const Eigen::VectorXd>(of_row, rows_).dot(Map<const Eigen::VectorXd>(p_.data(), rows_)) -
           r_[row];
-      p_[row] = std::max(0.0, p_[row] - w / (column[row] + proximal * sizes_.diagonal));
+      p_[row] = std::max(0.0, p_[row] - w / (of_row[row] + proximal * sizes_.diagonal));
       touch.state = p_[row] > 0 ? ContactState::stick : ContactState::open;
       continue;
     }
@@ -416,8 +419,8 @@ bool FrictionSystem::find_another(SolveStatistics& statistics) noexcept {
   };
   for (int k = 0; k < count_; ++k) {
     const Touch& touch = touch_[k];
-    const double* const column = A_.column(touch.row) + touch.row;
-    if (touch.rows() == 1 || column[0] > touch.coefficient * std::hypot(column[1], column[2])) continue;
+    const double* const own = column(touch.row) + touch.row;
+    if (touch.rows() == 1 || own[0] > touch.coefficient * std::hypot(own[1], own[2])) continue;
     const FrictionPoint::Solutions found = local(k).solve(true);
     for (int i = 0; i < found.count; ++i) {
       set(k, found.at[i]);

@@ -51,9 +51,19 @@ class FrictionSystem {
   Touch& operator[](int k) { return touch_[k]; }
   const Touch& operator[](int k) const { return touch_[k]; }
 
-  ReservedMatrix::View A() { return A_.view(); }  ///< (m,m)
-  double* p() { return p_.data(); }               ///< (m)
-  double* r() { return r_.data(); }               ///< (m)
+  /// (m,m) of its own, to be filled.
+  ReservedMatrix::View A() noexcept {
+    matrix_ = nullptr;
+    return A_.begin(rows_);
+  }
+  /// Uses a matrix (m,m) of others until the next call of this function or of A.
+  void use(const double* matrix, Eigen::Index stride) noexcept {
+    A_.begin(0);
+    matrix_ = matrix;
+    of_matrix_ = stride;
+  }
+  double* p() { return p_.data(); }  ///< (m)
+  double* r() { return r_.data(); }  ///< (m)
   const double* p() const { return p_.data(); }
   const double* w() const { return w_.data(); }  ///< (m) A p − r
   /// (m) A p of the forces that were multiplied last.
@@ -121,7 +131,11 @@ class FrictionSystem {
   void sweep() noexcept;
   FrictionPoint local(int k) const noexcept;
   void set(int k, const FrictionPoint::Solution& solution) noexcept;
-  double entry(int row) const { return A_.column(row)[row]; }
+  const double* column(int row) const {
+    return matrix_ != nullptr ? matrix_ + row * of_matrix_ : A_.column(row);
+  }
+  Eigen::Index stride() const { return matrix_ != nullptr ? of_matrix_ : A_.stride(); }
+  double entry(int row) const { return column(row)[row]; }
   double tangential_entry(int row) const { return std::max(entry(row + 1), entry(row + 2)); }
 
   /// What factor and border hold of a point.
@@ -181,8 +195,10 @@ class FrictionSystem {
   bool has_factor_ = false;
   BorderedFactor factor_;
   Steps steps_;
-  bool exact_ = false;  ///< whether each change of state renews the factor
-  ReservedMatrix A_;
+  bool exact_ = false;              ///< whether each change of state renews the factor
+  ReservedMatrix A_;                ///< unless it belongs to others:
+  const double* matrix_ = nullptr;  ///< set anew in each solve
+  Eigen::Index of_matrix_ = 0;      ///< distance of columns
   std::vector<double> p_, w_, r_, x_, column_, centre_;
   std::vector<double> multiplied_, product_;  ///< forces and A times them
   int multiplied_rows_ = 0;                   ///< 0 if A has changed since

@@ -21,55 +21,42 @@ PivotedFactor::PivotedFactor(int capacity)
     : loops_(&simd::dense()),
       matrix_(capacity),
       exchange_(static_cast<std::size_t>(std::max(capacity, 1))),
-      reciprocal_(exchange_.size()),
+      inverse_((exchange_.size() + 7) / 8 * 128),
       work_(exchange_.size() + 7) {}
 
 /// Factors columns first … last − 1, which hold the Schur complement, one by one.
 void PivotedFactor::factor_one_by_one(int first, int last) noexcept {
-  const int n = size_;
+  loops_->factor_panel(size_ - first, last - first, matrix_.column(first) + first,
+                       static_cast<std::size_t>(matrix_.stride()), &exchange_[first]);
   for (int c = first; c < last; ++c) {
-    double* const column = matrix_.column(c);
-    int pivot = c;
-    for (int i = c + 1; i < n; ++i)
-      if (std::abs(column[i]) > std::abs(column[pivot])) pivot = i;
-    exchange_[c] = pivot;
-    exchange_rows(c, c + 1, first, last);
-    if (pivot != c) sign_ = -sign_;
-    if (column[c] < 0) sign_ = -sign_;
-    least_pivot_ = std::min(least_pivot_, std::abs(column[c]));
-    if (column[c] == 0) continue;
-    const double inverse = 1 / column[c];
-    for (int i = c + 1; i < n; ++i) column[i] *= inverse;
-    for (int k = c + 1; k < last; ++k) {
-      double* const __restrict other = matrix_.column(k);
-      const double factor = other[c];
-      if (factor == 0) continue;
-      for (int i = c + 1; i < n; ++i) other[i] -= factor * column[i];
-    }
+    const double pivot = matrix_.column(c)[c];
+    exchange_[c] += first;
+    if ((exchange_[c] != c) != (pivot < 0)) sign_ = -sign_;
+    least_pivot_ = std::min(least_pivot_, std::abs(pivot));
   }
 }
 
 /// Makes the exchanges of the rows first … last − 1 in the columns from … to − 1.
 void PivotedFactor::exchange_rows(int first, int last, int from, int to) noexcept {
-  auto A = matrix_.view();
-  for (int k = from; k < to; ++k)
-    for (int c = first; c < last; ++c) std::swap(A(c, k), A(exchange_[c], k));
+  for (int c = first; c < last; ++c) {
+    const int other = exchange_[c];
+    if (other == c) continue;
+    double *x = matrix_.column(from) + c, *y = matrix_.column(from) + other;
+    for (int k = from; k < to; ++k, x += matrix_.stride(), y += matrix_.stride()) std::swap(*x, *y);
+  }
 }
 
 /// Replaces the rows first … last − 1 of the columns from … to − 1 by L⁻¹ times them.
 void PivotedFactor::solve_lower(int first, int last, int from, int to) noexcept {
-  auto A = matrix_.view();
   if (last - first > fewest_columns) {
     const int middle = first + half(last - first);
     solve_lower(first, middle, from, to);
     subtract_product(first, middle, last, from, to);
     return solve_lower(middle, last, from, to);
   }
-  for (int k = from; k < to; ++k)
-    for (int c = first; c < last; ++c) {
-      const double factor = A(c, k);
-      for (int i = c + 1; i < last; ++i) A(i, k) -= factor * A(i, c);
-    }
+  const auto stride = static_cast<std::size_t>(matrix_.stride());
+  loops_->solve_lower(last - first, to - from, matrix_.column(first) + first, stride,
+                      matrix_.column(from) + first, stride);
 }
 
 /// Subtracts from the rows middle … last − 1 of the columns from … to − 1 the product of L with the rows
@@ -99,7 +86,8 @@ void PivotedFactor::factor() noexcept {
   least_pivot_ = std::numeric_limits<double>::infinity();
   factor_columns(0, size_);
   if (!(least_pivot_ > 0)) return;  // solve refuses
-  for (int c = 0; c < size_; ++c) reciprocal_[static_cast<std::size_t>(c)] = 1 / matrix_.column(c)[c];
+  loops_->invert_blocks(static_cast<std::size_t>(size_), matrix_.column(0),
+                        static_cast<std::size_t>(matrix_.stride()), inverse_.data());
 }
 
 bool PivotedFactor::solve(double* x) noexcept {
@@ -107,7 +95,7 @@ bool PivotedFactor::solve(double* x) noexcept {
   if (size_ == 0) return true;
   for (int c = 0; c < size_; ++c) std::swap(x[c], x[exchange_[c]]);
   loops_->solve_factors(static_cast<std::size_t>(size_), matrix_.column(0),
-                        static_cast<std::size_t>(matrix_.stride()), reciprocal_.data(), x, work_.data());
+                        static_cast<std::size_t>(matrix_.stride()), inverse_.data(), x, work_.data());
   return true;
 }
 

@@ -25,7 +25,7 @@ class PivotedFactor {
   /// Sign of det A; 0 if a pivot is below `least`.
   int sign(double least) const { return least_pivot_ < least ? 0 : sign_; }
 
-  void archive(auto& a) { a(matrix_, exchange_, reciprocal_, work_, size_, sign_, least_pivot_); }
+  void archive(auto& a) { a(matrix_, exchange_, inverse_, work_, size_, sign_, least_pivot_); }
 
  private:
   void factor_columns(int first, int last) noexcept;
@@ -37,7 +37,7 @@ class PivotedFactor {
   const simd::Dense* loops_;
   ReservedMatrix matrix_;
   std::vector<int> exchange_;
-  std::vector<double> reciprocal_, work_;  ///< of the diagonal; scratch
+  std::vector<double> inverse_, work_;  ///< of blocks on the diagonals; scratch
   int size_ = 0, sign_ = 1;
   double least_pivot_ = 0;
 };

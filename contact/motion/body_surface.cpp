@@ -100,6 +100,8 @@ BodySurface::BodySurface(WorldSurface of_body) : projection_(std::move(of_body))
     first.push_back(static_cast<int>(all.size()));
   };
   list(beside, first_, around_);
+  for (int node = 0; node < static_cast<int>(on.node.size()); ++node)
+    for (const int k : around(node)) edges_.push_back((on.node[at(k)] - on.node[at(node)]).normalized());
   list(elements, first_element_, elements_at_);
 }
 
@@ -232,11 +234,7 @@ Eigen::Matrix3d BodySurface::curvature(const Foot& foot) const noexcept {
 
 double BodySurface::rise(int node, const Vector3d& n) const noexcept {
   double out = -1;
-  const Vector3d& x = surface().node[static_cast<std::size_t>(node)];
-  for (const int k : around(node)) {
-    const Vector3d way = surface().node[static_cast<std::size_t>(k)] - x;
-    out = std::max(out, n.dot(way) / way.norm());
-  }
+  for (const Vector3d& edge : part(edges_, first_, node)) out = std::max(out, n.dot(edge));
   return out;
 }
 

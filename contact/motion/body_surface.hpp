@@ -107,7 +107,8 @@ class BodySurface {
     }
   }
   std::span<const int> elements_at(int node) const { return part(elements_at_, first_element_, node); }
-  static std::span<const int> part(const std::vector<int>& all, const std::vector<int>& first, int node) {
+  template <class T>
+  static std::span<const T> part(const std::vector<T>& all, const std::vector<int>& first, int node) {
     const auto at = static_cast<std::size_t>(node);
     return {all.data() + first[at], static_cast<std::size_t>(first[at + 1] - first[at])};
   }
@@ -119,6 +120,7 @@ class BodySurface {
   std::vector<std::array<bool, 3>> crease_;    ///< whether the surface has a crease there, or ends
   std::vector<int> first_;                     ///< (nodes + 1) of each node's neighbours
   std::vector<int> around_;                    ///< nodes that share an edge with it
+  std::vector<Eigen::Vector3d> edges_;         ///< unit, towards them
   std::vector<int> first_element_;             ///< (nodes + 1) of each node's elements
   std::vector<int> elements_at_;
 };

@@ -38,32 +38,47 @@ struct Dense {
   /// C (m,n) −= A (m,k) B (k,n), with the distances of their columns.
   void (*subtract_product)(std::size_t m, std::size_t n, std::size_t k, const double* A, std::size_t of_A,
                            const double* B, std::size_t of_B, double* C, std::size_t of_C);
+  /// P A = L U of a matrix (rows, columns) with at most as many columns, which begin at multiples of 8
+  /// numbers, up to the next of which they may be spoilt. @param exchange  (columns) row that was exchanged
+  void (*factor_panel)(std::size_t rows, std::size_t columns, double* A, std::size_t of_A, int* exchange);
+  /// B (rows, columns) = L⁻¹ B of at most 8 rows, of a unit lower triangle; likewise.
+  void (*solve_lower)(std::size_t rows, std::size_t columns, const double* L, std::size_t of_L, double* B,
+                      std::size_t of_B);
+  /// Inverts the blocks of 8 rows on the diagonals of L and of U (n/8 rounded up,2,8,8), by columns.
+  void (*invert_blocks)(std::size_t n, const double* LU, std::size_t of_LU, double* inverse);
   /// y (n) += A x of a symmetric matrix, of which only the entries on and below the diagonal are read.
   void (*symmetric_product)(std::size_t n, const double* A, std::size_t of_A, const double* x, double* y);
+  /// ‖A‖_∞ of a symmetric matrix (n,n).
+  double (*norm)(std::size_t n, const double* A, std::size_t of_A);
   /// x (n) −= Σ_k factor_k column_k of four columns.
   void (*subtract_columns)(std::size_t n, const double* const* column, const double* factor, double* x);
   /// x (n) = (L Lᵀ)⁻¹ x of a lower triangle L. Faster than blocked solvers for some tens of rows.
   /// @param reciprocal  (n) of the diagonal of L
   void (*solve_factor)(std::size_t n, const double* L, std::size_t of_L, const double* reciprocal, double* x);
-  /// y (n) = U⁻¹ L⁻¹ y of factors in one matrix, whose columns begin at multiples of a register.
-  /// @param reciprocal  (n) of the diagonal of U  @param x  (n + 7) scratch
-  void (*solve_factors)(std::size_t n, const double* LU, std::size_t of_LU, const double* reciprocal,
-                        double* y, double* x);
+  /// y (n) = U⁻¹ L⁻¹ y of factors in one matrix; likewise.
+  /// @param inverse  from invert_blocks  @param x  (n + 7) scratch
+  void (*solve_factors)(std::size_t n, const double* LU, std::size_t of_LU, const double* inverse, double* y,
+                        double* x);
   /// y_k = row_k · x of rows (n), a multiple of three of them, with their distance.
   void (*row_products)(std::size_t rows, std::size_t n, const double* A, std::size_t of_A, const double* x,
                        double* y);
+  /// The same for two vectors x, which reads the rows once.
+  void (*two_row_products)(std::size_t rows, std::size_t n, const double* A, std::size_t of_A,
+                           const double* const* x, double* const* y);
   /// x (n) += Σ_k y_k row_k of the same.
   void (*add_rows)(std::size_t rows, std::size_t n, const double* A, std::size_t of_A, const double* y,
                    double* x);
+  /// Δq (n) of modes without forces: b q̇ + c (load − stiffness q).
+  void (*free_motion)(std::size_t n, const Oscillators& of, const double* q, const double* v, double* dq);
   /// A step of modes (n) under forces: g = load + push − stiffness q, Δq = b q̇ + c g, q̇⁺ = e q̇ + h g. Adds
   /// the work of damping and Σ applied Δq to work (2).
   void (*move_modes)(std::size_t n, const Oscillators& of, const double* push, const double* q,
                      const double* v, double* next_q, double* next_v, double* work);
-  /// Adds to rows of `out` (n,8) the displacements of levers under unit forces along the rows of the first
-  /// one: a M + R to columns 0, 1, 2; R to 4, 5, 6.
+  /// Adds to rows of `out` (n,8), or sets there, the displacements of levers under unit forces along the rows
+  /// of the first one: a M + R to columns 0, 1, 2; R to 4, 5, 6.
   /// @param from, to  places among which those of the levers are  @param u  (to,24) scratch
   void (*displace)(const Yield& body, const Lever* levers, std::size_t count, std::size_t from,
-                   std::size_t to, double* u, double* out);
+                   std::size_t to, double* u, bool adds, double* out);
   /// Sets the columns `first` and on, 1 or 3, of symmetric S and R (n,n) and the rows across from them to
   /// what `displace` gave, on and below the diagonal. The entries of R are not set if it is null.
   void (*spread)(std::size_t n, std::size_t first, std::size_t columns, const double* out, double* S,

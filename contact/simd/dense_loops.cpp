@@ -2,12 +2,11 @@
 // Compiled once for each instruction set, which RICOCHET_DENSE names, and with the restrictions of lanes.hpp.
 #include "contact/simd/dense.hpp"
 
+#include "contact/simd/factor_loops.hpp"
 #include "contact/simd/lanes.hpp"
 
 namespace ricochet::contact::simd {
 namespace {
-
-using V = Lanes<double>;
 
 /// A matrix of which a tile is used.
 template <class Number>
@@ -103,6 +102,23 @@ void symmetric_product(std::size_t n, const double* A, std::size_t of_A, const d
   }
 }
 
+double norm(std::size_t n, const double* A, std::size_t of_A) {
+  double most = 0;
+  for (std::size_t j = 0; j < n; ++j) {
+    const double* const column = A + j * of_A;
+    V::type sums = {};
+    std::size_t i = 0;
+    for (; i + V::size <= n; i += V::size) {
+      const auto x = V::load(column + i);
+      sums += x < 0 ? -x : x;
+    }
+    double sum = V::sum(sums);
+    for (; i < n; ++i) sum += column[i] < 0 ? -column[i] : column[i];
+    if (!(sum <= most)) most = sum;  // NaN included
+  }
+  return most;
+}
+
 void subtract_columns(std::size_t n, const double* const* column, const double* factor, double* x) {
   const double *const a = column[0], *const b = column[1], *const c = column[2], *const d = column[3];
   const double p = factor[0], q = factor[1], r = factor[2], s = factor[3];
@@ -127,56 +143,28 @@ void solve_factor(std::size_t n, const double* L, std::size_t of_L, const double
   }
 }
 
-/// Four columns at a time, by whole registers: entries of x that they spoil are in y already.
-void solve_factors(std::size_t n, const double* LU, std::size_t of_LU, const double* reciprocal, double* y,
-                   double* x) {
-  constexpr std::size_t together = 4;
-  const auto subtract = [&](std::size_t first, std::size_t count, std::size_t from, std::size_t to) {
-    const auto column = [&](std::size_t k) { return LU + (first + (k < count ? k : 0)) * of_LU; };
-    const double *const a = column(0), *const b = column(1), *const c = column(2), *const d = column(3);
-    const double p = y[first], q = count > 1 ? y[first + 1] : 0, r = count > 2 ? y[first + 2] : 0,
-                 s = count > 3 ? y[first + 3] : 0;
-    for (std::size_t i = from / V::size * V::size; i < to; i += V::size)
-      V::store(x + i, V::load(x + i) - ((p * V::load(a + i) + q * V::load(b + i)) +
-                                        (r * V::load(c + i) + s * V::load(d + i))));
-  };
-  for (std::size_t i = 0; i < n; ++i) x[i] = y[i];
-  for (std::size_t first = 0; first < n; first += together) {
-    const std::size_t count = n - first < together ? n - first : together;
-    for (std::size_t k = 0; k < count; ++k) {
-      double value = x[first + k];
-      for (std::size_t j = 0; j < k; ++j) value -= y[first + j] * LU[(first + j) * of_LU + first + k];
-      y[first + k] = value;
-    }
-    subtract(first, count, first + count, n);
-  }
-  for (std::size_t i = 0; i < n; ++i) x[i] = y[i];
-  for (std::size_t first = (n - 1) / together * together;; first -= together) {
-    const std::size_t count = n - first < together ? n - first : together;
-    for (std::size_t k = count; k-- > 0;) {
-      double value = x[first + k];
-      for (std::size_t j = k + 1; j < count; ++j) value -= y[first + j] * LU[(first + j) * of_LU + first + k];
-      y[first + k] = value * reciprocal[first + k];
-    }
-    subtract(first, count, 0, first);
-    if (first == 0) return;
-  }
-}
-
-template <std::size_t rows>
-void row_products_tile(std::size_t n, Tile<const double> A, const double* x, double* y) {
+/// y_v = A x_v of some vectors.
+template <std::size_t rows, std::size_t vectors>
+void row_products_tile(std::size_t n, Tile<const double> A, const double* const* x, double* const* y,
+                       std::size_t first) {
   constexpr std::size_t registers = (rows + V::size - 1) / V::size * V::size;
-  V::type sum[registers] = {};
+  V::type sum[vectors][registers] = {};
   std::size_t i = 0;
   for (; i + V::size <= n; i += V::size) {
-    const auto xi = V::load(x + i);
-    for (std::size_t k = 0; k < rows; ++k) sum[k] += V::load(A.column(k) + i) * xi;
+    V::type xi[vectors];
+    for (std::size_t v = 0; v < vectors; ++v) xi[v] = V::load(x[v] + i);
+    for (std::size_t k = 0; k < rows; ++k) {
+      const auto a = V::load(A.column(k) + i);
+      for (std::size_t v = 0; v < vectors; ++v) sum[v][k] += a * xi[v];
+    }
   }
-  double total[registers];
-  for (std::size_t k = 0; k < registers; k += V::size) V::store(total + k, V::sums(sum + k));
-  for (; i < n; ++i)
-    for (std::size_t k = 0; k < rows; ++k) total[k] += A.column(k)[i] * x[i];
-  for (std::size_t k = 0; k < rows; ++k) y[k] = total[k];
+  for (std::size_t v = 0; v < vectors; ++v) {
+    double total[registers];
+    for (std::size_t k = 0; k < registers; k += V::size) V::store(total + k, V::sums(sum[v] + k));
+    for (std::size_t rest = i; rest < n; ++rest)
+      for (std::size_t k = 0; k < rows; ++k) total[k] += A.column(k)[rest] * x[v][rest];
+    for (std::size_t k = 0; k < rows; ++k) y[v][first + k] = total[k];
+  }
 }
 
 template <std::size_t rows>
@@ -193,12 +181,23 @@ void add_rows_tile(std::size_t n, Tile<const double> A, const double* y, double*
 
 constexpr std::size_t most_rows = 6;  // at once: sums of that many rows do not wait for one another
 
-void row_products(std::size_t rows, std::size_t n, const double* A, std::size_t of_A, const double* x,
-                  double* y) {
+template <std::size_t vectors>
+void products(std::size_t rows, std::size_t n, Tile<const double> A, const double* const* x,
+              double* const* y) {
   std::size_t k = 0;
   for (; k + most_rows <= rows; k += most_rows)
-    row_products_tile<most_rows>(n, {A + k * of_A, of_A}, x, y + k);
-  for (; k < rows; k += 3) row_products_tile<3>(n, {A + k * of_A, of_A}, x, y + k);
+    row_products_tile<most_rows, vectors>(n, {A.column(k), A.stride}, x, y, k);
+  for (; k < rows; k += 3) row_products_tile<3, vectors>(n, {A.column(k), A.stride}, x, y, k);
+}
+
+void row_products(std::size_t rows, std::size_t n, const double* A, std::size_t of_A, const double* x,
+                  double* y) {
+  products<1>(rows, n, {A, of_A}, &x, &y);
+}
+
+void two_row_products(std::size_t rows, std::size_t n, const double* A, std::size_t of_A,
+                      const double* const* x, double* const* y) {
+  products<2>(rows, n, {A, of_A}, x, y);
 }
 
 void add_rows(std::size_t rows, std::size_t n, const double* A, std::size_t of_A, const double* y,
@@ -206,6 +205,15 @@ void add_rows(std::size_t rows, std::size_t n, const double* A, std::size_t of_A
   std::size_t k = 0;
   for (; k + most_rows <= rows; k += most_rows) add_rows_tile<most_rows>(n, {A + k * of_A, of_A}, y + k, x);
   for (; k < rows; k += 3) add_rows_tile<3>(n, {A + k * of_A, of_A}, y + k, x);
+}
+
+void free_motion(std::size_t n, const Oscillators& m, const double* q, const double* v, double* dq) {
+  std::size_t i = 0;
+  for (; i + V::size <= n; i += V::size) {
+    const auto at = [&](const double* x) { return V::load(x + i); };
+    V::store(dq + i, at(m.b) * at(v) + at(m.c) * (at(m.load) - at(m.stiffness) * at(q)));
+  }
+  for (; i < n; ++i) dq[i] = m.b[i] * v[i] + m.c[i] * (m.load[i] - m.stiffness[i] * q[i]);
 }
 
 void move_modes(std::size_t n, const Oscillators& m, const double* push, const double* q, const double* v,
@@ -232,13 +240,12 @@ void move_modes(std::size_t n, const Oscillators& m, const double* push, const d
   }
 }
 
-using Eight = Lanes<double, 8>;
 using Four = Lanes<double, 4>;
 using Pair = Lanes<double, 2>;
 
 /// The lanes are the rows of the first lever: of a M + R, and of R.
 void displace(const Yield& body, const Lever* levers, std::size_t count, std::size_t from, std::size_t to,
-              double* u, double* out) {
+              double* u, bool adds, double* out) {
   const Lever& pushed = levers[0];
   const auto in_first = [](Four::type x) {
     return __builtin_shufflevector(x, Four::type{}, 0, 1, 2, 3, 4, 4, 4, 4);
@@ -287,7 +294,7 @@ void displace(const Yield& body, const Lever* levers, std::size_t count, std::si
         moved[y] += lever.weight[j] * Eight::load(u + 8 * (3 * lever.at[j] + y));
     for (std::size_t x = 0; x < lever.rows; ++x) {
       double* const at = out + 8 * (lever.first + x);
-      Eight::type sum = Eight::load(at);
+      Eight::type sum = adds ? Eight::load(at) : Eight::type{};
       for (std::size_t y = 0; y < 3; ++y) sum += lever.along[y][x] * moved[y];
       Eight::store(at, sum);
     }
@@ -324,7 +331,9 @@ void spread(std::size_t n, std::size_t first, std::size_t columns, const double*
 }  // namespace
 
 extern const Dense RICOCHET_DENSE;
-const Dense RICOCHET_DENSE{subtract_product, symmetric_product, subtract_columns, solve_factor, solve_factors,
-                           row_products,     add_rows,          move_modes,       displace,     spread};
+const Dense RICOCHET_DENSE{subtract_product,  factor_panel, solve_lower,      invert_blocks,
+                           symmetric_product, norm,         subtract_columns, solve_factor,
+                           solve_factors,     row_products, two_row_products, add_rows,
+                           free_motion,       move_modes,   displace,         spread};
 
 }  // namespace ricochet::contact::simd

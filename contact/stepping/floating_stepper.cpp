@@ -125,7 +125,36 @@ void FloatingStepper::drive() noexcept {
   points_.drive_obstacles(time(), then);
   loads_.act(bodies_, time(), then, state_.forcing, points_);
   state_.forcing.step(steps_ + 1, state_.now);
-  dq_ = state_.free_motion(state_.q, state_.v, state_.now) + loads_.change();
+  set_free_motion();
+  dq_ += loads_.change();
+}
+
+/// Sets dq_ to that of the elastic modes without contact.
+void FloatingStepper::set_free_motion() noexcept {
+  if (state_.now.forced) {
+    dq_ = state_.free_motion(state_.q, state_.v, state_.now);
+    return;
+  }
+  for (const FloatingBody& body : bodies_)
+    simd::dense().free_motion(static_cast<std::size_t>(body.elastic()), oscillators(body, *state_.system),
+                              state_.q.data() + body.first_elastic(), state_.v.data() + body.first_elastic(),
+                              dq_.data() + body.first_elastic());
+}
+
+/// The elastic modes of a body in a step that is not forced.
+simd::Oscillators FloatingStepper::oscillators(const FloatingBody& body, const ModeConstants& over) noexcept {
+  const auto of = [&](const Vector& x) { return x.data() + body.first_elastic(); };
+  const ForcedResponse::Piece& piece = state_.forcing.piece();
+  return {.b = of(over.b),
+          .c = of(over.c),
+          .e = of(over.e),
+          .h = of(over.h),
+          .stiffness = of(state_.system->stiffness),
+          .damp_ss = of(over.damp_ss),
+          .damp_sr = of(over.damp_sr),
+          .damp_rr = of(over.damp_rr),
+          .load = of(piece.load),
+          .applied = of(piece.applied)};
 }
 
 StepStatus FloatingStepper::step() noexcept {
@@ -360,24 +389,12 @@ Work FloatingStepper::move_modes(const ModeConstants& over) noexcept {
     return state_.forcing.advance(state_.now, dq_, state_.next_q, state_.next_v);
   }
   double work[2] = {0, 0};
-  const ForcedResponse::Piece& piece = state_.forcing.piece();
   for (const FloatingBody& body : bodies_) {
     if (!body.moves()) continue;
     const Index first = body.first_elastic();
-    const auto of = [&](const Vector& x) { return x.data() + first; };
-    simd::dense().move_modes(static_cast<std::size_t>(body.elastic()),
-                             {.b = of(over.b),
-                              .c = of(over.c),
-                              .e = of(over.e),
-                              .h = of(over.h),
-                              .stiffness = of(state_.system->stiffness),
-                              .damp_ss = of(over.damp_ss),
-                              .damp_sr = of(over.damp_sr),
-                              .damp_rr = of(over.damp_rr),
-                              .load = of(piece.load),
-                              .applied = of(piece.applied)},
-                             of(modal_force_), of(state_.q), of(state_.v), state_.next_q.data() + first,
-                             state_.next_v.data() + first, work);
+    simd::dense().move_modes(static_cast<std::size_t>(body.elastic()), oscillators(body, over),
+                             modal_force_.data() + first, state_.q.data() + first, state_.v.data() + first,
+                             state_.next_q.data() + first, state_.next_v.data() + first, work);
   }
   return {.damping = work[0], .forcing = work[1]};
 }
@@ -411,6 +428,10 @@ bool FloatingStepper::commit(const Work& work, double residual, double time) noe
     turning_.poses[k] = bodies_[k].pose();
     const Vector3d spin = bodies_[k].own_spin();
     coriolis_[k].add_turn(spin, spin.norm(), true, state_.q, turning_.rates);
+  }
+  if (!state_.now.forced && !mixes_ && !points_.rows().empty()) {
+    set_free_motion();
+    points_.expect(dq_);
   }
   place(time);
   points_.write_frames(bodies_, turning_.frames);

@@ -82,6 +82,8 @@ class FloatingStepper final : public Stepper {
   double asleep_residual() const noexcept;
   void place(double time) noexcept;
   void drive() noexcept;
+  void set_free_motion() noexcept;
+  simd::Oscillators oscillators(const FloatingBody& body, const ModeConstants& over) noexcept;
   void drift(Coriolis::Half half, Vector& q, Vector& v) noexcept;
   void keep_start() noexcept;
   void restore() noexcept;

@@ -34,7 +34,7 @@ MovingCandidates::MovingCandidates(const Bodies::Block& block, const BodySurface
       blocks_(surface_->size()),
       rows_(3 * surface_->size() * padded(static_cast<std::size_t>(elastic_))),
       width_(padded(static_cast<std::size_t>(elastic_))),
-      products_(3 * surface_->size()) {
+      products_(6 * surface_->size()) {
   const std::size_t M = surface_->size();
   const auto omega = model.omega.segment(first_elastic_, elastic_).transpose().array();
   for (const int n : model.folded.modes)
@@ -55,6 +55,7 @@ MovingCandidates::MovingCandidates(const Bodies::Block& block, const BodySurface
     known->value.assign(M, Vector3d::Zero());
     known->call.assign(M, -1);
   }
+  expected_.setZero(elastic_);
   number_of_.assign(M, -1);
   joined_.reserve(M);
   if (on.surface().corners == 3) make_patches(on);
@@ -136,25 +137,45 @@ Vector3d MovingCandidates::respond(int candidate, Vector3d StaticResponse::*part
   return out;
 }
 
-/// Those that have joined are computed together.
+void MovingCandidates::expect(const Vector& dq) noexcept {
+  expects_ = static_.empty();
+  expected_ = dq.segment(first_elastic_, elastic_);
+  ++change_.calls;
+}
+
+void MovingCandidates::begin_changes(const Vector& dq) noexcept {
+  if (expects_ && dq.segment(first_elastic_, elastic_) == expected_) return;
+  expects_ = false;
+  ++change_.calls;
+}
+
+/// Those that have joined are computed together, displacements with the changes that are expected.
 const Vector3d& MovingCandidates::of(Lazy& known, int candidate, const Vector& modal,
                                      Vector3d StaticResponse::*part) noexcept {
   const auto i = static_cast<std::size_t>(candidate);
-  if (known.call[i] == calls_) return known.value[i];
+  if (known.call[i] == known.calls) return known.value[i];
   const auto own = modal.segment(first_elastic_, elastic_);
-  const auto set = [&](int number, const Vector3d& value) {
-    known.call[static_cast<std::size_t>(number)] = calls_;
-    known.value[static_cast<std::size_t>(number)] = value;
-    if (!static_.empty()) known.value[static_cast<std::size_t>(number)] += respond(number, part);
+  const auto set = [&](Lazy& to, int number, const Vector3d& value) {
+    to.call[static_cast<std::size_t>(number)] = to.calls;
+    to.value[static_cast<std::size_t>(number)] = value;
+    if (!static_.empty()) to.value[static_cast<std::size_t>(number)] += respond(number, part);
   };
   if (number_of_[i] < 0) {
-    set(candidate, shape(candidate) * own);
+    set(known, candidate, shape(candidate) * own);
     return known.value[i];
   }
-  simd::dense().row_products(3 * joined_.size(), static_cast<std::size_t>(elastic_), rows_.data(), width_,
-                             own.data(), products_.data());
-  for (std::size_t k = 0; k < joined_.size(); ++k)
-    set(joined_[k], Eigen::Map<const Vector3d>(products_.data() + 3 * k));
+  const std::size_t rows = 3 * joined_.size(), n = static_cast<std::size_t>(elastic_);
+  const bool both = &known == &displacement_ && expects_;
+  const std::array<const double*, 2> x{own.data(), expected_.data()};
+  const std::array<double*, 2> products{products_.data(), products_.data() + rows};
+  if (both)
+    simd::dense().two_row_products(rows, n, rows_.data(), width_, x.data(), products.data());
+  else
+    simd::dense().row_products(rows, n, rows_.data(), width_, x[0], products[0]);
+  for (std::size_t k = 0; k < joined_.size(); ++k) {
+    set(known, joined_[k], Eigen::Map<const Vector3d>(products[0] + 3 * k));
+    if (both) set(change_, joined_[k], Eigen::Map<const Vector3d>(products[1] + 3 * k));
+  }
   return known.value[i];
 }
 

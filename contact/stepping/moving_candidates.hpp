@@ -61,10 +61,14 @@ class MovingCandidates {
   std::vector<StaticResponse>& static_responses() { return static_; }
 
   /// Forgets the displacements that are known.
-  void begin() noexcept { ++calls_; }
-  /// w = Φq with static displacements [m], computed once after begin(). @param q  (N)
+  void begin_displacements() noexcept { ++displacement_.calls; }
+  /// Forgets the changes that are known, unless they are those that were expected. @param dq  (N)
+  void begin_changes(const Vector& dq) noexcept;
+  /// Expects changes: they are computed with the displacements, in one pass over the shapes. @param dq  (N)
+  void expect(const Vector& dq) noexcept;
+  /// w = Φq with static displacements [m], computed once after begin_displacements(). @param q  (N)
   const Eigen::Vector3d& displacement(int candidate, const Vector& q) noexcept;
-  /// Φ Δq with their changes [m], likewise.
+  /// Φ Δq with their changes [m], computed once after begin_changes(). @param dq  (N)
   const Eigen::Vector3d& change(int candidate, const Vector& dq) noexcept;
   /// The static part of the change [m].
   Eigen::Vector3d static_change(int candidate) const noexcept {
@@ -101,7 +105,10 @@ class MovingCandidates {
   void archive(auto& a) {
     a(static_, joined_, number_of_, rows_);
     blocks_.archive(a, joined_.size());
-    if (a.reads()) begin();
+    if (!a.reads()) return;
+    begin_displacements();
+    expects_ = false;
+    ++change_.calls;
   }
 
  private:
@@ -109,6 +116,7 @@ class MovingCandidates {
   struct Lazy {
     std::vector<Eigen::Vector3d> value;  ///< (M) [m]
     std::vector<std::int64_t> call;      ///< (M) for which call it was computed
+    std::int64_t calls = 0;
   };
   const Eigen::Vector3d& of(Lazy& known, int candidate, const Vector& modal,
                             Eigen::Vector3d StaticResponse::*part) noexcept;
@@ -137,15 +145,16 @@ class MovingCandidates {
   std::vector<double> give_;  ///< (M) (Σ|φ|²/ω² + tr R)^½
   double largest_give_ = 0;
   std::vector<StaticResponse> static_;
-  std::int64_t calls_ = 0;
   Lazy displacement_, change_;
+  Vector expected_;  ///< (elastic) Δq of the changes that are known with the displacements
+  bool expects_ = false;
   std::vector<int> joined_, number_of_;  ///< candidates; (M) place among them, or −1
   CandidateBlocks blocks_;
   /// Φ of those that have joined (joined,3,width), with rows that begin at cache lines: passes over them are
   /// bound by the cache.
   base::Reserved<double> rows_;
   std::size_t width_;
-  base::AlignedVector<double> products_;  ///< (M,3) scratch
+  base::AlignedVector<double> products_;  ///< (2,M,3) scratch
   std::vector<Patch> patches_;            ///< (M), or empty without triangles
 };
 

@@ -63,6 +63,7 @@ double MovingPoint::height(const FloatingBody& state) const noexcept {
 
 /// Sets the vectors of the rows to a normal, which turns them as little as possible.
 void MovingPoint::set_row(const Vector3d& normal) noexcept {
+  if (normal == row.row(0).transpose()) return;
   Vector3d tangent = row.row(1).transpose();
   tangent -= normal.dot(tangent) * normal;
   if (tangent.squaredNorm() > 0.1) {

@@ -242,6 +242,12 @@ Matrix3d MovingPoints::in_world(const Point& point, std::span<const FloatingBody
   return point.row * side(point.other(), bodies).state.axes.transpose();
 }
 
+Vector3d MovingPoints::normal_in_world(const Point& point,
+                                       std::span<const FloatingBody> bodies) const noexcept {
+  const Vector3d own = point.row.row(0).transpose();
+  return point.over_half_space() ? own : Vector3d(side(point.other(), bodies).state.axes * own);
+}
+
 /// The element size of the finer of its bodies [m].
 double MovingPoints::smallest_element(const Point& point) const noexcept {
   double out = std::numeric_limits<double>::infinity();
@@ -297,7 +303,7 @@ void MovingPoints::stand_back() noexcept {
 }
 
 void MovingPoints::place(std::span<const FloatingBody> bodies, const Vector& q) noexcept {
-  for (Body& one : bodies_) one.candidates.begin();
+  for (Body& one : bodies_) one.candidates.begin_displacements();
   for (const int i : watched_) place(i, bodies, &q);
   for (const Near& one : near_)
     if (!is_watched_[static_cast<std::size_t>(one.candidate)]) place(one.candidate, bodies, nullptr);
@@ -361,7 +367,7 @@ bool MovingPoints::advance(std::span<const FloatingBody> bodies, const Vector& d
                            const MeanForce& forces) noexcept {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const FloatingBody& state = bodies[k];
-    bodies_[k].candidates.begin();
+    bodies_[k].candidates.begin_changes(dq);
     bodies_[k].elastic_fastest = 0;
     bodies_[k].free = state.free_motion(step);
     bodies_[k].fastest = state.farthest(bodies_[k].radius, step);
@@ -539,14 +545,19 @@ StepMatrices MovingPoints::matrices(std::span<const FloatingBody> bodies, double
     const Point& point = points_[static_cast<std::size_t>(members_[s])];
     const Index first = position(s, 0), rows = point.rows();
     double* const columns = columns_.data();
-    std::fill(columns + 8 * first, columns + 8 * k, 0.0);
     Matrix3d of_patches = Matrix3d::Zero();
+    bool adds = false;
     for (const End& end : point.end) {
       if (end.body < 0) continue;
       Body& of = body(end.body);
       const std::size_t e = of.next_lever++;
+      if (!adds && of.last_lever - e < members_.size() - s) {  // it leaves rows out
+        std::fill(columns + 8 * first, columns + 8 * k, 0.0);
+        adds = true;
+      }
       loops.displace(of.yield, levers_.data() + e, of.last_lever - e, lowest_[e],
-                     static_cast<std::size_t>(of.candidates.joined()), displaced_.data(), columns);
+                     static_cast<std::size_t>(of.candidates.joined()), displaced_.data(), adds, columns);
+      adds = true;
       if (point.kind == Kind::summit)
         of_patches += end.direction * patch(end).residual * end.direction.transpose();
     }
@@ -625,12 +636,12 @@ void MovingPoints::write_frames(std::span<const FloatingBody> bodies, RowFrames&
     const Point& point = points_[static_cast<std::size_t>(i)];
     const FloatingBody& fixed = side(point.own(), bodies).state;
     const bool of_a = &point.own() == &point.end[0];
-    Matrix3d rows = in_world(point, bodies);
-    const Vector3d x = fixed.position + fixed.axes * point.place_now,
-                   opposite = x + (of_a ? 1 : -1) * (point.gap - u_(i)) * rows.row(0).transpose();
+    const Vector3d x = fixed.position + fixed.axes * point.place_now, normal = normal_in_world(point, bodies),
+                   opposite = x + (of_a ? 1 : -1) * (point.gap - u_(i)) * normal;
     out.point_a.row(i) = (of_a ? x : opposite).transpose();
     out.point_b.row(i) = (of_a ? opposite : x).transpose();
-    if (member_of_[static_cast<std::size_t>(i)] >= 0) rows = point.acting;
+    const Matrix3d rows =
+        member_of_[static_cast<std::size_t>(i)] >= 0 ? point.acting : in_world(point, bodies);
     out.normal.row(i) = rows.row(0);
     if (point.tangential >= 0)
       out.tangent.middleRows<2>(point.tangential - static_cast<Index>(points_.size())) = rows.bottomRows<2>();

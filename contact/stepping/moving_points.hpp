@@ -101,6 +101,10 @@ class MovingPoints {
 
   /// Watches no point until the next search, because nothing can touch in a flight.
   void watch_none() noexcept;
+  /// Expects the free elastic motion of the next step, so that `place` computes both. @param dq  (N)
+  void expect(const Vector& dq) noexcept {
+    for (Body& one : bodies_) one.candidates.expect(dq);
+  }
   /// Computes U of the watched points, and where they are. @param q  (N)
   void place(std::span<const FloatingBody> bodies, const Vector& q) noexcept;
   /// In the middle of a step: displacements d of the watched points. Chooses the points that may touch.
@@ -258,6 +262,7 @@ class MovingPoints {
   Eigen::Vector3d elastic(const End& end, const Vector& q) noexcept;
   void place(int number, std::span<const FloatingBody> bodies, const Vector* q) noexcept;
   Eigen::Matrix3d in_world(const Point& point, std::span<const FloatingBody> bodies) const noexcept;
+  Eigen::Vector3d normal_in_world(const Point& point, std::span<const FloatingBody> bodies) const noexcept;
   bool has_force(int number, const MeanForce& forces) const noexcept {
     return forces.end()(number) != 0 || forces.before()(number) != 0;
   }

@@ -150,7 +150,7 @@ TEST(DenseLoops, give_the_flexibility_of_levers) {
   std::vector<double> u(24 * candidates), out;
   for (std::size_t f = 0; f < points; ++f) {
     out.assign(static_cast<std::size_t>(8 * stride), 0);
-    simd::dense().displace(body, &levers[f], points - f, 0, candidates, u.data(), out.data());
+    simd::dense().displace(body, &levers[f], points - f, 0, candidates, u.data(), true, out.data());
     simd::dense().spread(n, levers[f].first, levers[f].rows, out.data(), S_found.data(), R_found.data(),
                          static_cast<std::size_t>(stride));
   }
