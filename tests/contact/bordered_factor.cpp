@@ -2,6 +2,7 @@
 // A factor with a border against a factor of the whole matrix, made by Eigen.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <random>
 #include <vector>
 
@@ -80,9 +81,46 @@ TEST(DenseLoops, give_the_products_of_rows) {
       simd::dense().row_products(rows, n, A.data(), n + 2, x.data(), products.data());
       simd::dense().add_rows(rows, n, A.data(), n + 2, y.data(), sum.data());
       EXPECT_LT((products - A.topRows(n).transpose() * x).norm(), 1e-13 * (1 + rows));
+      // Bit by bit: a step may compute a product with another one or alone.
+      const VectorXd other = numbers(n, 1);
+      VectorXd again = products, of_other = products;
+      const std::array<const double*, 2> vectors{other.data(), x.data()};
+      const std::array<double*, 2> both{of_other.data(), again.data()};
+      simd::dense().two_row_products(rows, n, A.data(), n + 2, vectors.data(), both.data());
+      EXPECT_EQ(again, products);
+      EXPECT_LT((of_other - A.topRows(n).transpose() * other).norm(), 1e-13 * (1 + rows));
       EXPECT_LT((sum.head(n) - before.head(n) - A.topRows(n) * y).norm(), 1e-13 * (1 + rows));
       EXPECT_EQ(sum(n), before(n));
     }
+}
+
+TEST(DenseLoops, give_the_norms_of_matrices) {
+  std::mt19937_64 random(9);
+  std::normal_distribution<double> normal;
+  for (const int size : {0, 1, 7, 8, 45}) {
+    MatrixXd A = MatrixXd::NullaryExpr(size + 2, size, [&] { return normal(random); });
+    A.topRows(size) = (A.topRows(size) + A.topRows(size).transpose()).eval();
+    const double exact = size > 0 ? A.topRows(size).cwiseAbs().rowwise().sum().maxCoeff() : 0;
+    EXPECT_NEAR(simd::dense().norm(size, A.data(), size + 2), exact, 1e-14 * exact);
+  }
+}
+
+// A step of modes without forces moves them as far, to round-off of three terms.
+TEST(DenseLoops, move_modes_freely) {
+  std::mt19937_64 random(10);
+  std::normal_distribution<double> normal;
+  for (const int size : {1, 8, 45}) {
+    const MatrixXd x = MatrixXd::NullaryExpr(size, 11, [&] { return normal(random); });
+    const auto column = [&](int j) { return &x(0, j); };
+    const simd::Oscillators modes{column(0), column(1), column(2), column(3), column(4),
+                                  column(5), column(6), column(7), column(8), column(8)};
+    const VectorXd none = VectorXd::Zero(size);
+    VectorXd dq(size), q(size), v(size);
+    double work[2] = {0, 0};
+    simd::dense().free_motion(size, modes, column(9), column(10), dq.data());
+    simd::dense().move_modes(size, modes, none.data(), column(9), column(10), q.data(), v.data(), work);
+    EXPECT_LT((x.col(9) + dq - q).cwiseAbs().maxCoeff(), 1e-15 * (1 + x.cwiseAbs().maxCoeff()) * 50);
+  }
 }
 
 // Levers with one candidate or two, one row or three, on a body of five candidates. The oracle multiplies
@@ -149,8 +187,9 @@ TEST(DenseLoops, give_the_flexibility_of_levers) {
   MatrixXd S_found = MatrixXd::Constant(stride, size, NAN), R_found = S_found;
   std::vector<double> u(24 * candidates), out;
   for (std::size_t f = 0; f < points; ++f) {
-    out.assign(static_cast<std::size_t>(8 * stride), 0);
-    simd::dense().displace(body, &levers[f], points - f, 0, candidates, u.data(), true, out.data());
+    const bool adds = f % 2 == 0;  // to 0, or sets what was undefined
+    out.assign(static_cast<std::size_t>(8 * stride), adds ? 0 : NAN);
+    simd::dense().displace(body, &levers[f], points - f, 0, candidates, u.data(), adds, out.data());
     simd::dense().spread(n, levers[f].first, levers[f].rows, out.data(), S_found.data(), R_found.data(),
                          static_cast<std::size_t>(stride));
   }
@@ -165,7 +204,7 @@ TEST(PivotedFactor, solves_for_a_vector_that_was_multiplied) {
   std::mt19937_64 random(6);
   std::normal_distribution<double> normal;
   PivotedFactor factor(211);
-  for (const int size : {1, 8, 31, 33, 64, 65, 130, 211}) {
+  for (const int size : {1, 8, 9, 31, 33, 64, 65, 130, 211}) {
     const MatrixXd A = MatrixXd::NullaryExpr(size, size, [&] { return normal(random); });
     factor.begin(size) = A;
     factor.factor();
