@@ -193,6 +193,7 @@ TEST(DenseLoops, give_the_flexibility_of_levers) {
     simd::dense().spread(n, levers[f].first, levers[f].rows, out.data(), S_found.data(), R_found.data(),
                          static_cast<std::size_t>(stride));
   }
+  EXPECT_TRUE(S_found.topRows(size).allFinite() && R_found.topRows(size).allFinite());
   EXPECT_LT((S_found.topRows(size) - of_S).cwiseAbs().maxCoeff(), 1e-14 * of_S.cwiseAbs().maxCoeff());
   EXPECT_LT((R_found.topRows(size) - of_R).cwiseAbs().maxCoeff(), 1e-14 * of_R.cwiseAbs().maxCoeff());
 }
