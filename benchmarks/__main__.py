@@ -23,6 +23,7 @@ SUBCOMMANDS = (
     "fountain",
     "web",
     "lv2",
+    "stress",
 )
 
 

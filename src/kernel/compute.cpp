@@ -194,7 +194,8 @@ kernels::Kernel compute(scene::KernelRequest& request, const std::filesystem::pa
                                    : is_compressed(request, made) ? surface::Correction::compressed
                                                                   : surface::Correction::all;
   surface::trace(teams, mesh, matrices, *made.factor, modes, patches, made.loads, form, request.view, kernel,
-                 made.sources, [&](std::int64_t done, std::int64_t total) { console.advance(done, total); });
+                 made.sources, request.stress ? body.materials : std::vector<scene::Material>{},
+                 [&](std::int64_t done, std::int64_t total) { console.advance(done, total); });
   if (fitted && corrected) move_above_band(*request.modes.up_to, kernel);
   if (request.mesh_error) {
     console.begin(body.name + ": error by the mesh");

@@ -70,6 +70,12 @@ double expected_mib(const scene::Modes& wanted, const Discretised& made, std::in
   return std::max(adapted, loads + search);
 }
 
+/// Components of displacement and stress on the visualisation surface; 0 except on the first rank of a team.
+double surface_rows(const scene::KernelRequest& request, const Discretised& made) {
+  const std::size_t rows = 3 + (request.stress ? kernels::stress_rows : 0);
+  return static_cast<double>(rows * made.mesh.visualisation.node.size());
+}
+
 /// Memory that the residual flexibility needs on this rank [MiB], besides that of the factorisation, which is
 /// freed before. Modes that are projected out add a little.
 double flexibility_mib(const scene::KernelRequest& request, const Discretised& made, std::int64_t modes,
@@ -82,8 +88,7 @@ double flexibility_mib(const scene::KernelRequest& request, const Discretised& m
   const auto loads = static_cast<double>(border.cols()), rows = static_cast<double>(made.matrices.local_rows),
              shapes = mib_of(rows * static_cast<double>(modes)) / teams;
   // With a picture: factors again, and the response of its nodes, as they come, gathered and stored.
-  const auto seen = 3 * static_cast<double>(made.mesh.visualisation.node.size()) +
-                    static_cast<double>(made.sources.view_stress.cols());
+  const double seen = surface_rows(request, made);
   const double nodes = request.view ? mib_of(seen * loads * 2.5) : 0;
   if (is_compressed(request, made))
     return shapes + made.factor->expected_mib() +
@@ -105,8 +110,7 @@ double flexibility_mib(const scene::KernelRequest& request, const Discretised& m
 double surface_mib(const scene::KernelRequest& request, const Discretised& made, std::int64_t modes) {
   const auto fields = static_cast<double>(modes) +
                       (has_flexibility(request, made) ? static_cast<double>(made.loads.cols()) : 0);
-  const std::size_t rows = 3 + (request.stress ? kernels::stress_rows : 0);
-  return static_cast<double>(rows * sizeof(float) * made.mesh.visualisation.node.size()) * fields / base::mib;
+  return sizeof(float) * surface_rows(request, made) * fields / base::mib;
 }
 
 /// Distributes the mesh of a body over `count` teams of ranks. Collective; throws InputError on every rank.
@@ -204,7 +208,7 @@ Discretised discretise(scene::KernelRequest& request, double view_mib, OpenedMes
     const auto shown_mib = [&] { return parallel::largest(comm, surface_mib(request, made, expected)); };
     double shown = shown_mib();
     if (shown > all_nodes_mib) {
-      surface::keep_corners(made.mesh, made.sources);
+      if (parallel::rank_of(made.mesh.comm) == 0) mesh::keep_corners(made.mesh.visualisation);
       shown = shown_mib();
     }
     if (!request.view && 0 < shown && shown <= view_mib) request = scene::with_view(request);

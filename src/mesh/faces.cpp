@@ -228,7 +228,7 @@ std::vector<Block> triangles_of(const std::vector<Block>& facets) {
   return std::move(surface).blocks();
 }
 
-std::vector<std::size_t> keep_corners(FacetMesh& surface) {
+void keep_corners(FacetMesh& surface) {
   surface.blocks = {std::move(surface.blocks.back())};
   std::vector<std::int64_t>& element = surface.blocks.front().node;
   std::vector<std::int64_t> kept = element;
@@ -240,7 +240,6 @@ std::vector<std::size_t> keep_corners(FacetMesh& surface) {
     surface.node.push_back(whole.node[n]);
     surface.position.insert(surface.position.end(), &whole.position[3 * n], &whole.position[3 * n] + 3);
   }
-  return {kept.begin(), kept.end()};
 }
 
 void orient(Block& facets, int order, const Faces& outside, const scene::Body& body, const std::string& key) {

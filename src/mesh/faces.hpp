@@ -43,9 +43,8 @@ std::vector<Block> triangles_of(const Faces& outside, int order);
 /// The same for facets that face outward.
 std::vector<Block> triangles_of(const std::vector<Block>& facets);
 
-/// Restricts a visualisation surface to the corners of its faces. Returns the indices of the nodes that it
-/// keeps, ascending.
-std::vector<std::size_t> keep_corners(FacetMesh& surface);
+/// Restricts a visualisation surface to the corners of its faces.
+void keep_corners(FacetMesh& surface);
 
 /// Orients each facet of a surface of `body` outward. Throws InputError if a facet does not lie on the
 /// boundary, in which case the message names `key` of the scene, or if its order differs from the `order` of

@@ -76,18 +76,18 @@ void respond(const parallel::Teams& teams, Factorisation& factor, const std::vec
              const ModeSet& modes, const Retained& kept, const Loads& loads, const MatrixXd& t,
              const MatrixXd& z, Rows& field) {
   factor.factor_on_springs(on_springs);
-  const Index rows = field.of.rows();
+  const Index rows = field.of.rows() + field.gradient_rows();
   const auto solved = [&](Index columns, const auto& block) {
     MatrixXd value(rows, columns);
     const Index width = columns_at_once * teams.count();
     for (Index from = 0; from < columns; from += width) {
       const Index n = std::min(width, columns - from);
-      value.middleCols(from, n) = field.times(modes::shared_solve(teams, factor, block(from, n)));
+      value.middleCols(from, n) = field.all_times(modes::shared_solve(teams, factor, block(from, n)));
     }
     return value;
   };
   MatrixXd shape = MatrixXd::Zero(rows, kept.inverse.size());
-  shape(Eigen::all, modes.index) = field.times(modes.shape);
+  shape(Eigen::all, modes.index) = field.all_times(modes.shape);
   parallel::sum(teams.peers(), shape);
   const MatrixXd by_low = solved(
       kept.load.cols(), [&](Index from, Index n) -> MatrixXd { return kept.load.middleCols(from, n); });

@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "ricochet/kernel.hpp"
@@ -40,8 +42,11 @@ struct Point {
 /// What one share of a node gives: (rows of the gauge, components of the mesh).
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic>;
 
-/// Of an isotropic material.
-Rows stress_of(const mesh::Mesh& mesh, const scene::Material& material, const Vector3d& weight) {
+/// @param weight  of the node in the gradient
+/// @param C  null if the material is isotropic
+Rows stress_of(const mesh::Mesh& mesh, const scene::Material& material, const elasticity::Matrix6* C,
+               const Vector3d& weight) {
+  if (C != nullptr) return *C * elasticity::strain_of(weight);
   Rows out = Rows::Zero(stress_rows, mesh.components());
   const Vector3d axis(mesh.axis.data());
   const double mu = material.young / (2 * (1 + material.poisson)),
@@ -99,55 +104,75 @@ std::pair<std::vector<Point>, std::vector<Located>> points_of(const mesh::Mesh& 
   return {points, at};
 }
 
-using Entries = std::vector<Eigen::Triplet<double>>;
+/// The materials of a body, and their laws at places.
+class Materials {
+ public:
+  Materials(const mesh::Mesh& mesh, const std::vector<scene::Material>& materials)
+      : mesh_(mesh), materials_(materials), laws_(elasticity::materials_of(materials, mesh.dim)) {}
 
-/// Calls put(entry, fixed) for each entry of the columns of the points. Collective.
-template <class Put>
-void for_each_entry(const mesh::Mesh& mesh, const std::vector<scene::Material>& materials,
-                    const std::vector<Point>& points, const std::vector<Located>& at, Put&& put) {
-  const int c = mesh.components();
-  const std::vector<elasticity::Material> laws = elasticity::materials_of(materials, mesh.dim);
-  elasticity::Matrix6 C;  // at the last point; shares are ordered by point
-  std::int64_t last = -1;
-  for (const GradientShare& share : recover_gradients(mesh, at)) {
-    const Index row = mesh.owned(share.node);
-    if (row < 0) continue;
-    const auto local = static_cast<std::size_t>(
-        std::lower_bound(mesh.node.begin(), mesh.node.end(), share.node) - mesh.node.begin());
-    const Point& point = points[static_cast<std::size_t>(share.point)];
-    const Located& place = at[static_cast<std::size_t>(share.point)];
-    const auto label = static_cast<std::size_t>(place.label);
-    const scene::Material& material = materials[label];
-    const elasticity::Law* const law = laws[label].law.get();
-    if (law != nullptr && std::exchange(last, share.point) != share.point)
-      C = law->at(Vector3d(place.place.data()));
-    const Vector3d weight(share.weight.data());
-    const auto add = [&](const Rows& rows, Index first) {
-      for (Index k = 0; k < rows.rows(); ++k)
-        for (int d = 0; d < c; ++d)
-          put(Eigen::Triplet<double>(static_cast<int>(row * c + d), static_cast<int>(first + k), rows(k, d)),
-              mesh.is_fixed(local, d));
-    };
-    if (point.stress)
-      add(law != nullptr ? Rows(C * elasticity::strain_of(weight)) : stress_of(mesh, material, weight),
-          point.first);
-    if (point.strain > 0)
-      add(point.strain * strain_of(mesh, material, weight, point.direction), point.first + stress_rows);
+  const scene::Material& at(const Located& place) const {
+    return materials_[static_cast<std::size_t>(place.label)];
   }
+  /// The stress at a place by each gradient: column lc + k is that of ∂u_k/∂x_l. (6, 3 components)
+  Rows stress(const Located& place) const {
+    std::optional<elasticity::Matrix6> C;
+    if (const elasticity::Law* const law = laws_[static_cast<std::size_t>(place.label)].law.get())
+      C = law->at(Vector3d(place.place.data()));
+    const Index c = mesh_.components();
+    Rows out(stress_rows, 3 * c);
+    for (Index l = 0; l < 3; ++l)
+      out.middleCols(l * c, c) = stress_of(mesh_, at(place), C ? &*C : nullptr, Vector3d::Unit(l));
+    return out;
+  }
+
+ private:
+  const mesh::Mesh& mesh_;
+  const std::vector<scene::Material>& materials_;
+  std::vector<elasticity::Material> laws_;
+};
+
+/// The shares that this rank owns, by point.
+struct OwnShare {
+  std::size_t point;
+  std::size_t local;  ///< among the nodes of this rank
+  Index own;          ///< among those that it owns
+  Vector3d weight;
+};
+
+/// Collective.
+std::vector<OwnShare> own_shares(const mesh::Mesh& mesh, const std::vector<Located>& places) {
+  std::vector<OwnShare> out;
+  for (const GradientShare& share : recover_gradients(mesh, places))
+    if (const std::int64_t own = mesh.owned(share.node); own >= 0)
+      out.push_back(
+          {static_cast<std::size_t>(share.point),
+           static_cast<std::size_t>(std::ranges::lower_bound(mesh.node, share.node) - mesh.node.begin()), own,
+           Vector3d(share.weight.data())});
+  return out;
 }
 
 }  // namespace
 
-Eigen::SparseMatrix<double> stress_columns(const mesh::Mesh& mesh,
-                                           const std::vector<scene::Material>& materials,
-                                           const std::vector<Located>& places) {
-  std::vector<Point> points;
-  for (std::size_t i = 0; i < places.size(); ++i) points.push_back({static_cast<Index>(i) * stress_rows});
-  Entries entries;
-  for_each_entry(mesh, materials, points, places,
-                 [&](const Eigen::Triplet<double>& entry, bool) { entries.push_back(entry); });
-  Eigen::SparseMatrix<double> out(mesh.owned_nodes * mesh.components(), std::ssize(places) * stress_rows);
-  out.setFromTriplets(entries.begin(), entries.end());
+reduction::GradientRows surface_stress(const mesh::Mesh& mesh,
+                                       const std::vector<scene::Material>& materials) {
+  std::vector<std::int64_t> nodes = mesh.visualisation.node;
+  parallel::broadcast(mesh.comm, nodes);
+  const std::vector<Located> places = at_nodes(mesh, nodes);
+  const Materials of(mesh, materials);
+  reduction::GradientRows out;
+  for (const OwnShare& share : own_shares(mesh, places)) {
+    if (out.point.empty() || out.point.back() != share.point) {
+      out.point.push_back(share.point);
+      out.start.push_back(out.start.back());
+    }
+    ++out.start.back();
+    out.node.push_back(static_cast<int>(share.own));
+    out.weight.insert(out.weight.end(), share.weight.begin(), share.weight.end());
+  }
+  const Index width = 3 * mesh.components();
+  out.law.resize(stress_rows, width * std::ssize(out.point));
+  for (std::size_t p = 0; p < out.point.size(); ++p)
+    out.law.middleCols(width * static_cast<Index>(p), width) = of.stress(places[out.point[p]]);
   return out;
 }
 
@@ -165,10 +190,27 @@ GaugeColumns gauge_columns(const mesh::Mesh& mesh, const scene::KernelRequest& r
                     "the gauge out",
                     request.body.mesh.filename().string(), request.gauges.front().name, request.body.name));
   const auto [points, at] = points_of(mesh, request, places);
-  Entries all, held;
-  for_each_entry(
-      mesh, request.body.materials, points, at,
-      [&](const Eigen::Triplet<double>& entry, bool fixed) { (fixed ? held : all).push_back(entry); });
+  const Materials of(mesh, request.body.materials);
+  std::vector<Eigen::Triplet<double>> all, held;
+  Rows law;  // at the last point; shares are ordered by point
+  std::size_t last = points.size();
+  for (const OwnShare& share : own_shares(mesh, at)) {
+    const Point& point = points[share.point];
+    if (std::exchange(last, share.point) != share.point) law = of.stress(at[share.point]);
+    const auto add = [&](const Rows& rows, Index first) {
+      for (Index k = 0; k < rows.rows(); ++k)
+        for (int d = 0; d < c; ++d)
+          (mesh.is_fixed(share.local, d) ? held : all)
+              .emplace_back(static_cast<int>(share.own * c + d), static_cast<int>(first + k), rows(k, d));
+    };
+    if (point.stress)
+      add(share.weight[0] * law.leftCols(c) + share.weight[1] * law.middleCols(c, c) +
+              share.weight[2] * law.rightCols(c),
+          point.first);
+    if (point.strain > 0)
+      add(point.strain * strain_of(mesh, of.at(at[share.point]), share.weight, point.direction),
+          point.first + stress_rows);
+  }
   out.free.setFromTriplets(all.begin(), all.end());
   all.insert(all.end(), held.begin(), held.end());
   out.filled.setFromTriplets(all.begin(), all.end());

@@ -5,6 +5,7 @@
 #include <Eigen/SparseCore>
 #include <vector>
 
+#include "src/reduction/rows.hpp"
 #include "src/scene/request.hpp"
 #include "src/surface/locate.hpp"
 
@@ -26,11 +27,8 @@ struct GaugeColumns {
 GaugeColumns gauge_columns(const mesh::Mesh& mesh, const scene::KernelRequest& request,
                            const std::vector<Located>& places);
 
-/// The stress at places, recovered as for gauges.
-/// @return (local rows, 6 per place) [Pa/m] with fixed rows of the mesh; its transpose gives the stress
-/// Needs a GmshSession. Collective.
-Eigen::SparseMatrix<double> stress_columns(const mesh::Mesh& mesh,
-                                           const std::vector<scene::Material>& materials,
-                                           const std::vector<Located>& places);
+/// The stress at the nodes of the visualisation surface, recovered as for gauges: 6 rows a node [Pa]. The
+/// body must have elements. Needs a GmshSession. Collective.
+reduction::GradientRows surface_stress(const mesh::Mesh& mesh, const std::vector<scene::Material>& materials);
 
 }  // namespace ricochet::surface

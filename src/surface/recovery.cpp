@@ -31,6 +31,9 @@ constexpr double least_share = 1e-4, least_share_of_highest = 1e-2;
 /// round-off.
 constexpr double least_variance = 1e-12;
 
+/// Whether a corner takes part in the mean at a point: at a vertex, the others have round-off.
+bool takes_part(double corner_weight) { return std::abs(corner_weight) > 1e-12; }
+
 /// The nodes around a corner and the polynomial through their displacements.
 struct Patch {
   std::int64_t corner = -1, label = -1;
@@ -63,17 +66,17 @@ std::vector<std::array<int, 3>> exponents_of(const mesh::Mesh& mesh) {
 using Exponents = std::vector<std::array<int, 3>>;
 
 /// @param exponents  by degree
-VectorXd monomials(const Exponents& exponents, const Vector3d& x) {
+/// @param power  (3, highest degree + 1), is overwritten; @param out  (monomials)
+void monomials(const Exponents& exponents, const Vector3d& x, MatrixXd& power, VectorXd& out) {
   const auto& highest = exponents.back();
-  MatrixXd power = MatrixXd::Ones(3, highest[0] + highest[1] + highest[2] + 1);
+  power.setOnes(3, highest[0] + highest[1] + highest[2] + 1);
   for (Index degree = 1; degree < power.cols(); ++degree)
     power.col(degree) = power.col(degree - 1).cwiseProduct(x);
-  VectorXd out(std::ssize(exponents));
+  out.resize(std::ssize(exponents));
   for (std::size_t k = 0; k < exponents.size(); ++k) {
     const auto& [i, j, l] = exponents[k];
     out[static_cast<Index>(k)] = power(0, i) * power(1, j) * power(2, l);
   }
-  return out;
 }
 
 /// (monomials, 3) their derivatives.
@@ -158,7 +161,8 @@ void for_each_own(const mesh::Mesh& mesh, const Patch& patch, Visit&& visit) {
   }
 }
 
-/// The inverse of a Gram matrix of monomials without those that earlier ones determine, whose rows are 0.
+/// The inverse of a Gram matrix of monomials, of which the lower triangle is read, without those that earlier
+/// ones determine, whose rows are 0.
 /// @param lower  number of monomials of degree p + 1 at most, which come first
 /// @return indices of those that are not left out
 std::vector<Index> invert(const MatrixXd& gram, Index lower, MatrixXd& inverse) {
@@ -188,6 +192,8 @@ void fit(const mesh::Mesh& mesh, const Exponents& exponents, std::vector<Patch>&
   const Index n = std::ssize(exponents);
   const auto lower =
       std::ranges::count_if(exponents, [&](const auto& e) { return e[0] + e[1] + e[2] <= mesh.order + 1; });
+  MatrixXd power;
+  VectorXd m;
   MatrixXd moment =
                MatrixXd::Zero(15, std::ssize(patches)),  // Σ x, Σ x xᵀ and the corner, from the first centre
       gram = MatrixXd::Zero(n * n, std::ssize(patches));
@@ -218,8 +224,8 @@ void fit(const mesh::Mesh& mesh, const Exponents& exponents, std::vector<Patch>&
     patch.place = patch.centre + moment.col(k).tail<3>();
     patch.centre += mean;
     for_each_own(mesh, patch, [&](std::int64_t, const Vector3d& x) {
-      const VectorXd m = monomials(exponents, patch.local(x));
-      Eigen::Map<MatrixXd>(&gram(0, k), n, n) += patch.weight(x) * m * m.transpose();
+      monomials(exponents, patch.local(x), power, m);
+      Eigen::Map<MatrixXd>(&gram(0, k), n, n).selfadjointView<Eigen::Lower>().rankUpdate(m, patch.weight(x));
     });
   });
   parallel::sum(mesh.comm, gram);
@@ -243,7 +249,8 @@ std::vector<Patch> patches_of(const mesh::Mesh& mesh, const Exponents& exponents
   std::map<std::pair<std::int64_t, std::int64_t>, Vector3d> corners;
   for (const Located& point : points)
     for (std::size_t v = 0; v < point.corner_weight.size(); ++v)
-      corners.emplace(std::pair(point.node[v], point.label), Vector3d(point.place.data()));
+      if (takes_part(point.corner_weight[v]))
+        corners.emplace(std::pair(point.node[v], point.label), Vector3d(point.place.data()));
   std::vector<Patch> patches;
   for (const auto& [key, place] : corners)
     patches.push_back({.corner = key.first, .label = key.second, .seeds = {key.first}, .centre = place});
@@ -275,16 +282,20 @@ std::vector<GradientShare> recover_gradients(const mesh::Mesh& mesh, const std::
                                      [](const Patch& p) { return std::pair(p.corner, p.label); });
   };
   std::vector<GradientShare> out;
+  MatrixXd power;
+  VectorXd m;
   for (std::size_t i = 0; i < points.size(); ++i) {
     std::map<std::int64_t, Vector3d> sums;
     for (std::size_t v = 0; v < points[i].corner_weight.size(); ++v) {
+      if (!takes_part(points[i].corner_weight[v])) continue;
       const Patch& patch = patch_of(points[i].node[v], points[i].label);
       const Exponents used(exponents.begin(), exponents.begin() + patch.inverse.rows());
       const MatrixXd by_monomial = points[i].corner_weight[v] * patch.inverse *
                                    slopes(used, patch.local(Vector3d(points[i].place.data()))) * patch.scale;
       for_each_own(mesh, patch, [&](std::int64_t node, const Vector3d& x) {
-        const VectorXd m = patch.weight(x) * monomials(used, patch.local(x));
-        sums.try_emplace(node, Vector3d::Zero()).first->second += by_monomial.transpose() * m;
+        monomials(used, patch.local(x), power, m);
+        sums.try_emplace(node, Vector3d::Zero()).first->second +=
+            patch.weight(x) * (by_monomial.transpose() * m);
       });
     }
     for (const auto& [node, sum] : sums)

@@ -199,31 +199,7 @@ Sources make_sources(const mesh::Mesh& mesh, const scene::KernelRequest& request
   sources.receiver = seen(FixedRows::zero, gauges.free);
   sources.receiver_filled = seen(FixedRows::filled, gauges.filled);
   sources.gauge_unit = std::move(gauges.unit);
-  if (request.stress && mesh.total_elements > 0) {
-    std::vector<std::int64_t> nodes = mesh.visualisation.node;
-    parallel::broadcast(mesh.comm, nodes);
-    sources.view_stress = stress_columns(mesh, request.body.materials, at_nodes(mesh, nodes));
-  }
   return sources;
-}
-
-void keep_corners(mesh::Mesh& mesh, Sources& sources) {
-  std::vector<std::int64_t> kept;
-  if (parallel::rank_of(mesh.comm) == 0)
-    for (const std::size_t node : mesh::keep_corners(mesh.visualisation))
-      kept.push_back(static_cast<std::int64_t>(node));
-  if (sources.view_stress.cols() == 0) return;
-  parallel::broadcast(mesh.comm, kept);
-  constexpr auto rows = static_cast<int>(kernels::stress_rows);
-  std::vector<Eigen::Triplet<double>> entries;
-  for (std::size_t v = 0; v < kept.size(); ++v)
-    for (int c = 0; c < rows; ++c) {
-      const auto from = rows * static_cast<Eigen::Index>(kept[v]) + c;
-      for (Eigen::SparseMatrix<double>::InnerIterator entry(sources.view_stress, from); entry; ++entry)
-        entries.emplace_back(static_cast<int>(entry.row()), rows * static_cast<int>(v) + c, entry.value());
-    }
-  sources.view_stress.resize(sources.view_stress.rows(), rows * std::ssize(kept));
-  sources.view_stress.setFromTriplets(entries.begin(), entries.end());
 }
 
 }  // namespace ricochet::surface

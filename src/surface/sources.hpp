@@ -23,9 +23,6 @@ struct Sources {
   Eigen::MatrixXd receiver;
   Eigen::SparseMatrix<double> receiver_filled;  ///< the same with fixed rows
   Eigen::VectorXd gauge_unit;  ///< (rows of all gauges) [Pa] or [1]; so that columns have length 1
-  /// (local rows, 6 per node of the visualisation surface) [Pa/m]; its transpose gives their stress. No
-  /// columns unless the request asks for them and the body has elements.
-  Eigen::SparseMatrix<double> view_stress;
   reduction::Lift lift;  ///< of the moving supports; set once the matrices are factored
 };
 
@@ -37,8 +34,5 @@ mesh::RequestedGroups requested_groups(const scene::KernelRequest& request);
 /// Throws InputError if a point is farther from the body than 1e-6 of its size, or if a body without elements
 /// has a gauge.
 Sources make_sources(const mesh::Mesh& mesh, const scene::KernelRequest& request);
-
-/// Restricts the visualisation surface to the corners of its faces. Collective on the team.
-void keep_corners(mesh::Mesh& mesh, Sources& sources);
 
 }  // namespace ricochet::surface

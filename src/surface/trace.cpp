@@ -8,6 +8,7 @@
 #include "kernels/compression.hpp"
 #include "src/elasticity/rigid.hpp"
 #include "src/reduction/residual.hpp"
+#include "src/surface/gauges.hpp"
 
 namespace ricochet::surface {
 
@@ -25,8 +26,8 @@ std::vector<double> flat(const Eigen::MatrixBase<Derived>& matrix) {
   return values;
 }
 
-/// A field on the mesh at the nodes of the visualisation surface: its displacement and, if `stress` has
-/// columns (Sources::view_stress), its stress.
+/// A field on the mesh at the nodes of the visualisation surface: its displacement and, if the kernel is to
+/// have it, its stress.
 class VisualisationField {
  public:
   /// One of them: some rows of `rows`, and the number of each in (V,3) or (V,6).
@@ -37,34 +38,30 @@ class VisualisationField {
     Eigen::Index count() const { return std::ssize(number); }
   };
 
-  VisualisationField(const mesh::Mesh& mesh, const Eigen::SparseMatrix<double>& stress) : mesh_(mesh) {
+  /// @param stress  rows of stress_rows; without a law, there is no stress
+  VisualisationField(const mesh::Mesh& mesh, reduction::GradientRows stress) : mesh_(mesh) {
     std::vector<std::int64_t> node = mesh.visualisation.node;
     parallel::broadcast(mesh.comm, node);
     std::vector<Eigen::Triplet<double>> entries;
-    const auto add = [&](Quantity& to, std::size_t number) {
-      to.number.push_back(number);
-      return static_cast<int>(to.first + to.count() - 1);
-    };
     const int c = mesh.components();
     displacement.size = 3 * node.size();
     for (std::size_t v = 0; v < node.size(); ++v) {
       const auto local = static_cast<int>(mesh.owned(node[v]));
       if (local < 0) continue;
       for (std::size_t d = 0; d < 3; ++d) {
-        const int row = add(displacement, 3 * v + d), of = static_cast<int>(d);
+        const auto row = static_cast<int>(displacement.count()), of = static_cast<int>(d);
+        displacement.number.push_back(3 * v + d);
         entries.emplace_back(row, c == 3 ? 3 * local + of : local, c == 3 ? 1 : mesh.axis[d]);
       }
     }
-    this->stress.first = displacement.count();
-    this->stress.size = static_cast<std::size_t>(stress.cols());
-    for (int k = 0; k < stress.outerSize(); ++k) {
-      Eigen::SparseMatrix<double>::InnerIterator entry(stress, k);
-      if (!entry) continue;
-      const int row = add(this->stress, static_cast<std::size_t>(k));
-      for (; entry; ++entry) entries.emplace_back(row, static_cast<int>(entry.row()), entry.value());
-    }
-    rows.of.resize(displacement.count() + this->stress.count(), mesh.owned_nodes * c);
+    rows.of.resize(displacement.count(), mesh.owned_nodes * c);
     rows.of.setFromTriplets(entries.begin(), entries.end());
+    this->stress.first = displacement.count();
+    this->stress.size = static_cast<std::size_t>(stress.law.rows()) * node.size();
+    for (const std::size_t point : stress.point)
+      for (std::size_t k = 0; k < kernels::stress_rows; ++k)
+        this->stress.number.push_back(kernels::stress_rows * point + k);
+    rows.of_gradient = std::move(stress);
   }
 
   /// Gathers columns on the first rank of `comm`, one at a time. Returns (size, count), or an empty vector on
@@ -104,9 +101,8 @@ class VisualisationField {
 
 /// Stores the modes on the visualisation surface in the kernel of the first rank. Collective.
 void gather_view(const parallel::Teams& teams, const mesh::Mesh& mesh, const modes::ModeSet& modes,
-                 const Sources& sources, kernels::Kernel& kernel) {
-  const VisualisationField field(mesh, sources.view_stress);
-  const auto gathered = [&](const VisualisationField::Quantity& of, double from) {
+                 const VisualisationField& field, kernels::Kernel& kernel) {
+  const auto gathered = [&](const VisualisationField::Quantity& of, auto times, double from) {
     Eigen::Index own = 0;
     Eigen::MatrixXd some;  // of the next modes of this rank
     return field.gather(
@@ -116,17 +112,17 @@ void gather_view(const parallel::Teams& teams, const mesh::Mesh& mesh, const mod
             return std::nullopt;
           const Eigen::Index at = own++ % modes_at_once;
           if (at == 0)
-            some = field.rows.times(
-                modes.shape.middleCols(own - 1, std::min(modes_at_once, modes.shape.cols() - (own - 1))),
-                of.first, of.count());
+            some = (field.rows.*times)(
+                modes.shape.middleCols(own - 1, std::min(modes_at_once, modes.shape.cols() - (own - 1))));
           if (modes.angular_frequency[static_cast<std::size_t>(n)] < from) return std::nullopt;
           return some.col(at);
         });
   };
-  std::vector<float> shape = gathered(field.displacement, 0);
+  std::vector<float> shape = gathered(field.displacement, &reduction::Rows::times, 0);
   // Rigid modes have no stress, and a body that flies far would multiply the round-off of one.
   std::vector<float> stress;
-  if (field.stress.size > 0) stress = gathered(field.stress, std::numeric_limits<double>::min());
+  if (field.stress.size > 0)
+    stress = gathered(field.stress, &reduction::Rows::gradient_times, std::numeric_limits<double>::min());
   if (parallel::rank_of(teams.world()) != 0) return;
   kernels::View& view = kernel.view.emplace();
   view.node = mesh.visualisation.position;
@@ -255,9 +251,8 @@ void take_corrections(const VisualisationField& field, Eigen::Index candidates, 
 }
 
 /// Stores Ψ − ΦΓ on the visualisation surface. Collective on the team.
-void trace_motions(const mesh::Mesh& mesh, const Sources& sources, kernels::Kernel& kernel) {
-  VisualisationField field(mesh, sources.view_stress);
-  field.rows.value = field.rows.times(sources.lift.shape);
+void trace_motions(const Sources& sources, VisualisationField& field, kernels::Kernel& kernel) {
+  field.rows.value = field.rows.all_times(sources.lift.shape);
   const auto count = static_cast<std::size_t>(sources.lift.shape.cols());
   const auto take = [&](const VisualisationField::Quantity& of, auto* to) {
     std::vector<float> moved = field.gather(of, 0, sources.lift.shape.cols());
@@ -325,7 +320,8 @@ Eigen::MatrixXd gravity_without_fall(const mesh::Mesh& mesh, const elasticity::B
 void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
            modes::Factorisation& factor, const modes::ModeSet& modes, const Patches& patches,
            const reduction::Loads& loads, Correction correction, bool view, kernels::Kernel& kernel,
-           const Sources& sources, const parallel::Progress& advance) {
+           const Sources& sources, const std::vector<scene::Material>& stressed,
+           const parallel::Progress& advance) {
   const auto seen_by_modes = [&](const auto& load) {
     return modes.gather(teams, modes::inner(mesh.comm, load, modes.shape));
   };
@@ -333,8 +329,13 @@ void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticit
                       seen_by_modes(sources.receiver)};
   take_traces(patches, traces, sources, kernel);
   trace_motions(teams, mesh, body, modes, patches, traces, sources, kernel);
-  if (view) gather_view(teams, mesh, modes, sources, kernel);
-  if (view && !sources.motions.empty()) trace_motions(mesh, sources, kernel);
+  std::optional<VisualisationField> field;
+  if (view) {
+    field.emplace(mesh, stressed.empty() || mesh.total_elements == 0 ? reduction::GradientRows{}
+                                                                     : surface_stress(mesh, stressed));
+    gather_view(teams, mesh, modes, *field, kernel);
+    if (!sources.motions.empty()) trace_motions(sources, *field, kernel);
+  }
   if (correction != Correction::none) {
     kernel.surface.normal_residual = correction == Correction::normal;
     const reduction::Loads pressed =
@@ -343,8 +344,6 @@ void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticit
     const reduction::Loads all =
         reduction::beside({pressed, sources.receiver.sparseView(),
                            gravity_without_fall(mesh, body).sparseView(), sources.load.sparseView()});
-    std::optional<VisualisationField> field;
-    if (view) field.emplace(mesh, sources.view_stress);
     if (correction == Correction::compressed) {
       reduction::ResidualColumns response(teams, mesh, body, factor, modes, all);
       std::vector<Eigen::Index> others(static_cast<std::size_t>(all.cols() - candidates));

@@ -30,13 +30,14 @@ void take_corrections(const Eigen::Ref<const Eigen::MatrixXd>& response, Eigen::
 enum class Correction { none, all, normal, compressed };
 
 /// Fills a kernel with shapes, loads and the data of `sources`. Adds the static correction unless
-/// `correction` is `none`, and the visualisation surface if `view` is set, with its stress if `sources` has
-/// it. The visualisation surface is stored on rank 0 only; everything else is the same on every rank. `loads`
-/// are the loads of the patches, `advance` is called with the number of candidates whose correction is
-/// compressed, of all. Collective.
+/// `correction` is `none`, and the visualisation surface if `view` is set, with the stress of bodies that
+/// have elements if `stressed` contains their materials. The visualisation surface is stored on rank 0 only;
+/// everything else is the same on every rank. `loads` are the loads of the patches, `advance` is called with
+/// the number of candidates whose correction is compressed, of all. Needs a GmshSession. Collective.
 void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
            modes::Factorisation& factor, const modes::ModeSet& modes, const Patches& patches,
            const reduction::Loads& loads, Correction correction, bool view, kernels::Kernel& kernel,
-           const Sources& sources, const parallel::Progress& advance = {});
+           const Sources& sources, const std::vector<scene::Material>& stressed = {},
+           const parallel::Progress& advance = {});
 
 }  // namespace ricochet::surface
