@@ -109,7 +109,7 @@ void run(const Options& options) {
   const bool in_teams = options.solver == "ricochet" && modes::works_in_teams(request.modes.solver);
   const parallel::Teams teams(world, in_teams ? parallel::size_of(world) : 1);
   if (parallel::rank_of(teams.team()) == 0) mesh::broadcast(global, teams.peers());
-  const mesh::Mesh mesh = mesh::distribute(std::move(global), teams.team());
+  const mesh::Mesh mesh = mesh::distribute(std::move(global), teams.team(), teams.peers());
   const double started = MPI_Wtime();
   const elasticity::Body body =
       elasticity::assemble(mesh, request.body.materials, request.body.mesh.filename().string());
