@@ -108,10 +108,7 @@ double norm(std::size_t n, const double* A, std::size_t of_A) {
     const double* const column = A + j * of_A;
     V::type sums = {};
     std::size_t i = 0;
-    for (; i + V::size <= n; i += V::size) {
-      const auto x = V::load(column + i);
-      sums += x < 0 ? -x : x;
-    }
+    for (; i + V::size <= n; i += V::size) sums += V::magnitude(V::load(column + i));
     double sum = V::sum(sums);
     for (; i < n; ++i) sum += column[i] < 0 ? -column[i] : column[i];
     if (!(sum <= most)) most = sum;  // NaN included
@@ -282,23 +279,29 @@ void displace(const Yield& body, const Lever* levers, std::size_t count, std::si
       Eight::store(u + 8 * (3 * node + y), moved);
     }
   }
-  for (std::size_t f = 0; f < count; ++f) {
-    const Lever& lever = levers[f];
-    Eight::type moved[3];
-    for (std::size_t y = 0; y < 3; ++y) {
-      moved[y] = shift[y] + turn[(y + 1) % 3] * lever.arm[(y + 2) % 3];
-      moved[y] -= turn[(y + 2) % 3] * lever.arm[(y + 1) % 3];
+  const auto move_levers = [&](auto sum_at) {
+    for (std::size_t f = 0; f < count; ++f) {
+      const Lever& lever = levers[f];
+      Eight::type moved[3];
+      for (std::size_t y = 0; y < 3; ++y) {
+        moved[y] = shift[y] + turn[(y + 1) % 3] * lever.arm[(y + 2) % 3];
+        moved[y] -= turn[(y + 2) % 3] * lever.arm[(y + 1) % 3];
+      }
+      for (std::size_t j = 0; j < lever.count; ++j)
+        for (std::size_t y = 0; y < 3; ++y)
+          moved[y] += lever.weight[j] * Eight::load(u + 8 * (3 * lever.at[j] + y));
+      for (std::size_t x = 0; x < lever.rows; ++x) {
+        double* const at = out + 8 * (lever.first + x);
+        Eight::type sum = sum_at(at);
+        for (std::size_t y = 0; y < 3; ++y) sum += lever.along[y][x] * moved[y];
+        Eight::store(at, sum);
+      }
     }
-    for (std::size_t j = 0; j < lever.count; ++j)
-      for (std::size_t y = 0; y < 3; ++y)
-        moved[y] += lever.weight[j] * Eight::load(u + 8 * (3 * lever.at[j] + y));
-    for (std::size_t x = 0; x < lever.rows; ++x) {
-      double* const at = out + 8 * (lever.first + x);
-      Eight::type sum = adds ? Eight::load(at) : Eight::type{};
-      for (std::size_t y = 0; y < 3; ++y) sum += lever.along[y][x] * moved[y];
-      Eight::store(at, sum);
-    }
-  }
+  };
+  if (adds)
+    move_levers([](const double* at) { return Eight::load(at); });
+  else
+    move_levers([](const double*) { return Eight::type{}; });
 }
 
 void spread(std::size_t n, std::size_t first, std::size_t columns, const double* out, double* S, double* R,

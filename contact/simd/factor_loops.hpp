@@ -23,7 +23,7 @@ std::size_t pivot_of(std::size_t rows, std::size_t c, const double* column) {
   V::type most = {};
   std::size_t i = c;
   for (; i + V::size <= rows; i += V::size) {
-    const auto x = V::load(column + i), size = x < 0 ? -x : x;
+    const auto size = V::magnitude(V::load(column + i));
     most = size > most ? size : most;
   }
   double largest = 0;
