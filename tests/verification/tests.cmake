@@ -7,6 +7,7 @@ add_program_test(verification oracle_test)
 add_program_test(verification peers_test)
 add_program_test(verification extremes FIRST LONG)
 add_program_test(verification verify)
+set_tests_properties(verification/crystal_agreement PROPERTIES TIMEOUT 1800)  # 3 minutes of processor time
 
 # Each short case of the validation manual is a separate test, which computes the case again. Those that take more than a few
 # seconds run with scripts/test --long only.
