@@ -13,6 +13,7 @@
 #include "src/elasticity/expected_size.hpp"
 #include "src/elasticity/matrix_file.hpp"
 #include "src/kernel/imported_modes.hpp"
+#include "src/mesh/faces.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/partition.hpp"
 #include "src/mesh/parts.hpp"
