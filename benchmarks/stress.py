@@ -6,7 +6,6 @@
 
 The files are those that hold stress: the kernels, and the result. Run scripts/build first.
 """
-import re
 import tempfile
 from pathlib import Path
 
@@ -36,7 +35,12 @@ def add_arguments(parser):
 def once(scene, settings, stress):
     """Processor times [s] and sizes of the files [MB] of both programs, by name."""
     with tempfile.TemporaryDirectory(prefix="ricochet-bench-") as folder:
-        words = [scene, "--out", folder, *programs.with_set([*settings, f"output.stress={str(stress).lower()}"])]
+        words = [
+            scene,
+            "--out",
+            folder,
+            *programs.with_set([*settings, f"output.stress={str(stress).lower()}"]),
+        ]
         out, before = {}, 0
         for program in ("kernel", "contact"):
             done = launch.measured([programs.BIN / f"ricochet-{program}", *words])
@@ -50,7 +54,8 @@ def run(options):
     scene = options.scene or BRACKET
     settings = [*([] if options.scene else SETTINGS), "output.view=true", *options.set]
     found = timing.alternate(
-        options.rounds, {name: lambda name=name: once(scene, settings, name == "with") for name in ("without", "with")}
+        options.rounds,
+        {name: lambda name=name: once(scene, settings, name == "with") for name in ("without", "with")},
     )
     table = tables.Table(COLUMNS)
     for program in ("kernel", "contact"):

@@ -23,7 +23,7 @@ struct Sources {
   Eigen::MatrixXd receiver;
   Eigen::SparseMatrix<double> receiver_filled;  ///< the same with fixed rows
   Eigen::VectorXd gauge_unit;  ///< (rows of all gauges) [Pa] or [1]; so that columns have length 1
-  reduction::Lift lift;  ///< of the moving supports; set once the matrices are factored
+  reduction::Lift lift;        ///< of the moving supports; set once the matrices are factored
 };
 
 /// Returns the groups of the mesh that a request needs.
