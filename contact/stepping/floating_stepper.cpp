@@ -429,7 +429,7 @@ bool FloatingStepper::commit(const Work& work, double residual, double time) noe
     const Vector3d spin = bodies_[k].own_spin();
     coriolis_[k].add_turn(spin, spin.norm(), true, state_.q, turning_.rates);
   }
-  if (!state_.now.forced && !mixes_ && !points_.rows().empty()) {
+  if (!state_.now.forced && !mixes_ && points_.should_expect()) {
     set_free_motion();
     points_.expect(dq_);
   }

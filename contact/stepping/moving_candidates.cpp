@@ -138,7 +138,8 @@ Vector3d MovingCandidates::respond(int candidate, Vector3d StaticResponse::*part
 }
 
 void MovingCandidates::expect(const Vector& dq) noexcept {
-  expects_ = static_.empty();
+  expects_ = static_.empty() && fills_cache();
+  if (!expects_) return;
   expected_ = dq.segment(first_elastic_, elastic_);
   ++change_.calls;
 }

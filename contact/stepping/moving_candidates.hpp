@@ -64,6 +64,9 @@ class MovingCandidates {
   void begin_displacements() noexcept { ++displacement_.calls; }
   /// Forgets the changes that are known, unless they are those that were expected. @param dq  (N)
   void begin_changes(const Vector& dq) noexcept;
+  /// Whether the shapes of those that have joined exceed the nearest cache, so that one pass over them is
+  /// worth while.
+  bool fills_cache() const noexcept { return 3 * joined_.size() * width_ * sizeof(double) > nearest_cache; }
   /// Expects changes: they are computed with the displacements, in one pass over the shapes. @param dq  (N)
   void expect(const Vector& dq) noexcept;
   /// w = Φq with static displacements [m], computed once after begin_displacements(). @param q  (N)
@@ -112,6 +115,8 @@ class MovingCandidates {
   }
 
  private:
+  static constexpr std::size_t nearest_cache = 48 << 10;  ///< of usual processors [B]
+
   /// Values of candidates that are computed when they are asked for.
   struct Lazy {
     std::vector<Eigen::Vector3d> value;  ///< (M) [m]

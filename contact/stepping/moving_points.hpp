@@ -24,6 +24,7 @@
 // constant in body axes: they are gathered once, when a candidate joins those under points that may touch.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <optional>
@@ -101,6 +102,10 @@ class MovingPoints {
 
   /// Watches no point until the next search, because nothing can touch in a flight.
   void watch_none() noexcept;
+  /// Whether `expect` saves time.
+  bool should_expect() const noexcept {
+    return std::ranges::any_of(bodies_, [](const Body& one) { return one.candidates.fills_cache(); });
+  }
   /// Expects the free elastic motion of the next step, so that `place` computes both. @param dq  (N)
   void expect(const Vector& dq) noexcept {
     for (Body& one : bodies_) one.candidates.expect(dq);
