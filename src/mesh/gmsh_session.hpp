@@ -26,10 +26,13 @@ class GmshSession {
 /// Frees the meshes that gmsh has read so far. Shape functions do not need them. Needs a GmshSession.
 void forget_meshes();
 
-/// Returns an error with `message` on one line.
+/// Returns an error with `message` on one line, or with a remedy if gmsh says no more than that it could not
+/// read.
 inline InputError gmsh_error(const std::string& where, std::string message) {
   std::replace_if(
       message.begin(), message.end(), [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
+  if (message.starts_with("Could not read file"))
+    return InputError(where + ": gmsh cannot read it: it is damaged, or of another kind: export it again");
   return InputError(where + ": gmsh: " + message);
 }
 

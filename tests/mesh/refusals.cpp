@@ -280,7 +280,7 @@ TEST(Refusal, a_geometry_that_gmsh_cannot_read_or_mesh_is_refused) {
   const test::SharedFile empty(".geo", "");
   EXPECT_THAT(complaint(empty), AllOf(about(empty), HasSubstr("no volume or line elements")));
   const test::SharedFile step(".step", "ISO-10303-21;\nnonsense\n");
-  EXPECT_THAT(complaint(step), about(step));
+  EXPECT_THAT(complaint(step), AllOf(about(step), HasSubstr("export it again")));
 }
 
 }  // namespace refusals_test
