@@ -626,6 +626,28 @@ TEST(FrictionSolver, keeps_one_factor_while_all_points_stick) {
   EXPECT_LE(solver.statistics().renewals, renewals + 1);
 }
 
+// Rows that follow one another are solved where they are, so the matrix may be elsewhere in the next solve.
+TEST(FrictionSolver, follows_a_matrix_that_moves) {
+  constexpr int points = 4;
+  Random random(14);
+  Problem problem = random_problem(random, points, 0, 0.5, 0.2);
+  VectorXd force = VectorXd::Constant(3 * points, 0.1), p = VectorXd::Zero(3 * points);
+  for (int k = 0; k < points; ++k) {
+    problem.contacts[k].normal = 3 * k;
+    problem.contacts[k].tangential = 3 * k + 1;
+    force(3 * k) = 2;
+  }
+  FrictionSolver solver(3 * points, {.same_matrix = true});
+  std::vector<MatrixXd> all(3, problem.S);  // each at a place of its own
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    MatrixXd& moved = all[k];
+    const double scale = 1 + 0.1 * static_cast<double>(k);
+    ASSERT_EQ(solver.solve(moved, moved * (scale * force), problem.contacts, p), SolveStatus::solved);
+    EXPECT_LE((p - scale * force).cwiseAbs().maxCoeff(), 1e-10) << "tolerance times condition number";
+    moved.setConstant(NAN);
+  }
+}
+
 TEST(FrictionSolver, notices_that_the_matrix_has_changed) {
   Random random(13);
   FrictionSolver solver(30);
