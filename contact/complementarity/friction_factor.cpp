@@ -84,10 +84,10 @@ void FrictionSystem::renew_factor() noexcept {
   for (int k = 0; k < count_; ++k) {
     const Touch& touch = touch_[k];
     if (touch.state == ContactState::open) continue;
-    const double *const first = column(touch.row), *const second = first + stride(),
-                        *const third = second + stride();
+    const double *const first = A_.column(touch.row), *const second = first + A_.stride(),
+                        *const third = second + A_.stride();
     if (touch.rows() == 1 || touch.state == ContactState::stick) {
-      for (int d = 0; d < touch.rows(); ++d) set_column(column(touch.row + d));
+      for (int d = 0; d < touch.rows(); ++d) set_column(A_.column(touch.row + d));
       continue;
     }
     const double x = touch.direction.x(), y = touch.direction.y(), mu = touch.coefficient;
@@ -118,7 +118,7 @@ void FrictionSystem::append_unknown(int k, const Vector3d& move, const Vector3d&
   const auto multiply = [&](const Vector3d& x) {
     std::fill_n(column_.begin(), rows_, 0.0);
     for (int d = 0; d < touch_[k].rows(); ++d) {
-      const double* const a = column(touch_[k].row + d);
+      const double* const a = A_.column(touch_[k].row + d);
       if (const double factor = x(d); factor != 0)
         for (int i = 0; i < rows_; ++i) column_[i] += factor * a[i];
     }

@@ -61,10 +61,10 @@ SolveStatus FrictionSystem::follow_load(int& left, SolveStatistics& statistics) 
 /// Replaces A by A + ρ and r by r + ρ c.
 void FrictionSystem::set_ridge(double ridge) noexcept {
   for (int i = 0; i < rows_; ++i) {
-    A_.column(i)[i] = plain_.A[i] + ridge;
-    r_[i] = plain_.r[i] + ridge * centre_[i];
+    A_.own.column(i)[i] = plain_.A[i] + ridge;
+    r_[i] = plain_.r[i] + ridge * plain_.centre[i];
   }
-  multiplied_rows_ = 0;
+  product_.rows = 0;
   sizes_.norm += ridge - plain_.ridge;
   plain_.ridge = ridge;
   discard_factor();
@@ -75,14 +75,14 @@ void FrictionSystem::set_ridge(double ridge) noexcept {
 /// point, so that few points change their state if ρ decreases little enough. At a turning point, the last
 /// solution becomes the centre c of a new path.
 SolveStatus FrictionSystem::follow_paths(int& left, SolveStatistics& statistics) noexcept {
-  if (matrix_ != nullptr) {
-    const Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>> of_others(matrix_, rows_, rows_,
-                                                                        Eigen::OuterStride<>(of_matrix_));
+  if (A_.others != nullptr) {
+    const Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>> of_others(
+        A_.others, rows_, rows_, Eigen::OuterStride<>(A_.stride_of_others));
     A() = of_others;
   }
   for (int i = 0; i < rows_; ++i) plain_.A[i] = entry(i);
   std::copy_n(r_.begin(), rows_, plain_.r.begin());
-  std::fill_n(centre_.begin(), rows_, 0.0);
+  std::fill_n(plain_.centre.begin(), rows_, 0.0);
   std::fill_n(p_.begin(), rows_, 0.0);
   for (int k = 0; k < count_; ++k) touch_[k].state = ContactState::open;
   SolveStatus status = SolveStatus::limited;
@@ -100,7 +100,7 @@ SolveStatus FrictionSystem::follow_paths(int& left, SolveStatistics& statistics)
       restore_answer();
       factor = std::sqrt(factor);
       if (factor > slowest) {
-        std::copy_n(answer_.p.begin(), rows_, centre_.begin());
+        std::copy_n(answer_.p.begin(), rows_, plain_.centre.begin());
         ridge = std::max(10 * solved_at, sizes_.diagonal);
         solved_at = 0;
         factor = first_factor;

@@ -39,7 +39,7 @@ double force_for(double displacement, double flexibility) {
 
 }  // namespace
 
-FrictionSystem::FrictionSystem(int capacity) : factor_(capacity), A_(capacity) {
+FrictionSystem::FrictionSystem(int capacity) : factor_(capacity), A_{.own = ReservedMatrix(capacity)} {
   const auto n = static_cast<std::size_t>(std::max(capacity, 1));
   touch_.resize(n);
   best_.touch.resize(n);
@@ -49,8 +49,8 @@ FrictionSystem::FrictionSystem(int capacity) : factor_(capacity), A_(capacity) {
   entries_.reserve(border);
   kept_.reserve(border);
   changed_.reserve(n);
-  for (std::vector<double>* x : {&p_, &w_, &r_, &column_, &multiplied_, &product_, &best_.p, &answer_.p,
-                                 &plain_.A, &plain_.r, &centre_})
+  for (std::vector<double>* x : {&p_, &w_, &r_, &column_, &product_.p, &product_.Ap, &best_.p, &answer_.p,
+                                 &plain_.A, &plain_.r, &plain_.centre})
     x->resize(n);
   x_.resize(n + border);
   steps_.stride = static_cast<std::ptrdiff_t>(n + border);
@@ -59,7 +59,7 @@ FrictionSystem::FrictionSystem(int capacity) : factor_(capacity), A_(capacity) {
 
 void FrictionSystem::clear() noexcept {
   count_ = rows_ = 0;
-  A_.begin(0);
+  A_.own.begin(0);
   discard_factor();
 }
 
@@ -70,9 +70,9 @@ void FrictionSystem::add(double coefficient) noexcept {
 }
 
 void FrictionSystem::set_matrix() noexcept {
-  multiplied_rows_ = 0;
-  sizes_.norm =
-      simd::dense().norm(static_cast<std::size_t>(rows_), column(0), static_cast<std::size_t>(stride()));
+  product_.rows = 0;
+  sizes_.norm = simd::dense().norm(static_cast<std::size_t>(rows_), A_.column(0),
+                                   static_cast<std::size_t>(A_.stride()));
   sizes_.diagonal = 0;
   for (int i = 0; i < rows_; ++i) sizes_.diagonal = std::max(sizes_.diagonal, entry(i));
 }
@@ -80,21 +80,21 @@ void FrictionSystem::set_matrix() noexcept {
 double FrictionSystem::scale() const { return sizes_.r + sizes_.norm * largest_of(p_, rows_); }
 
 void FrictionSystem::evaluate() noexcept {
-  std::copy_n(p_.begin(), rows_, multiplied_.begin());
-  multiplied_rows_ = rows_;
+  std::copy_n(p_.begin(), rows_, product_.p.begin());
+  product_.rows = rows_;
   const auto n = static_cast<std::size_t>(rows_);
   // Rounding is least if the sum begins with −r, which it nearly cancels.
   for (int i = 0; i < rows_; ++i) w_[i] = -r_[i];
-  simd::add_product(n, column(0), static_cast<std::size_t>(stride()), p_.data(), w_.data());
-  for (int i = 0; i < rows_; ++i) product_[i] = w_[i] + r_[i];
+  simd::add_product(n, A_.column(0), static_cast<std::size_t>(A_.stride()), p_.data(), w_.data());
+  for (int i = 0; i < rows_; ++i) product_.Ap[i] = w_[i] + r_[i];
   set_tolerances();
 }
 
 bool FrictionSystem::has_product(const double* p) const noexcept {
-  if (multiplied_rows_ != rows_) return false;
-  const double most = rounded * largest_of(multiplied_, rows_);
+  if (product_.rows != rows_) return false;
+  const double most = rounded * largest_of(product_.p, rows_);
   for (int i = 0; i < rows_; ++i)
-    if (!(std::abs(p[i] - multiplied_[i]) <= most)) return false;
+    if (!(std::abs(p[i] - product_.p[i]) <= most)) return false;
   return true;
 }
 
@@ -248,7 +248,7 @@ FrictionPoint FrictionSystem::local(int k) const noexcept {
   point.coefficient = touch_[k].coefficient;
   Vector3d w;
   for (int d = 0; d < 3; ++d) {
-    const double* const of_row = column(row + d);
+    const double* const of_row = A_.column(row + d);
     w(d) = Map<const Eigen::VectorXd>(of_row, rows_).dot(Map<const Eigen::VectorXd>(p_.data(), rows_)) -
            r_[row + d];
     point.S.col(d) = Map<const Vector3d>(of_row + row);
@@ -271,7 +271,7 @@ void FrictionSystem::sweep() noexcept {
     Touch& touch = touch_[k];
     const int row = touch.row;
     if (touch.rows() == 1) {
-      const double* const of_row = column(row);
+      const double* const of_row = A_.column(row);
       const double w =
           Map<const Eigen::VectorXd>(of_row, rows_).dot(Map<const Eigen::VectorXd>(p_.data(), rows_)) -
           r_[row];
@@ -334,7 +334,7 @@ SolveStatus FrictionSystem::try_newton(int& left, SolveStatistics& statistics, d
   steps_.count = 0;
   // Forces of the step before: their product is known.
   if (has_product(p_.data())) {
-    for (int i = 0; i < rows_; ++i) w_[i] = product_[i] - r_[i];
+    for (int i = 0; i < rows_; ++i) w_[i] = product_.Ap[i] - r_[i];
     set_tolerances();
   } else {
     evaluate();
@@ -419,7 +419,7 @@ bool FrictionSystem::find_another(SolveStatistics& statistics) noexcept {
   };
   for (int k = 0; k < count_; ++k) {
     const Touch& touch = touch_[k];
-    const double* const own = column(touch.row) + touch.row;
+    const double* const own = A_.column(touch.row) + touch.row;
     if (touch.rows() == 1 || own[0] > touch.coefficient * std::hypot(own[1], own[2])) continue;
     const FrictionPoint::Solutions found = local(k).solve(true);
     for (int i = 0; i < found.count; ++i) {

@@ -53,21 +53,21 @@ class FrictionSystem {
 
   /// (m,m) of its own, to be filled.
   ReservedMatrix::View A() noexcept {
-    matrix_ = nullptr;
-    return A_.begin(rows_);
+    A_.others = nullptr;
+    return A_.own.begin(rows_);
   }
   /// Uses a matrix (m,m) of others until the next call of this function or of A.
   void use(const double* matrix, Eigen::Index stride) noexcept {
-    A_.begin(0);
-    matrix_ = matrix;
-    of_matrix_ = stride;
+    A_.own.begin(0);
+    A_.others = matrix;
+    A_.stride_of_others = stride;
   }
   double* p() { return p_.data(); }  ///< (m)
   double* r() { return r_.data(); }  ///< (m)
   const double* p() const { return p_.data(); }
   const double* w() const { return w_.data(); }  ///< (m) A p − r
   /// (m) A p of the forces that were multiplied last.
-  const double* product() const { return product_.data(); }
+  const double* product() const { return product_.Ap.data(); }
   /// Whether p (m) are these forces to round-off.
   bool has_product(const double* p) const noexcept;
   /// To be called after A has changed.
@@ -93,7 +93,7 @@ class FrictionSystem {
 
   void archive(auto& a) {
     a(count_, rows_, touch_, best_, answer_, held_, entries_, kept_, changed_, has_factor_, factor_, steps_);
-    a(exact_, A_, p_, w_, r_, multiplied_, product_, multiplied_rows_, cautious_, contradicted_, sizes_);
+    a(exact_, A_, p_, w_, r_, product_, cautious_, contradicted_, sizes_);
   }
 
  private:
@@ -131,13 +131,26 @@ class FrictionSystem {
   void sweep() noexcept;
   FrictionPoint local(int k) const noexcept;
   void set(int k, const FrictionPoint::Solution& solution) noexcept;
-  const double* column(int row) const {
-    return matrix_ != nullptr ? matrix_ + row * of_matrix_ : A_.column(row);
-  }
-  Eigen::Index stride() const { return matrix_ != nullptr ? of_matrix_ : A_.stride(); }
-  double entry(int row) const { return column(row)[row]; }
+  double entry(int row) const { return A_.column(row)[row]; }
   double tangential_entry(int row) const { return std::max(entry(row + 1), entry(row + 2)); }
 
+  /// A, its own or of others.
+  struct Matrix {
+    ReservedMatrix own;
+    const double* others = nullptr;  ///< set anew in each solve
+    Eigen::Index stride_of_others = 0;
+    const double* column(int row) const {
+      return others != nullptr ? others + row * stride_of_others : own.column(row);
+    }
+    Eigen::Index stride() const { return others != nullptr ? stride_of_others : own.stride(); }
+    void archive(auto& a) { a(own); }
+  };
+  /// The forces that were multiplied last.
+  struct Product {
+    std::vector<double> p, Ap;
+    int rows = 0;  ///< 0 if A has changed since
+    void archive(auto& a) { a(p, Ap, rows); }
+  };
   /// What factor and border hold of a point.
   struct Held {
     ContactState factored = ContactState::open;           ///< state in the factor
@@ -181,7 +194,7 @@ class FrictionSystem {
   /// The problem without the ridge of a regularised one.
   struct Plain {
     double ridge = 0;
-    std::vector<double> A, r;
+    std::vector<double> A, r, centre;  ///< centre: forces at which the ridge does not act
   };
   static constexpr double proximal =
       1e-13;  ///< share of max A_ii added to the diagonal against singular matrices
@@ -195,13 +208,10 @@ class FrictionSystem {
   bool has_factor_ = false;
   BorderedFactor factor_;
   Steps steps_;
-  bool exact_ = false;              ///< whether each change of state renews the factor
-  ReservedMatrix A_;                ///< unless it belongs to others:
-  const double* matrix_ = nullptr;  ///< set anew in each solve
-  Eigen::Index of_matrix_ = 0;      ///< distance of columns
-  std::vector<double> p_, w_, r_, x_, column_, centre_;
-  std::vector<double> multiplied_, product_;  ///< forces and A times them
-  int multiplied_rows_ = 0;                   ///< 0 if A has changed since
+  bool exact_ = false;  ///< whether each change of state renews the factor
+  Matrix A_;
+  std::vector<double> p_, w_, r_, x_, column_;
+  Product product_;
   Plain plain_;
   bool cautious_ = true;       ///< whether few states change at once
   bool contradicted_ = false;  ///< whether states were left that contradict the forces
