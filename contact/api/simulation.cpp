@@ -55,12 +55,11 @@ struct Simulation::State::Impl {
   base::Digest::Value system;
   std::shared_ptr<const contact::Model> model;  ///< to whose data the stepper refers
   std::unique_ptr<contact::Stepper> stepper;
-  contact::Vector force, rubbing;
-  bool begins_sample;
+  SampleForces::Means forces;
 
   void archive(base::Archive& a) const {
     Impl& own = const_cast<Impl&>(*this);  // a writer changes nothing
-    a(own.force, own.rubbing, own.begins_sample);
+    a(own.forces);
     stepper->archive(a);
   }
 };
@@ -110,12 +109,14 @@ std::int64_t Simulation::steps() const noexcept { return impl_->samples(); }
 double Simulation::time() const noexcept { return impl_->stepper->time(); }
 
 std::span<const ContactPoint> Simulation::points() const noexcept { return impl_->points; }
-std::span<const double> Simulation::force() const noexcept { return span_of(impl_->force); }
+std::span<const double> Simulation::force() const noexcept { return span_of(impl_->forces.normal()); }
 std::span<const double> Simulation::displacement() const noexcept {
-  return span_of(impl_->stepper->displacement()).first(static_cast<std::size_t>(impl_->force.size()));
+  return span_of(impl_->stepper->displacement())
+      .first(static_cast<std::size_t>(impl_->forces.normal().size()));
 }
 std::span<const double> Simulation::tangential_force() const noexcept {
-  return {impl_->tangential_force.data(), static_cast<std::size_t>(impl_->tangential_force.size())};
+  const contact::Matrix& tangential = impl_->forces.tangential();
+  return {tangential.data(), static_cast<std::size_t>(tangential.size())};
 }
 std::span<const Touching> Simulation::contacts() noexcept { return impl_->find_touching(); }
 int Simulation::active() const noexcept { return impl_->stepper->active(); }
@@ -204,9 +205,8 @@ Energy Simulation::energy() const noexcept { return impl_->stepper->modal()->ene
 int Simulation::quasi_static_modes() const noexcept { return impl_->stepper->modal()->modes_in_residual(); }
 
 Simulation::State Simulation::save() const {
-  return State(
-      std::make_unique<const State::Impl>(State::Impl{impl_->system, impl_->shared, impl_->stepper->clone(),
-                                                      impl_->force, impl_->rubbing, impl_->begins_sample}));
+  return State(std::make_unique<const State::Impl>(
+      State::Impl{impl_->system, impl_->shared, impl_->stepper->clone(), impl_->forces.means()}));
 }
 
 // Assigns to the stepper instead of replacing it, so that its arrays keep their memory and capacity. The
@@ -221,12 +221,7 @@ bool Simulation::restore(const State& state) noexcept {
     }
   }
   impl_->stepper->assign(*state.impl_->stepper);
-  impl_->force = state.impl_->force;
-  impl_->rubbing = state.impl_->rubbing;
-  impl_->list_forced();
-  impl_->tangential_force.setZero();
-  impl_->turn_to_world();
-  impl_->begins_sample = state.impl_->begins_sample;
+  impl_->forces.set(state.impl_->forces);
   impl_->touched = !impl_->find_touching().empty();
   return true;
 }
@@ -251,7 +246,7 @@ Simulation::State Simulation::state(std::span<const std::byte> bytes) const {
         "differ. "
         "Restore it in a simulation of the same.");
   auto out = std::make_unique<State::Impl>(
-      State::Impl{impl_->system, impl_->shared, impl_->stepper->clone(), impl_->force, impl_->rubbing, true});
+      State::Impl{impl_->system, impl_->shared, impl_->stepper->clone(), impl_->forces.means()});
   base::Archive archive(bytes.subspan(sizeof header, bytes.size() - fewest));
   out->archive(archive);
   if (!archive.complete())

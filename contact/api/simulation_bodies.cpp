@@ -115,11 +115,7 @@ std::unique_ptr<Simulation::Impl> Simulation::Impl::changed(const std::vector<in
   out->turning = turning;
   for (TurningPickup& pickup : out->turning) pickup.body = now(pickup.body);
   out->pickups_at_start = pickups_at_start;
-  for (auto [from, to, size] : change.from.rows)
-    for (Eigen::Index i = 0; i < size; ++i)
-      out->of_row(to + i) = from + i < force.size() ? force(from + i) : rubbing(from + i - force.size());
-  out->list_forced();
-  out->turn_to_world();
+  out->forces.take(forces, change.from.rows);
   out->on_contact = on_contact;
   out->user = user;
   out->touched = touched;
@@ -136,13 +132,8 @@ std::unique_ptr<Simulation::Impl> Simulation::Impl::changed(const std::vector<in
 void Simulation::Impl::silence(int body) noexcept {
   for (TurningPickup& pickup : turning)
     if (pickup.body == body) pickup.body = -1;
-  for (const contact::Model::PairBlock& pair : model.pairs) {
-    if (pair.a != body && pair.b != body) continue;
-    force.segment(pair.first_point, pair.points).setZero();
-    tangential_force.middleRows(pair.first_point, pair.points).setZero();
-    if (pair.first_tangential >= 0)
-      rubbing.segment(pair.first_tangential - force.size(), 2 * pair.points).setZero();
-  }
+  for (const contact::Model::PairBlock& pair : model.pairs)
+    if (pair.a == body || pair.b == body) forces.silence(pair);
 }
 
 std::size_t Simulation::add(const std::string& name, const SharedKernel& kernel, const BodyMotion& motion,

@@ -55,17 +55,13 @@ Simulation::Impl::Impl(const Scene& of, std::shared_ptr<const contact::Model> of
       stepper(by ? std::move(by) : contact::make_stepper(shared, step_options(scene))),
       floating(scene.rotation == Rotation::finite ? static_cast<contact::FloatingStepper*>(stepper.get())
                                                   : nullptr),
-      force(stepper->force().head(stepper->points())),
-      rubbing(stepper->force().tail(stepper->force().size() - force.size())),
-      tangential_force(contact::Matrix::Zero(force.size(), 3)),
-      is_forced(floating != nullptr ? static_cast<std::size_t>(stepper->force().size()) : 0),
+      forces(model, *stepper, floating),
       rigid(model),
       pair_number(std::move(pairs)),
       points(points_of(model, pair_number)) {
   scene.bodies.clear();
   scene.pairs.clear();
   scene.forcing.clear();
-  forced.reserve(is_forced.size());
   touching.reserve(points.size());
 }
 
@@ -75,26 +71,9 @@ base::Digest::Value Simulation::Impl::digest_of_kernel(const SharedKernel& kerne
                                 : kernel_digests[static_cast<std::size_t>(found - kernels.begin())];
 }
 
-void Simulation::Impl::add_force() noexcept {
-  if (begins_sample) clear_forces();
-  const contact::Vector& now = stepper->force();
-  if (floating == nullptr) {
-    force += now.head(force.size()) / per_sample();
-    rubbing += now.tail(rubbing.size()) / per_sample();
-  } else {
-    for (const std::span<const int> rows : floating->forced())
-      for (const int row : rows) {
-        if (!std::exchange(is_forced[static_cast<std::size_t>(row)], true)) forced.push_back(row);
-        of_row(row) += now(row) / per_sample();
-      }
-  }
-  begins_sample = stepper->at_sample();
-  if (begins_sample) turn_to_world();
-}
-
 bool Simulation::Impl::made_step() {
   if (watch) watch->observer.observe(*stepper);
-  add_force();
+  forces.add();
   if (!stepper->at_sample() || on_contact == nullptr) return true;
   const std::span<const Touching> now = find_touching();
   const bool called = !now.empty() || touched;
@@ -121,62 +100,18 @@ void Simulation::Impl::begin_watch(std::vector<MaterialLimits> limits, double sl
   watch.emplace(std::move(limits), slowest_wave, std::move(named), std::move(observer));
 }
 
-double& Simulation::Impl::of_row(Eigen::Index row) noexcept {
-  return row < force.size() ? force(row) : rubbing(row - force.size());
-}
-
-void Simulation::Impl::clear_forces() noexcept {
-  if (floating == nullptr) {
-    force.setZero();
-    rubbing.setZero();
-    return;
-  }
-  for (const int row : forced) {
-    is_forced[static_cast<std::size_t>(row)] = false;
-    of_row(row) = 0;
-    if (row < force.size()) tangential_force.row(row).setZero();
-  }
-  forced.clear();
-}
-
-void Simulation::Impl::list_forced() noexcept {
-  forced.clear();
-  for (std::size_t row = 0; row < is_forced.size(); ++row) {
-    is_forced[row] = of_row(static_cast<Eigen::Index>(row)) != 0;
-    if (is_forced[row]) forced.push_back(static_cast<int>(row));
-  }
-}
-
-void Simulation::Impl::turn_to_world() noexcept {
-  const Eigen::Index m = force.size();
-  const contact::Matrix& tangent = contact::frames_of(model, *stepper).tangent;
-  const auto turn = [&](const contact::Model::FrictionPoint& point) {
-    tangential_force.row(point.point).noalias() =
-        rubbing.segment<2>(point.tangential - m).transpose() * tangent.middleRows<2>(point.tangential - m);
-  };
-  if (floating == nullptr)
-    std::ranges::for_each(model.friction, turn);
-  else
-    for (const int row : forced)
-      if (row >= m) turn(model.friction[static_cast<std::size_t>((row - m) / 2)]);
-}
-
 std::span<const Touching> Simulation::Impl::find_touching() noexcept {
   touching.clear();
-  if (floating == nullptr) {
-    for (Eigen::Index i = 0; i < force.size(); ++i) add_touching(i);
-  } else {
-    for (const int row : forced)
-      if (row < force.size()) add_touching(row);
-    std::ranges::sort(touching, {}, &Touching::point);
-  }
+  forces.for_each_point([&](Eigen::Index i) { add_touching(i); });
+  std::ranges::sort(touching, {}, &Touching::point);
   return touching;
 }
 
 void Simulation::Impl::add_touching(Eigen::Index i) noexcept {
-  if (!(force(i) > 0)) return;
+  const double normal = forces.normal()(i);
+  if (!(normal > 0)) return;
   const contact::RowFrames& frames = contact::frames_of(model, *stepper);
-  const Vector3d pushed = force(i) * frames.normal.row(i) + tangential_force.row(i);
+  const Vector3d pushed = normal * frames.normal.row(i) + forces.tangential().row(i);
   const contact::Model::PairBlock& pair = *std::prev(std::ranges::upper_bound(
       model.pairs, i, {},
       [](const contact::Model::PairBlock& one) -> Eigen::Index { return one.first_point; }));
@@ -192,25 +127,17 @@ std::string_view Simulation::Impl::name_of(int body) const noexcept {
   return found == entries.end() ? std::string_view() : std::string_view(found->name);
 }
 
-double Simulation::Impl::total_force() const noexcept {
-  if (floating == nullptr) return force.sum();
-  double sum = 0;
-  for (const int row : forced)
-    if (row < force.size()) sum += force(row);
-  return sum;
-}
-
 int Simulation::Impl::body_of(std::size_t number) const noexcept {
   const auto found = std::ranges::lower_bound(entries, number, {}, &Entry::number);
   return found == entries.end() || found->number != number ? -1 : found->body;
 }
 
 void Simulation::Impl::write_forces(const Block& out, std::int64_t k) const noexcept {
-  const Eigen::Index m = force.size();
-  if (out.total_force) out.total_force[k] = total_force();
-  if (out.force) std::copy_n(force.data(), m, out.force + k * m);
+  const Eigen::Index m = forces.normal().size();
+  if (out.total_force) out.total_force[k] = forces.total();
+  if (out.force) std::copy_n(forces.normal().data(), m, out.force + k * m);
   if (out.displacement) std::copy_n(stepper->displacement().data(), m, out.displacement + k * m);
-  if (out.tangential_force) std::copy_n(tangential_force.data(), 3 * m, out.tangential_force + 3 * k * m);
+  if (out.tangential_force) std::copy_n(forces.tangential().data(), 3 * m, out.tangential_force + 3 * k * m);
 }
 
 double Simulation::Impl::velocity_of_supports(Eigen::Index pickup) const noexcept {
@@ -271,7 +198,7 @@ void Simulation::Impl::write_velocities(const Block& out, std::int64_t from, std
 }
 
 void Simulation::Impl::clear(const Block& out, std::int64_t from, std::int64_t to) const noexcept {
-  const Eigen::Index m = force.size(), p = pickups.rows();
+  const Eigen::Index m = forces.normal().size(), p = pickups.rows();
   const auto rows = [&](double* values, std::int64_t columns) {
     if (values) std::fill(values + from * columns, values + to * columns, 0.0);
   };

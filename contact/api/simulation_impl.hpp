@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "base/digest.hpp"
+#include "contact/api/sample_forces.hpp"
 #include "contact/api/scene_model.hpp"
 #include "contact/figures/rigid_motion.hpp"
 #include "contact/figures/summary_observer.hpp"
-#include "contact/stepping/floating_stepper.hpp"
 #include "ricochet/ricochet.hpp"
 
 namespace ricochet {
@@ -38,24 +38,12 @@ struct Simulation::Impl {
   int per_sample() const noexcept { return stepper->options().steps_per_sample; }
   std::int64_t samples() const noexcept { return stepper->steps() / per_sample(); }
 
-  /// Adds the force of the last contact step to the mean over the sample. Bodies that turn have rows for all
-  /// their pairs, few of which have a force.
-  void add_force() noexcept;
-  double& of_row(Eigen::Index row) noexcept;
-  void clear_forces() noexcept;
-
   /// After a contact step that succeeded. @return false if the callback ends a block at this sample
   bool made_step();
 
-  /// Lists the rows that have a force, after the forces have been set.
-  void list_forced() noexcept;
-
-  /// Computes the tangential forces of the points from those along their tangents.
-  void turn_to_world() noexcept;
   std::span<const Touching> find_touching() noexcept;
   void add_touching(Eigen::Index i) noexcept;
   std::string_view name_of(int body) const noexcept;
-  double total_force() const noexcept;
 
   /// The body of the model with this number, or −1.
   int body_of(std::size_t number) const noexcept;
@@ -108,13 +96,8 @@ struct Simulation::Impl {
   std::shared_ptr<const contact::Model> shared;
   const contact::Model& model = *shared;
   std::unique_ptr<contact::Stepper> stepper;
-  contact::FloatingStepper* floating;  ///< the stepper, with finite rotations; otherwise null
-  contact::Vector force;               ///< (m) mean over the sample
-  contact::Vector rubbing;             ///< (n − m) mean of the forces along the tangents over the sample
-  contact::Matrix tangential_force;    ///< (m,3) of the last sample, world
-  std::vector<char> is_forced;         ///< (n) with finite rotations, rows with a force in the sample
-  std::vector<int> forced{};           ///< these rows
-  bool begins_sample = true;
+  contact::FloatingStepper* floating;    ///< the stepper, with finite rotations; otherwise null
+  SampleForces forces;                   ///< of the last sample
   contact::Matrix pickups{};             ///< (p,N)
   std::vector<TurningPickup> turning{};  ///< (p) with finite rotations
   std::vector<double> pickups_at_start{};
