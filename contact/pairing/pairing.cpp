@@ -49,13 +49,17 @@ double bulge_along(double bulge, const Vector3d& own, const Vector3d& mutual, co
   return bulge * mutual.dot(own) / std::max(mutual.dot(n), steepest);
 }
 
+/// Over an obstacle. @param facing  cosine between the patch and the normal
+double bulge_over(const WorldSurface& a, std::size_t i, const WorldSurface& b, const Projection& y,
+                  double facing) {
+  if (a.on_crease[i]) return std::max(0.0, a.bulge[i]);
+  const Eigen::Matrix3d W = b.curvature(b.element[static_cast<std::size_t>(y.element)], y.point);
+  return std::max(0.0, a.bulge[i] * facing + bulge_under(a.area[i], W));
+}
+
 double bulge_of(const WorldSurface& a, std::size_t i, const WorldSurface& b, const Projection& y,
                 const Vector3d& n) {
-  if (b.is_rigid) {
-    if (a.on_crease[i]) return std::max(0.0, a.bulge[i]);
-    const Eigen::Matrix3d W = b.curvature(b.element[static_cast<std::size_t>(y.element)], y.point);
-    return std::max(0.0, a.bulge[i] * std::max(0.0, a.normal[i].dot(n)) + bulge_under(a.area[i], W));
-  }
+  if (b.is_rigid) return bulge_over(a, i, b, y, std::max(0.0, a.normal[i].dot(n)));
   double of_b = 0;
   for (int j = 0; j < b.corners; ++j) of_b += y.weight[j] * b.bulge[y.corner[j]];
   const Vector3d own = a.on_crease[i] ? Vector3d(-y.normal) : a.normal[i];
@@ -175,19 +179,17 @@ Pairing find_pairs(const PlacedBody& a, const Obstacle& b, bool everywhere) {
 /// The largest number of creases of two bodies that turn which may cross at a time.
 constexpr std::size_t most_crossings = 24;
 
-/// The point of a that is x, or of b if `flips`, with what it is nearest to on the other surface.
-std::optional<Pairing::Point> nearest(const Vector3d& x, Pairing::Weights own, double area,
-                                      const SurfaceProjection& onto, bool flips) {
-  const auto y = onto.closest(x);
-  if (!y) return std::nullopt;
-  const Vector3d way = y->point - x;
+/// The point of a that is x, or of b if `flips`, over y on the other surface.
+Pairing::Point point_over(const Projection& y, const Vector3d& x, Pairing::Weights own, double area,
+                          bool flips) {
+  const Vector3d way = y.point - x;
   const double length = way.norm();
   // Beyond an edge, the way leads aside; inside, along the normal.
-  const bool inside = y->normal.dot(way) > 0.9 * length && length > 0;
-  Vector3d n = length > 0 ? Vector3d((inside ? -1 : 1) / length * way) : Vector3d(-y->normal);
+  const bool inside = y.normal.dot(way) > 0.9 * length && length > 0;
+  const Vector3d n = length > 0 ? Vector3d((inside ? -1 : 1) / length * way) : Vector3d(-y.normal);
   const double gap = inside ? -length : length;
-  if (flips) return Pairing::Point{y->point, x, -n, gap, area, 0, weights_of(*y), std::move(own)};
-  return Pairing::Point{x, y->point, n, gap, area, 0, std::move(own), weights_of(*y)};
+  if (flips) return {y.point, x, -n, gap, area, 0, weights_of(y), std::move(own)};
+  return {x, y.point, n, gap, area, 0, std::move(own), weights_of(y)};
 }
 
 double mean_size(const WorldSurface& surface) {
@@ -203,10 +205,13 @@ Pairing find_all(const SurfaceProjection& over_a, const SurfaceProjection& over_
   const bool a_is_finer = b.is_rigid || mean_size(a) <= mean_size(b);
   Pairing out;
   const auto add = [&](const WorldSurface& from, const SurfaceProjection& onto, bool all, bool flips) {
-    for (std::size_t i = 0; i < from.node.size(); ++i)
-      if (all || from.on_crease[i])
-        if (auto point = nearest(from.crest[i], {{static_cast<int>(i), 1.0}}, from.area[i], onto, flips))
-          out.points.push_back(std::move(*point));
+    for (std::size_t i = 0; i < from.node.size(); ++i) {
+      if (!all && !from.on_crease[i]) continue;
+      const auto y = onto.closest(from.crest[i]);
+      if (!y) continue;
+      out.points.push_back(point_over(*y, from.crest[i], {{static_cast<int>(i), 1.0}}, from.area[i], flips));
+      if (b.is_rigid && !flips) out.points.back().bulge = bulge_over(from, i, b, *y, 1);
+    }
   };
   add(a, over_b, a_is_finer, false);
   out.candidates_of_a = static_cast<int>(out.points.size());
@@ -214,8 +219,9 @@ Pairing find_all(const SurfaceProjection& over_a, const SurfaceProjection& over_
   out.candidates_of_b = static_cast<int>(out.points.size()) - out.candidates_of_a;
   for (std::size_t k = 0; k < std::min({most_crossings, a.crease.size(), b.crease.size()}); ++k) {
     const auto [i, j] = a.crease[k].node;
-    auto point = nearest((a.node[i] + a.node[j]) / 2, {{i, 0.5}, {j, 0.5}}, 0, over_b, false);
-    if (point) out.points.push_back(std::move(*point));
+    const Vector3d x = (a.node[i] + a.node[j]) / 2;
+    if (const auto y = over_b.closest(x))
+      out.points.push_back(point_over(*y, x, {{i, 0.5}, {j, 0.5}}, 0, false));
   }
   if ((is_curved(a) || is_curved(b)) && !out.points.empty()) {
     Pairing::Point summit = closest_pair(out);

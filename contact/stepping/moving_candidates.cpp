@@ -44,7 +44,9 @@ MovingCandidates::MovingCandidates(const Bodies::Block& block, const BodySurface
     }
   for (int i = 0; i < static_cast<int>(M); ++i) {
     double give = (shape(i).colwise().squaredNorm().array() / omega.square()).sum();
-    if (has_residual()) give += flexibility(i, i).trace();
+    own_patches_.push_back({has_residual() ? flexibility(i, i) : Matrix3d::Zero(),
+                            surface_->bulge.empty() ? 0 : surface_->bulge[static_cast<std::size_t>(i)]});
+    give += own_patches_.back().residual.trace();
     give_.push_back(std::sqrt(give));
     largest_give_ = std::max(largest_give_, give_.back());
   }
@@ -64,9 +66,8 @@ MovingCandidates::MovingCandidates(const Bodies::Block& block, const BodySurface
 /// R of a candidate, with folded modes.
 Matrix3d MovingCandidates::flexibility_of(int candidate) const {
   const Matrix own = shape(candidate);
-  Matrix3d out = own * folded_.asDiagonal() * own.transpose();
-  if (has_residual()) out += flexibility(candidate, candidate);
-  return out;
+  return own * folded_.asDiagonal() * own.transpose() +
+         own_patches_[static_cast<std::size_t>(candidate)].residual;
 }
 
 /// R of a patch of the radius a is about α + c/a. The fit of c takes all patches to the smallest radius; what
@@ -106,9 +107,8 @@ void MovingCandidates::make_patches(const BodySurface& on) {
     add(i);
     for (const int j : on.around(static_cast<int>(i)))
       if (on_crease[static_cast<std::size_t>(j)] == on_crease[i]) add(static_cast<std::size_t>(j));
-    const double bulge = surface_->bulge.empty() ? 0 : surface_->bulge[i];
     const double share = inverse[i] / largest;  // a_min/a_i
-    patches_.push_back({sum / weights, bulge * share * share});
+    patches_.push_back({sum / weights, own_patches_[i].bulge * share * share});
     double& most = missing[static_cast<std::size_t>(on_crease[i])];
     most = std::max(
         most,
@@ -118,11 +118,12 @@ void MovingCandidates::make_patches(const BodySurface& on) {
     patches_[i].residual += missing[static_cast<std::size_t>(on_crease[i])] * Matrix3d::Identity();
 }
 
-MovingCandidates::Patch MovingCandidates::patch(std::span<const int> candidates,
-                                                std::span<const double> weights) const noexcept {
+MovingCandidates::Patch MovingCandidates::mean_of(const std::vector<Patch>& patches,
+                                                  std::span<const int> candidates,
+                                                  std::span<const double> weights) noexcept {
   Patch out{Matrix3d::Zero(), 0};
   for (std::size_t k = 0; k < candidates.size(); ++k) {
-    const Patch& one = patches_[static_cast<std::size_t>(candidates[k])];
+    const Patch& one = patches[static_cast<std::size_t>(candidates[k])];
     out.residual += weights[k] * one.residual;
     out.bulge += weights[k] * one.bulge;
   }

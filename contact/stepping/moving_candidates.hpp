@@ -89,13 +89,19 @@ class MovingCandidates {
   const CandidateBlocks& blocks() const { return blocks_; }         ///< by place
   bool yields() const { return folds_ || has_residual(); }          ///< whether R_body is not 0
 
-  /// A point that moves between candidates: means of what candidates on patches of one size have. R between
-  /// the patches themselves would ripple by half.
   struct Patch {
-    Eigen::Matrix3d residual;  ///< [m/N], at least that of the mean of the candidates
+    Eigen::Matrix3d residual;  ///< [m/N]
     double bulge;              ///< [m]; below 0 where the surface is hollow
   };
-  Patch patch(std::span<const int> candidates, std::span<const double> weights) const noexcept;
+  /// Means of what candidates have, without folded modes.
+  Patch own_patch(std::span<const int> candidates, std::span<const double> weights) const noexcept {
+    return mean_of(own_patches_, candidates, weights);
+  }
+  /// That of a point that moves between candidates: means of what candidates on patches of one size have, at
+  /// least R of the mean of the candidates. R between the patches themselves would ripple by half.
+  Patch patch(std::span<const int> candidates, std::span<const double> weights) const noexcept {
+    return mean_of(patches_, candidates, weights);
+  }
 
   /// Adds Φᵀ f to the modal forces (N). @param forces  (joined,3) by place, body axes [N]
   void push(const double* forces, Vector& modal) const noexcept {
@@ -139,6 +145,8 @@ class MovingCandidates {
     return out;
   }
 
+  static Patch mean_of(const std::vector<Patch>& patches, std::span<const int> candidates,
+                       std::span<const double> weights) noexcept;
   void make_patches(const BodySurface& shape);
   Eigen::Matrix3d flexibility_of(int candidate) const;
 
@@ -160,7 +168,8 @@ class MovingCandidates {
   base::Reserved<double> rows_;
   std::size_t width_;
   base::AlignedVector<double> products_;  ///< (2,M,3) scratch
-  std::vector<Patch> patches_;            ///< (M), or empty without triangles
+  std::vector<Patch> own_patches_;        ///< (M)
+  std::vector<Patch> patches_;            ///< (M) of one size, or empty without triangles
 };
 
 }  // namespace ricochet::contact

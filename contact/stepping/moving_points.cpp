@@ -559,7 +559,7 @@ StepMatrices MovingPoints::matrices(std::span<const FloatingBody> bodies, double
                      static_cast<std::size_t>(of.candidates.joined()), displaced_.data(), adds, columns);
       adds = true;
       if (point.kind == Kind::summit)
-        of_patches += end.direction * patch(end).residual * end.direction.transpose();
+        of_patches += end.direction * patch(point, end).residual * end.direction.transpose();
     }
     if (point.kind == Kind::summit && yields)
       for (Index i = 0; i < rows; ++i)
@@ -575,26 +575,32 @@ StepMatrices MovingPoints::matrices(std::span<const FloatingBody> bodies, double
   return {.R = R, .S = a < 1 ? none : S, .S_mean = a < 1 ? S : none};
 }
 
-MovingCandidates::Patch MovingPoints::patch(const End& end) const noexcept {
-  const auto count = static_cast<std::size_t>(end.count);
-  return body(end.body).candidates.patch({end.candidate.data(), count}, {end.weight.data(), count});
+MovingCandidates::Patch MovingPoints::patch(const Point& point, const End& end) const noexcept {
+  const MovingCandidates& of = body(end.body).candidates;
+  const std::span candidates(end.candidate.data(), static_cast<std::size_t>(end.count));
+  const std::span weights(end.weight.data(), candidates.size());
+  return point.kind == Kind::summit ? of.patch(candidates, weights) : of.own_patch(candidates, weights);
 }
 
+/// Candidates of bodies and summits have one. Faces that meet an obstacle have its curvature, too.
 std::optional<PatchSpring> MovingPoints::spring(std::size_t position) const noexcept {
+  if (rows_[position] >= std::ssize(points_)) return std::nullopt;
   const Point& point = member_at(position);
-  if (point.kind != Kind::summit || rows_[position] >= std::ssize(points_)) return std::nullopt;
+  const int own = point.own().body, solid = point.other().solid;
+  if (point.kind == Kind::creases || own < 0) return PatchSpring{};
   double bulge = 0, flexibility = 0;
-  const End& of_b = point.end[1];
-  if (of_b.solid >= 0) {
-    const BodySurface& surface = *solids_[static_cast<std::size_t>(of_b.solid)].surface;
-    bulge = bulge_under(body(point.end[0].body).least_area, surface.curvature(point.foot));
-  }
   for (const End& end : point.end) {
     if (end.body < 0) continue;
-    const MovingCandidates::Patch under = patch(end);
+    const MovingCandidates::Patch under = patch(point, end);
     bulge += under.bulge;
     flexibility += end.direction.row(0).dot(under.residual * end.direction.row(0).transpose());
   }
+  const WorldSurface& surface = body(own).shape().surface();
+  const auto candidate = static_cast<std::size_t>(point.candidate);
+  const bool moves = point.kind == Kind::summit;
+  if (solid >= 0 && (moves || surface.on_crease[candidate] == 0))
+    bulge += bulge_under(moves ? body(own).least_area : surface.area[candidate],
+                         solids_[static_cast<std::size_t>(solid)].surface->curvature(point.foot));
   return bulge > 0 && flexibility > 0 ? PatchSpring::of(bulge, flexibility) : PatchSpring{};
 }
 

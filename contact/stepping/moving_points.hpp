@@ -130,7 +130,7 @@ class MovingPoints {
   int pair_of(std::size_t position) const { return member_at(position).pair; }
   /// Whether the point moves along its bodies, so that its tangential displacements are sums over steps.
   bool slides(std::size_t position) const { return member_at(position).kind != Kind::half_space; }
-  /// The spring of the point in this step, if it differs from that of the model.
+  /// The spring of the point in this step; no value for a tangential row.
   std::optional<PatchSpring> spring(std::size_t position) const noexcept;
   /// The matrices of a step. @param a  weight of the end in the mean; 1: of backward Euler throughout
   StepMatrices matrices(std::span<const FloatingBody> bodies, double step, double a) noexcept;
@@ -263,7 +263,8 @@ class MovingPoints {
   void stand_back() noexcept;
   void find_crossings(int pair, std::span<const FloatingBody> bodies, double margin,
                       const MeanForce& forces) noexcept;
-  MovingCandidates::Patch patch(const End& end) const noexcept;
+  /// Under an end on a body.
+  MovingCandidates::Patch patch(const Point& point, const End& end) const noexcept;
   Eigen::Vector3d elastic(const End& end, const Vector& q) noexcept;
   void place(int number, std::span<const FloatingBody> bodies, const Vector* q) noexcept;
   Eigen::Matrix3d in_world(const Point& point, std::span<const FloatingBody> bodies) const noexcept;

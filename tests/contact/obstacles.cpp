@@ -284,6 +284,32 @@ TEST(Obstacles, that_are_boxes_act_by_their_faces_like_half_spaces) {
   EXPECT_LT((one.velocity - other.velocity).norm(), 1e-2);
 }
 
+/// A soft ball whose patches bulge lands slanted, on many of them at once: on the face of a box as on a
+/// half-space. Only the round-off of places of 0.1 m differs, 1e-17 m, which 600 steps raise to 1e-9 of the
+/// speed at most.
+TEST(Obstacles, that_are_boxes_bear_the_bulges_of_patches_like_half_spaces) {
+  const kernels::Kernel kernel = ball(mass, radius, 6e-5, 1.1e-4);
+  const PlacedBody body{.translation = {0.013, 0.007, radius + 1e-5}, .velocity = {0.3, 0.1, -1}};
+  const Friction rough{0.3, 0.3, 0};
+  const auto land = [&](const Obstacle& floor, int& most) {
+    auto stepper = make_stepper(over(kernel, floor, body, Vector3d::Zero(), rough), stepping(50'000));
+    while (stepper->time() < 0.012) {
+      EXPECT_EQ(stepper->step(), StepStatus::ok);
+      most = std::max(most, stepper->active());
+    }
+    EXPECT_EQ(stepper->active(), 0);
+    return stepper->poses()[0];
+  };
+  int over_plane = 0, over_box = 0;
+  const Pose plane = land({.name = "floor", .normal = up}, over_plane),
+             box = land(solid(rigid_box({0.4, 0.3, 0.1}, false), {0, 0, -0.05}), over_box);
+  EXPECT_GT(over_plane, 3);
+  EXPECT_EQ(over_plane, over_box);
+  EXPECT_GT(plane.velocity.z(), 0.9);
+  EXPECT_LT((plane.velocity - box.velocity).norm(), 1e-9);
+  EXPECT_LT((plane.spin - box.spin).norm() * radius, 1e-9);
+}
+
 /// The impulse on a ball without friction that hits an edge leads from the edge to its centre.
 TEST(Obstacles, push_a_ball_away_from_their_edges) {
   const kernels::Kernel kernel = ball(mass, radius, 1e-7);
