@@ -8,7 +8,6 @@
 
 namespace ricochet::contact {
 
-using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
 namespace {
@@ -25,8 +24,8 @@ constexpr double negligible_speed = 1e-9;
 FigureObserver::FigureObserver(MotionSource source, double step)
     : source_(std::move(source)),
       step_(step),
-      impulse_(Matrix3Xd::Zero(3, std::ssize(source_.pairs()))),
-      episode_impulse_(impulse_),
+      impulses_(source_.pairs().size()),
+      of_episode_(impulses_),
       touch_of_(source_.pairs().size(), -1) {
   now_.state = source_.initial_state();
   if (const Model* const model = source_.modes()) now_.energy = initial_energy(*model);
@@ -75,7 +74,7 @@ void FigureObserver::count(const Stepper& stepper) {
   if (!touched_) {
     out_.episodes.push_back({.start_s = start, .end_s = {}});
     episode_start_ = before_;
-    episode_impulse_.setZero();
+    std::ranges::fill(of_episode_, Impulse{});
   }
   if (!out_.contact_start_s) {
     out_.contact_start_s = start;
@@ -95,25 +94,39 @@ void FigureObserver::count(const Stepper& stepper) {
   out_.max_active = std::max(out_.max_active, stepper.active());
   ++out_.contact_steps;
   for (std::size_t p = 0; p < source_.pairs().size(); ++p) {
-    const MotionSource::Pair& pair = source_.pairs()[p];
-    const auto own = stepper.force().segment(pair.first, pair.points);
-    const Vector3d impulse =
-        step_ *
-        (stepper.turning()
-             ? Vector3d(stepper.turning()->frames.normal.middleRows(pair.first, pair.points).transpose() *
-                        own)
-             : Vector3d(pair.normal.transpose() * own));
+    const Impulse impulse = impulse_of(source_.pairs()[p], stepper);
     count_pair(p, impulse);
-    impulse_.col(static_cast<Eigen::Index>(p)) += impulse;
-    episode_impulse_.col(static_cast<Eigen::Index>(p)) += impulse;
+    impulses_[p] += impulse;
+    of_episode_[p] += impulse;
   }
 }
 
+FigureObserver::Impulse& FigureObserver::Impulse::operator+=(const Impulse& other) {
+  sum += other.sum;
+  size += other.size;
+  moment += other.moment;
+  return *this;
+}
+
+/// In the last step.
+FigureObserver::Impulse FigureObserver::impulse_of(const MotionSource::Pair& pair,
+                                                   const Stepper& stepper) const {
+  const auto own = stepper.force().segment(pair.first, pair.points);
+  const auto sum = [&](const Matrix& rows) -> Vector3d {
+    return step_ * (rows.middleRows(pair.first, pair.points).transpose() * own);
+  };
+  Impulse out{.sum = stepper.turning() ? sum(stepper.turning()->frames.normal)
+                                       : Vector3d(step_ * (pair.normal.transpose() * own)),
+              .size = step_ * own.sum()};
+  if (pair.turns()) out.moment = sum(frames_of(*source_.places(), stepper).point_b);
+  return out;
+}
+
 /// Adds a step of a pair to its touch; one with an impulse of 0 ends it.
-void FigureObserver::count_pair(std::size_t number, const Vector3d& impulse) {
+void FigureObserver::count_pair(std::size_t number, const Impulse& impulse) {
   const MotionSource::Pair& pair = source_.pairs()[number];
   int& touch = touch_of_[number];
-  if (impulse.isZero(0)) {
+  if (!impulse.exists()) {
     touch = -1;
     return;
   }
@@ -122,7 +135,7 @@ void FigureObserver::count_pair(std::size_t number, const Vector3d& impulse) {
     out_.touches.push_back({.start_s = now_.time - step_, .end_s = {}, .a = pair.name_a, .b = pair.name_b});
   }
   out_.touches[static_cast<std::size_t>(touch)].end_s = now_.time;
-  out_.touches[static_cast<std::size_t>(touch)].impulse += impulse;
+  out_.touches[static_cast<std::size_t>(touch)].impulse += impulse.sum;
 }
 
 bool FigureObserver::parted(const Stepper& stepper) const {
@@ -139,38 +152,36 @@ bool FigureObserver::parted(const Stepper& stepper) const {
 /// do so again. An obstacle that turns may come nearer at any time.
 bool FigureObserver::approaches(std::size_t number, std::span<const Pose> poses) const {
   const MotionSource::Pair& pair = source_.pairs()[number];
-  if (const auto impulse = impulse_.col(static_cast<Eigen::Index>(number)); !impulse.isZero(0))
-    return closing_speed(number, now_, impulse_).value_or(0) >= 0;
+  if (pair.turns()) return true;
+  if (impulses_[number].exists()) return closing_speed(number, now_, impulses_[number]) >= 0;
   Vector3d along = pair.normal.colwise().sum().transpose();
   if (pair.b >= 0 && !poses.empty())
     along =
         poses[static_cast<std::size_t>(pair.b)].position - poses[static_cast<std::size_t>(pair.a)].position;
-  const auto relative = source_.relative_velocity(pair, now_.state, now_.time);
-  return !relative || relative->dot(along.normalized()) > negligible_speed * relative->norm();
+  const Vector3d relative = source_.relative_velocity(pair, now_.state, now_.time, pair.origin);
+  return relative.dot(along.normalized()) > negligible_speed * relative.norm();
 }
 
 /// Sets the approach of the last episode and, if it has ended, its restitution.
 void FigureObserver::judge(Episode& episode) const {
-  episode.approach_m_per_s = closing_speed(episode_start_, episode_impulse_);
+  episode.approach_m_per_s = closing_speed(episode_start_, of_episode_);
   if (episode.end_s && episode.approach_m_per_s && *episode.approach_m_per_s > 0)
-    episode.restitution = -*closing_speed(at_end_, episode_impulse_) / *episode.approach_m_per_s;
+    episode.restitution = -*closing_speed(at_end_, of_episode_) / *episode.approach_m_per_s;
 }
 
-/// Speed at which the bodies of a pair as a whole approach each other along its impulse [m/s].
-std::optional<double> FigureObserver::closing_speed(std::size_t p, const Instant& at,
-                                                    const Matrix3Xd& impulse) const {
-  const auto relative = source_.relative_velocity(source_.pairs()[p], at.state, at.time);
-  if (!relative) return {};
-  return relative->dot(impulse.col(static_cast<Eigen::Index>(p)).normalized());
+/// Speed at which the bodies of a pair as a whole approach each other along its impulse [m/s]; an obstacle
+/// has the velocity of what is at the mean place of the impulse.
+double FigureObserver::closing_speed(std::size_t p, const Instant& at, const Impulse& impulse) const {
+  return source_.relative_velocity(source_.pairs()[p], at.state, at.time, impulse.place())
+      .dot(impulse.sum.normalized());
 }
 
 /// That of the only pair with an impulse; no value if there are several or none.
-std::optional<double> FigureObserver::closing_speed(const Instant& at, const Matrix3Xd& impulse) const {
-  const Eigen::RowVectorXd size = impulse.colwise().norm();
-  if ((size.array() > 0).count() != 1) return {};
-  Eigen::Index p = 0;
-  size.maxCoeff(&p);
-  return closing_speed(static_cast<std::size_t>(p), at, impulse);
+std::optional<double> FigureObserver::closing_speed(const Instant& at,
+                                                    std::span<const Impulse> impulses) const {
+  if (std::ranges::count_if(impulses, &Impulse::exists) != 1) return {};
+  const auto only = std::ranges::find_if(impulses, &Impulse::exists);
+  return closing_speed(static_cast<std::size_t>(only - impulses.begin()), at, *only);
 }
 
 ImpactFigures FigureObserver::figures() const {
@@ -186,7 +197,7 @@ ImpactFigures FigureObserver::figures() const {
         source_.momentum(static_cast<int>(k), at_end_.state, at_end_.time) / body.mass;
   }
   if (const auto speed = approach(); speed && *speed > 0)
-    out.restitution = -*closing_speed(at_end_, impulse_) / *speed;
+    out.restitution = -*closing_speed(at_end_, impulses_) / *speed;
   return out;
 }
 
@@ -212,7 +223,7 @@ Figures FigureObserver::quantities() const {
 void FigureObserver::add_motion(Figures& out, const Instant& start, const Instant& end) const {
   double speed = 0;
   for (std::size_t p = 0; p < source_.pairs().size(); ++p)
-    speed = std::max(speed, closing_speed(p, start, impulse_).value_or(0));
+    if (impulses_[p].exists()) speed = std::max(speed, closing_speed(p, start, impulses_[p]));
   std::vector<double> rebound, spin;
   bool turns = false;
   for (std::size_t k = 0; k < source_.bodies().size(); ++k) {

@@ -42,9 +42,8 @@ class FigureObserver {
   double energy_put_in() const {
     return elastic((out_.contact_start_s ? at_start_ : now_).energy) + most_work_;
   }
-  /// Speed of approach along the impulse when contact began [m/s]; no value if more than one pair touched, or
-  /// an obstacle that turns.
-  std::optional<double> approach() const { return closing_speed(at_start_, impulse_); }
+  /// Speed of approach along the impulse when contact began [m/s]; no value if more than one pair touched.
+  std::optional<double> approach() const { return closing_speed(at_start_, impulses_); }
   /// Of the steps so far.
   ImpactFigures figures() const;
 
@@ -55,13 +54,22 @@ class FigureObserver {
     Energy energy{};
     double rigid_energy = 0;  ///< kinetic energy of the bodies as a whole, with modes [J]
   };
+  /// The impulse of a pair.
+  struct Impulse {
+    Eigen::Vector3d sum{0, 0, 0};     ///< Σ λ n Δ on b [N s]
+    double size = 0;                  ///< Σ λ Δ [N s]
+    Eigen::Vector3d moment{0, 0, 0};  ///< Σ λ Δ y with the places y of an obstacle that turns [N s m]
+    Impulse& operator+=(const Impulse& other);
+    bool exists() const { return !sum.isZero(0); }
+    Eigen::Vector3d place() const { return moment / size; }  ///< its mean place
+  };
+  Impulse impulse_of(const MotionSource::Pair& pair, const Stepper& stepper) const;
   void count(const Stepper& stepper);
-  void count_pair(std::size_t pair, const Eigen::Vector3d& impulse);
+  void count_pair(std::size_t pair, const Impulse& impulse);
   void judge(Episode& episode) const;
   bool approaches(std::size_t pair, std::span<const Pose> poses) const;
-  std::optional<double> closing_speed(std::size_t pair, const Instant& at,
-                                      const Eigen::Matrix3Xd& impulse) const;
-  std::optional<double> closing_speed(const Instant& at, const Eigen::Matrix3Xd& impulse) const;
+  double closing_speed(std::size_t pair, const Instant& at, const Impulse& impulse) const;
+  std::optional<double> closing_speed(const Instant& at, std::span<const Impulse> impulses) const;
   double elastic(const Energy& energy) const { return energy.kinetic + energy.strain - initial_strain_; }
   Figures quantities() const;
   void add_motion(Figures& out, const Instant& start, const Instant& end) const;
@@ -75,7 +83,7 @@ class FigureObserver {
   Instant before_, now_;                        ///< around the last step
   Instant at_start_, at_end_;                   ///< when contact began and last ended
   Instant episode_start_;                       ///< when the last episode began
-  Eigen::Matrix3Xd impulse_, episode_impulse_;  ///< Σ λ n Δ by pair, of the run and of the episode [N s]
+  std::vector<Impulse> impulses_, of_episode_;  ///< by pair, of the run and of the episode
   std::vector<int> touch_of_;                   ///< by pair: its touch that has not ended, or −1
   double initial_strain_ = 0;                   ///< [J]
   double most_work_ = 0;  ///< largest net work since contact began, while bodies touch [J]

@@ -20,8 +20,8 @@ struct Episode {
   std::optional<double> end_s;  ///< no value if bodies touch in the last step of the run
   double impulse_ns = 0;        ///< Σ λ_i Δ
   double peak_force_n = 0;      ///< largest Σ_i λ_i of a step
-  /// Closing speed along the impulse of the episode when it began, of bodies as a whole [m/s]. No value if
-  /// more than one pair touched.
+  /// Closing speed along the impulse of the episode when it began, of bodies as a whole [m/s], relative to
+  /// the velocity of an obstacle at the mean place of this impulse. No value if more than one pair touched.
   std::optional<double> approach_m_per_s{};
   /// Minus the ratio of exit to approach; no value without an end or an approach.
   std::optional<double> restitution{};
@@ -46,8 +46,8 @@ struct ImpactFigures {
   int max_active = 0;          ///< largest number of points that touched at once
   /// Mass-mean velocity of each body when contact last ended [m/s]; empty if contact_end_s has no value.
   std::map<std::string, Eigen::Vector3d> exit_velocity;
-  /// Minus the ratio of exit to approach relative velocity along the impulse, with obstacles at 0. No value
-  /// if contact has no end, if there is no approach, or if more than one pair touched.
+  /// Minus the ratio of exit to approach relative velocity along the impulse, as for episodes. No value if
+  /// contact has no end, if there is no approach, or if more than one pair touched.
   std::optional<double> restitution;
   double max_penetration_m = 0;  ///< largest u − g at the end of a step
   Figures quantities;            ///< without those of receivers

@@ -28,7 +28,7 @@ MotionSource::MotionSource(const Model& model)
                       model.normal.middleRows(pair.first_point, pair.points),
                       bodies_[static_cast<std::size_t>(pair.a)].name,
                       pair.b < 0 ? pair.obstacle : bodies_[static_cast<std::size_t>(pair.b)].name,
-                      pair.driven});
+                      pair.driven, pair.solid ? pair.solid->point : Vector3d(Vector3d::Zero())});
 }
 
 MotionSource::MotionSource(const Table& table, const Model* places)
@@ -67,13 +67,11 @@ Vector3d MotionSource::momentum(int body, const Vector& state, double time) cons
   return bodies_[static_cast<std::size_t>(body)].mass * velocity(body, state);
 }
 
-std::optional<Vector3d> MotionSource::relative_velocity(const Pair& pair, const Vector& state,
-                                                        double time) const {
+Vector3d MotionSource::relative_velocity(const Pair& pair, const Vector& state, double time,
+                                         const Vector3d& place) const {
   Vector3d out = velocity(pair.a, state);
   if (pair.b >= 0) out -= velocity(pair.b, state);
-  if (!pair.driven) return out;
-  if (pair.driven->turns()) return {};
-  return out - pair.driven->velocity(time);
+  return pair.driven ? Vector3d(out - pair.driven->velocity(time, place - pair.origin)) : out;
 }
 
 Vector3d MotionSource::velocity(int body, const Vector& state) const {

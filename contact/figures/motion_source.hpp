@@ -32,6 +32,8 @@ class MotionSource {
     Matrix normal;                                 ///< (points,3) out of a; 0 at points of other pairs
     std::string name_a{}, name_b{};                ///< of bodies or obstacles; name_b is empty if unknown
     std::shared_ptr<const DrivenMotion> driven{};  ///< of an obstacle; null if it does not move
+    Eigen::Vector3d origin{0, 0, 0};               ///< of an obstacle that turns, at t = 0 [m]
+    bool turns() const { return driven && driven->turns(); }
   };
 
   /// `model` must outlive the source.
@@ -55,9 +57,10 @@ class MotionSource {
   Eigen::Vector3d momentum(int body, const Vector& state, double time) const;
   /// Velocity of a body as a whole, without its vibration [m/s].
   Eigen::Vector3d velocity(int body, const Vector& state) const;
-  /// That of the first side of a pair at a time, relative to the second one; no value if this is an obstacle
-  /// that turns, whose points have different velocities.
-  std::optional<Eigen::Vector3d> relative_velocity(const Pair& pair, const Vector& state, double time) const;
+  /// That of the first side of a pair at a time, relative to the second one. @param place  at which the
+  /// velocity of an obstacle is taken, whose points have different ones if it turns [m]
+  Eigen::Vector3d relative_velocity(const Pair& pair, const Vector& state, double time,
+                                    const Eigen::Vector3d& place) const;
   /// The same times the radius of gyration, for the angular velocity; no value unless the body has the six
   /// rigid modes of a solid [m/s].
   std::optional<Eigen::Vector3d> spin(int body, const Vector& state) const;

@@ -24,9 +24,11 @@ Vector3d DrivenMotion::turn(double t) const noexcept {
   return out;
 }
 
-Vector3d DrivenMotion::velocity(double t) const noexcept {
+/// All turns have one axis, so that their rates are those of angles.
+Vector3d DrivenMotion::velocity(double t, const Vector3d& place) const noexcept {
+  const Vector3d arm = place - shift(t);
   Vector3d out = Vector3d::Zero();
-  for (const Part& one : parts) out += one.history.slope(t) * one.shift;
+  for (const Part& one : parts) out += one.history.slope(t) * (one.shift + one.turn.cross(arm));
   return out;
 }
 

@@ -20,9 +20,11 @@ struct DrivenMotion {
   std::vector<Part> parts{};
 
   bool turns() const noexcept;
-  Eigen::Vector3d shift(double t) const noexcept;     ///< [m]
-  Eigen::Vector3d turn(double t) const noexcept;      ///< axis times angle [rad]
-  Eigen::Vector3d velocity(double t) const noexcept;  ///< of the origin, from t on [m/s]
+  Eigen::Vector3d shift(double t) const noexcept;  ///< [m]
+  Eigen::Vector3d turn(double t) const noexcept;   ///< axis times angle [rad]
+  /// Of what is at a place at t, from t on. @param place  from the origin at t = 0, world axes [m] @return
+  /// [m/s]
+  Eigen::Vector3d velocity(double t, const Eigen::Vector3d& place) const noexcept;
   /// Whether it moves at any time within an interval.
   bool moves(double from, double to) const noexcept;
   /// Largest speed within it of a point that is at most `radius` [m] from the origin [m/s].
