@@ -4,6 +4,7 @@
 import contextlib
 import io
 import unittest
+import unittest.mock
 
 import gmsh
 import h5py
@@ -12,7 +13,8 @@ import numpy as np
 from foreign_meshes import VTK, Sample
 from programs import Command, ProgramTest, kernel
 
-from ricochet.interchange import foreign
+from ricochet.errors import InputError
+from ricochet.interchange import foreign, unstructured
 
 try:
     import meshio
@@ -132,6 +134,18 @@ class ImportMesh(ProgramTest):
                     np.testing.assert_allclose(found.mesh.node[solids], sample.node[sample.solid], atol=SAME)
                     names = {".med": {"one", "two"}, ".inp": {"whole"}}.get(ending, {"1", "2"})
                     self.assertEqual(set(found.groups.solids), names)
+
+    @unittest.skipUnless(meshio, "python3-meshio is not installed: scripts/setup --tests")
+    def test_files_that_meshio_misreads_are_refused_in_one_line(self):
+        """Netgen's format states numbers of entries, which meshio looks for behind the end of the file. The refusal states the time."""
+        path = self.folder / "damaged.vol"
+        names = "materials\n1000000000000\n"
+        for text, limit, complaint in (("", 60, "has no nodes"), (names, 0.1, "takes more than 0.1")):
+            path.write_text(f"mesh3d\ndimension\n3\n{text}endmesh\n")
+            with self.subTest(complaint), unittest.mock.patch.object(unstructured, "LONGEST", limit):
+                with self.assertRaisesRegex(InputError, f"{path}: .*{complaint}") as refused:
+                    foreign.read(path, 1.0, 1.0)
+                self.assertNotIn("\n", str(refused.exception))
 
     def test_kernels_of_all_formats_in_a_scene_are_those_of_gmsh(self):
         # The import adds nodes to bricks of 20 nodes, the same for all formats.

@@ -77,6 +77,8 @@ def joined(blocks: Sequence[Cells]) -> dict[str, Array]:
 
 def mesh_of(path: Path, node: Array, blocks: list[Cells], node_groups: dict[str, Array]) -> Mesh:
     """A mesh of solids with groups. `node`: (n,1 to 3). Raises InputError."""
+    if node.ndim != 2:
+        raise InputError(f"{path}: has no nodes: export the mesh again")
     position = np.zeros((len(node), 3))
     position[:, : node.shape[1]] = node[:, :3]
     for block in blocks:

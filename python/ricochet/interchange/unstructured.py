@@ -2,6 +2,9 @@
 """Meshes that Debian's python3-meshio reads: of FEniCS (.xdmf, .xml), Cubit (.e, .exo), Netgen (.vol) and others."""
 import contextlib
 import io
+import signal
+import threading
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +29,30 @@ LABELS = (
 )
 
 
+# Largest processor time of meshio [s], [s/byte]. It takes up to 6e-8 s/byte, but if a file states 1e12 entries, it looks for
+# all of them behind the end.
+LONGEST, LONGEST_PER_BYTE = 60.0, 2e-6
+
+
+@contextlib.contextmanager
+def limited(seconds: float) -> Iterator[None]:
+    """Raises TimeoutError after this processor time, in the main thread."""
+
+    def stop(*_: object) -> None:
+        raise TimeoutError(f"it takes more than {seconds:.3g} s")
+
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGVTALRM, stop)
+    signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0)
+        signal.signal(signal.SIGVTALRM, before)
+
+
 def loaded(path: Path) -> Any:
     """The mesh as meshio has it. Raises InputError and OSError."""
     try:
@@ -37,7 +64,8 @@ def loaded(path: Path) -> Any:
     path.open("rb").close()
     said = io.StringIO()
     try:
-        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+        limit = LONGEST + LONGEST_PER_BYTE * path.stat().st_size
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said), limited(limit):
             return meshio.read(path)
     except (Exception, SystemExit) as error:  # meshio asserts, indexes and exits where files are wrong
         text = " ".join(f"{error} {said.getvalue()}".split())[:120]
