@@ -135,6 +135,20 @@ bool is_curved(const WorldSurface& surface) {
   return surface.corners == 3 && std::ranges::any_of(surface.element, &WorldSurface::Element::curved);
 }
 
+/// The point of a surface that is farthest along n.
+Projection farthest_along(const Vector3d& n, const WorldSurface& surface) {
+  Projection out;
+  double farthest = -std::numeric_limits<double>::infinity();
+  for (const WorldSurface::Element& element : surface.element) {
+    const auto weight = highest_weights(surface, element, n);
+    const Vector3d x = surface.at(element, weight);
+    if (n.dot(x) <= farthest) continue;
+    farthest = n.dot(x);
+    out = {x, n, element.corner, weight};
+  }
+  return out;
+}
+
 /// Adds points for summits of curved surfaces, which begin at a place.
 void add_summits(const Pairing::Point& begin, Pairing& out) {
   out.summits = most_summits;
@@ -162,14 +176,9 @@ Pairing find_pairs(const PlacedBody& a, const Obstacle& b, bool everywhere) {
   if (!everywhere) return out;
   out.candidates_of_a = static_cast<int>(out.points.size());
   if (!is_curved(from)) return out;
-  Pairing::Point summit;
-  summit.gap = std::numeric_limits<double>::infinity();
-  for (const WorldSurface::Element& element : from.element) {
-    const auto weight = highest_weights(from, element, n);
-    const Vector3d x = from.at(element, weight);
-    if (const double height = n.dot(b.point - x); height < summit.gap)
-      summit = {x, x + height * n, n, height, 0, 0, weights_of({x, -b.normal, element.corner, weight}), {}};
-  }
+  const Projection top = farthest_along(n, from);
+  const double height = n.dot(b.point - top.point);
+  Pairing::Point summit{top.point, top.point + height * n, n, height, 0, 0, weights_of(top), {}};
   summit.area = sum_of(from.area, summit.of_a);
   summit.bulge = std::max(0.0, sum_of(from.bulge, summit.of_a));
   add_summits(summit, out);
@@ -225,6 +234,12 @@ Pairing find_all(const SurfaceProjection& over_a, const SurfaceProjection& over_
   }
   if ((is_curved(a) || is_curved(b)) && !out.points.empty()) {
     Pairing::Point summit = closest_pair(out);
+    // Between candidates, a surface may be nearer.
+    const Projection top = farthest_along(summit.normal, a);
+    if (const auto y = over_b.closest(top.point)) {
+      Pairing::Point point = point_over(*y, top.point, weights_of(top), 0, false);
+      if (point.gap < summit.gap) summit = std::move(point);
+    }
     summit.area = sum_of(a.area, summit.of_a);
     summit.bulge = std::max(0.0, sum_of(a.bulge, summit.of_a) + sum_of(b.bulge, summit.of_b));
     add_summits(summit, out);
