@@ -3,8 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -14,6 +16,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 #include "base/atomic_file.hpp"
 #include "ricochet/error.hpp"
@@ -74,27 +77,72 @@ void read_binary(const std::string& bytes, JoinedCorners& out) {
     }
 }
 
+constexpr std::string_view space = " \t\r\n";
+
+/// The next word of a text, without it; empty at the end.
+std::string_view take_word(std::string_view& text) {
+  text.remove_prefix(std::min(text.find_first_not_of(space), text.size()));
+  const std::string_view word = text.substr(0, text.find_first_of(space));
+  text.remove_prefix(word.size());
+  return word;
+}
+
+/// @return whether the word is a number
+template <class Number>
+bool read_number(std::string_view word, Number& out) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), out);
+  return error == std::errc() && end == word.data() + word.size();
+}
+
+/// The next three words as numbers. @return whether they are
+bool read_numbers(std::string_view& text, Vector3& out) {
+  return std::ranges::all_of(out, [&](double& value) { return read_number(take_word(text), value); });
+}
+
 /// Reads "vertex x y z" anywhere in the text. Returns false for a vertex without three numbers.
 bool read_text(std::string_view text, JoinedCorners& out) {
-  constexpr std::string_view space = " \t\r\n", vertex = "vertex";
-  int missing = 0;
+  constexpr std::string_view vertex = "vertex";
   Vector3 x{};
-  while (true) {
-    const std::size_t begin = text.find_first_not_of(space);
-    if (begin == std::string_view::npos) return missing == 0;
-    text.remove_prefix(begin);
-    std::string_view word = text.substr(0, text.find_first_of(space));
-    text.remove_prefix(word.size());
-    if (missing > 0) {
-      if (word.starts_with('+')) word.remove_prefix(1);
-      double& value = x[static_cast<std::size_t>(3 - missing)];
-      const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-      if (error != std::errc() || end != word.data() + word.size()) return false;
-      if (--missing == 0) out.add(x);
-    } else if (word == vertex) {
-      missing = 3;
-    }
+  for (std::string_view word; !(word = take_word(text)).empty();) {
+    if (word != vertex) continue;
+    if (!read_numbers(text, x)) return false;
+    out.add(x);
   }
+  return true;
+}
+
+/// Reads the lines "v x y z" and "f i j k …" of a Wavefront OBJ file. Corners count vertices from 1, or from
+/// the last one, −1, backwards; a texture and a normal may follow them, i/t/n. A face with more than
+/// three corners is cut at the first of them. Other lines are left out. Returns the number of the first line
+/// that is wrong, or 0.
+std::size_t read_obj(std::string_view text, JoinedCorners& out) {
+  std::vector<Vector3> vertex;
+  std::vector<std::size_t> corner;
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(line.size() + 1, text.size()));
+    const std::string_view kind = take_word(line);
+    if (kind == "v" && !read_numbers(line, vertex.emplace_back())) return number;
+    if (kind != "f") continue;
+    corner.clear();
+    for (std::string_view word; !(word = take_word(line)).empty();) {
+      std::int64_t at = 0;
+      if (!read_number(word.substr(0, word.find('/')), at)) return number;
+      const auto count = std::ssize(vertex);
+      if (at == 0 || at > count || at < -count) return number;
+      corner.push_back(static_cast<std::size_t>(at > 0 ? at - 1 : count + at));
+    }
+    if (corner.size() < 3) return number;
+    for (std::size_t k = 2; k < corner.size(); ++k)
+      for (const std::size_t i : {corner[0], corner[k - 1], corner[k]}) out.add(vertex[i]);
+  }
+  return 0;
+}
+
+bool is_obj(const std::filesystem::path& path) {
+  return std::ranges::equal(path.extension().string(), std::string_view(".obj"), {},
+                            [](unsigned char c) { return std::tolower(c); });
 }
 
 }  // namespace
@@ -104,12 +152,18 @@ SurfaceMesh read_surface(const std::filesystem::path& path, double scale) {
   std::error_code failure;
   std::ifstream file(path, std::ios::binary);
   if (!std::filesystem::is_regular_file(path, failure) || !file)
-    refuse("no such file. Name an STL file of a closed surface.");
+    refuse("no such file. Name an STL or OBJ file of a closed surface.");
   const std::string bytes(std::istreambuf_iterator<char>(file), {});
   JoinedCorners out(path, scale);
   const bool is_binary =
       bytes.size() >= header + 4 && bytes.size() == header + 4 + facet * std::size_t{word_at(bytes, header)};
-  if (is_binary)
+  if (is_obj(path)) {
+    if (const std::size_t line = read_obj(bytes, out); line > 0)
+      throw InputError(fmt::format(
+          "{}: line {} is no vertex with three numbers, and no face with three or more corners among the "
+          "vertices before it. Export the surface anew, or as STL.",
+          path.string(), line));
+  } else if (is_binary)
     read_binary(bytes, out);
   else if (!bytes.starts_with("solid") || !read_text(bytes, out) || !out.is_whole())
     refuse(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Surfaces of obstacles from STL files.
+// Surfaces of obstacles from STL and OBJ files.
 #pragma once
 
 #include <filesystem>
@@ -9,8 +9,9 @@
 
 namespace ricochet::contact {
 
-/// Reads an STL file, text or binary, and joins corners with equal coordinates. Normals of the file are not
-/// used. Throws a one-line InputError if the file is missing or no STL file. @param scale  of the coordinates
+/// Reads an STL file, text or binary, or a Wavefront OBJ file, by the ending .obj, and joins corners with
+/// equal coordinates. Normals of the file are not used. Throws a one-line InputError if the file is missing
+/// or of another kind. @param scale  of the coordinates
 SurfaceMesh read_surface(const std::filesystem::path& path, double scale = 1);
 
 /// Writes an STL file, as text with all digits, in a folder that exists. @param title  on its first line,

@@ -250,9 +250,10 @@ const SectionOf<Obstacle> obstacle_keys{
      {"size", Access<Obstacle>(&Obstacle::size).only(is_one<Shape::box>, "a box"), "m", "– of a box",
       above("0"), "edges of a box along x, y, z"},
      {"surface", Access<Obstacle>(&Obstacle::surface).only(is_mesh, "a mesh"), "", "– of a mesh", any(),
-      "an STL file of a closed surface, or a [drawing or mesh](scene.md#drawings) such as a `.step`, of "
-      "which "
-      "`ricochet-kernel` makes one beside the kernels. Edges at which triangles meet at less than 29° are "
+      "an STL or OBJ file of a closed surface, or a [drawing or mesh](scene.md#drawings) such as a `.step`, "
+      "of "
+      "which `ricochet-kernel` makes an STL file beside the kernels. Edges at which triangles meet at less "
+      "than 29° are "
       "smooth; there, the surface between the nodes is curved"},
      {"scale", Access<Obstacle>(&Obstacle::scale).only(is_mesh, "a mesh"), "1", initial, above("0"),
       "factor on the coordinates of the file, for example 1e-3 for millimetres"},
@@ -311,7 +312,7 @@ Obstacle read_obstacle(const std::string& name, const Table& table, const Scene&
     if (needed && !table.has(key)) table.complain(key, std::string("is missing: ") + what);
   };
   need("normal", "the direction out of the obstacle, for example [0, 0, 1]", obstacle.is_half_space());
-  need("surface", "name an STL file or a drawing", obstacle.shape == Shape::mesh);
+  need("surface", "name an STL or OBJ file or a drawing", obstacle.shape == Shape::mesh);
   need("size", "give the edges along x, y, z in m, for example [1, 1, 0.2]", obstacle.shape == Shape::box);
   need("radius", "give a number in m",
        is_one<Shape::sphere, Shape::cylinder, Shape::capsule, Shape::cone, Shape::torus>(obstacle));

@@ -48,7 +48,9 @@ bool is_foreign_mesh(const std::filesystem::path& file) {
 
 bool Body::foreign() const { return is_foreign_mesh(mesh); }
 
-bool Obstacle::is_drawn() const { return shape == Shape::mesh && ending_of(surface) != ".stl"; }
+bool Obstacle::is_drawn() const {
+  return shape == Shape::mesh && ending_of(surface) != ".stl" && ending_of(surface) != ".obj";
+}
 
 bool Contact::rubs(const std::string& name) const {
   return std::ranges::any_of(pairs, [&](const Pair& pair) { return pair.friction && pair.names(name); });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// An STL file, as text or binary. The surface that is read has finite coordinates and indices in range, and
-// one that is closed can be an obstacle.
+// An STL file, as text or binary, and an OBJ file. The surface that is read has finite coordinates and
+// indices in range, and one that is closed can be an obstacle.
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -38,13 +38,15 @@ contact::RigidMesh rigid(const SurfaceMesh& mesh) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const fuzz::Scratch folder;
-  const auto file = folder.put("surface.stl", {reinterpret_cast<const char*>(data), size});
-  for (const double scale : {1e-3, 1e3}) {
-    SurfaceMesh mesh;
-    if (!fuzz::accepts([&] { mesh = contact::read_surface(file, scale); })) continue;
-    check(mesh);
-    contact::RigidMesh whole = rigid(mesh);
-    if (contact::flaw_of(whole).empty()) contact::rigid_surface(whole);
+  for (const char* name : {"surface.stl", "surface.obj"}) {
+    const auto file = folder.put(name, {reinterpret_cast<const char*>(data), size});
+    for (const double scale : {1e-3, 1e3}) {
+      SurfaceMesh mesh;
+      if (!fuzz::accepts([&] { mesh = contact::read_surface(file, scale); })) continue;
+      check(mesh);
+      contact::RigidMesh whole = rigid(mesh);
+      if (contact::flaw_of(whole).empty()) contact::rigid_surface(whole);
+    }
   }
   return 0;
 }

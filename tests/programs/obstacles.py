@@ -77,6 +77,21 @@ def write_text_stl(path, facets):
     path.write_text("\n".join([*lines, "endsolid box"]))
 
 
+def write_obj(path, size):
+    """A box of quadrangles, with numbers of vertices from the first one and from the last one."""
+    corners = box_facets(size).reshape(6, 6, 3)[:, [0, 1, 2, 5]].reshape(24, 3)
+    lines = [
+        "# a box",
+        "o box",
+        *(f"v {x!r} {y!r} {z!r}" for x, y, z in corners.tolist()),
+        "vn 0 0 1",
+        "s off",
+    ]
+    for first in range(1, 24, 4):
+        lines.append(f"f {first} {first + 1}//1 {first + 2 - 25} {first + 3 - 25}//1")
+    path.write_text("\n".join(lines))
+
+
 def draw(path, make, faces=False, mesh=False):
     """Writes a drawing of what `make(occ)` adds, in millimetres. @param faces  remove the last face, and the volume
     @param mesh  write a mesh of its volume instead"""
@@ -129,12 +144,14 @@ class Obstacles(ProgramTest):
         size = (0.06, 0.05, 0.02)
         write_stl(self.made / "box.stl", box_facets(1e3 * np.array(size)))
         write_text_stl(self.made / "text.stl", box_facets(1e3 * np.array(size)))
+        write_obj(self.made / "box.OBJ", 1e3 * np.array(size))
         lower = f"point = [0.004, 0.003, {-size[2] / 2}]\n"
         obstacles = {
             "plane": "[obstacles.anvil]\nnormal = [0, 0, 1]\n",
             "box": f'[obstacles.anvil]\nshape = "box"\nsize = {list(size)}\n{lower}',
             "mesh": f'[obstacles.anvil]\nsurface = "box.stl"\nscale = 1e-3\n{lower}',
             "text": f'[obstacles.anvil]\nsurface = "text.stl"\nscale = 1e-3\n{lower}',
+            "quadrangles": f'[obstacles.anvil]\nsurface = "box.OBJ"\nscale = 1e-3\n{lower}',
         }
         friction = "friction = 0.2\ngap = 1e-7\n"
         sideways = ("bodies.ball.velocity=[0.1,0,-0.3]",)
@@ -223,6 +240,11 @@ class Obstacles(ProgramTest):
         (self.made / "odd.step").write_text("no drawing")
         self.refused(kernel(self.drawn("odd.step", BELOW), out, ranks=2), "odd.step")
         self.assertFalse(list(out.glob("*.stl")) + list(out.glob("*.partial")))
+        write_obj(self.made / "plate.obj", (60, 50, 20))
+        kernel(self.drawn("plate.obj", "[0, 0, -0.01]"), out)
+        for text, complaint in (("v 0 0 0\nv 1 0 0\nf 1 2 3\n", "line 3"), ("v 0 0\n", "line 1")):
+            (self.made / "odd.obj").write_text(text)
+            self.refused(contact(self.drawn("odd.obj", BELOW), out), "odd.obj", f": {complaint} is no")
 
     def test_a_program_without_gmsh_names_the_command_that_makes_the_triangles(self):
         draw(self.made / "ball.step", lambda occ: occ.addSphere(0, 0, 0, 10))
