@@ -76,7 +76,7 @@ int ricochet_scene_half_space(ricochet_scene* scene, const char* name, const dou
  * have are not read; or "box" with its edges along x, y, z [m]. inside: not 0 if bodies are inside. */
 int ricochet_scene_obstacle(ricochet_scene* scene, const char* name, const char* shape, int inside,
                             const double* point, const double* rotate_deg, const double* sizes);
-/* A closed surface from an STL file, whose coordinates times scale are metres. */
+/* A closed surface from an STL or OBJ file, whose coordinates times scale are metres. */
 int ricochet_scene_obstacle_mesh(ricochet_scene* scene, const char* name, const char* path, double scale,
                                  int inside, const double* point, const double* rotate_deg);
 /* direction: a vector; gap, reach: one number [m]. */

@@ -40,8 +40,9 @@ namespace ricochet {
 /// inconsistent. Call it from one thread at a time, because HDF5 may not be thread-safe.
 SharedKernel load_kernel(const std::filesystem::path& path);
 
-/// Reads the surface of an obstacle of the shape `mesh` from an STL file, text or binary. Throws a one-line
-/// InputError if the file is missing or no STL file. @param scale  of its coordinates, which become metres
+/// Reads the surface of an obstacle of the shape `mesh` from an STL file, text or binary, or an OBJ file.
+/// Throws a one-line InputError if the file is missing or of another kind. @param scale  of its coordinates,
+/// which become metres
 SurfaceMesh load_surface(const std::filesystem::path& path, double scale = 1);
 
 /// Writes a kernel file (docs/formats/kernel.md); a partial file never has the final name. Throws a one-line

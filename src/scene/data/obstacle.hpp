@@ -9,7 +9,8 @@ namespace ricochet::scene {
 
 /// What files need beside the settings of the library, whose `mesh` it does not hold.
 struct Obstacle : ricochet::Obstacle {
-  /// Of a mesh: an STL file, or a drawing or mesh that gmsh reads; resolved against the scene's folder.
+  /// Of a mesh: an STL or OBJ file, or a drawing or mesh that gmsh reads; resolved against the scene's
+  /// folder.
   std::filesystem::path surface{};
   double scale = 1;        ///< of its coordinates
   double size_factor = 1;  ///< on the sizes of the triangles of a drawing (gmsh's Mesh.MeshSizeFactor)
@@ -18,7 +19,7 @@ struct Obstacle : ricochet::Obstacle {
   double deviation = 0;               ///< largest distance of the surface in contact from it [m]
 
   bool is_half_space() const { return shape == Shape::half_space; }
-  /// Whether gmsh makes the triangles of the surface, which is no STL file.
+  /// Whether gmsh makes the triangles of the surface, which is no STL or OBJ file.
   bool is_drawn() const;
   bool operator==(const Obstacle&) const = default;
 };
