@@ -116,7 +116,7 @@ void contract(std::vector<T>& matrix, std::size_t width, const Factors& by) {
 // here; otherwise this does not compile.
 
 void rescale(Modes& modes, double frequency, const Damping& damping) {
-  auto& [basis, omega, decay, residual, mesh_error, certificate, coriolis] = modes;
+  auto& [basis, omega, decay, residual, stiffness_error, certificate, coriolis] = modes;
   multiply(omega, frequency);
   decay = decay_rates(damping, omega);
   auto& [below, upto_hz, by_inertia, shift, modes_below, found, left_out, complete, orthonormality, error] =

@@ -78,6 +78,15 @@ void keep_columns(std::vector<T>& matrix, const std::vector<bool>& keep) {
   matrix.resize(to);
 }
 
+/// Keeps the selected rows and columns of a square matrix.
+template <class T>
+void keep_square(std::vector<T>& matrix, const std::vector<bool>& keep) {
+  std::size_t to = 0;
+  for (std::size_t from = 0; from < matrix.size(); ++from)
+    if (keep[from / keep.size()] && keep[from % keep.size()]) matrix[to++] = matrix[from];
+  matrix.resize(to);
+}
+
 /// Keeps the pairs of kept modes, renumbered.
 void keep_pairs(Coriolis& coriolis, const std::vector<bool>& keep) {
   std::vector<std::int64_t> number(keep.size());
@@ -262,16 +271,12 @@ void truncate(Kernel& kernel, const std::vector<bool>& keep) {
     Eigen::Map<RowMajor>(kernel.loads.body_force_residual.data(), rows, 3) +=
         flexible *
         Eigen::Map<const RowMajor>(kernel.loads.body_force.data(), 3, n)(Eigen::all, leaving).transpose();
-  for (std::vector<double>* matrix :
-       {&kernel.modes.angular_frequency, &kernel.modes.decay_rate, &kernel.modes.residual,
-        &kernel.modes.mesh_error, &kernel.surface.shape, &kernel.loads.body_force, &kernel.loads.rotation})
-    keep_columns(*matrix, keep);
+  for (std::vector<double>* values :
+       {&kernel.modes.angular_frequency, &kernel.modes.decay_rate, &kernel.modes.residual})
+    keep_columns(*values, keep);
+  keep_square(kernel.modes.stiffness_error, keep);
   keep_pairs(kernel.modes.coriolis, keep);
-  for (Load& load : kernel.applied) keep_columns(load.participation, keep);
-  for (Motion& motion : kernel.motions) keep_columns(motion.participation, keep);
-  for (Receiver& receiver : kernel.receivers) keep_columns(receiver.shape, keep);
-  for_each_sensitivity(kernel, [&](auto& seen) { keep_columns(seen.shape, keep); });
-  if (kernel.view) keep_columns(kernel.view->shape, keep);
+  for_each_of_modes(kernel, [&](auto& values) { keep_columns(values, keep); });
 }
 
 Kernel truncated_above(Kernel kernel, RadPerSecond end) {

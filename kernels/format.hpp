@@ -87,7 +87,7 @@ void list_modes(auto& file, auto& modes) {
   file.dataset("/modes/angular_frequency", modes.angular_frequency, {n}, "rad/s");
   file.dataset("/modes/decay_rate", modes.decay_rate, {n}, "1/s");
   file.dataset("/modes/residual", modes.residual, {n}, "1");
-  file.optional_dataset("/modes/mesh_error", modes.mesh_error, {n}, "1");
+  file.optional_dataset("/modes/stiffness_error", modes.stiffness_error, {n, n}, "1");
   file.attribute("/modes", "basis", modes.basis);
   const std::string group = "/modes/certificate";
   auto& certificate = modes.certificate;

@@ -144,7 +144,6 @@ void validate_modes(const Modes& modes, const Validator& check) {
     check.fail_dataset("/modes/angular_frequency", "is not ascending.");
   check.not_negative("/modes/decay_rate", modes.decay_rate);
   check.not_negative("/modes/residual", modes.residual);
-  check.not_negative("/modes/mesh_error", modes.mesh_error);
   const Certificate& certificate = modes.certificate;
   if (certificate.below < 0 || certificate.count_by_inertia < 0 || certificate.count_found < 0 ||
       certificate.left_out < 0)

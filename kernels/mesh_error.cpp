@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "kernels/mesh_error.hpp"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
@@ -8,23 +9,17 @@ namespace ricochet::kernels {
 
 namespace {
 
-/// Beyond these, an estimate says only that the mesh is too coarse, and other changes would be no modes.
-constexpr double most_of_square = 0.5, most_of_trace = 0.3;
+using Eigen::Index;
+template <class T>
+using RowsOf = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Relative error of the traces of a mode by that of its frequency. Near the first two factors for small
-/// errors, it grows like the error of the mode in the energy norm, √(δω/ω), for larger ones: on three bodies
-/// of tetrahedra, with errors of frequencies of 0.14 to 3.5 %, it was 0.35 to 0.8 of this.
-double error_of_trace(double of_frequency, int order) {
-  const double factor = order <= 2 ? 3 : 10;
-  return std::min({factor * of_frequency, 0.6 * std::sqrt(of_frequency), most_of_trace});
-}
-
-/// Multiplies the traces and frequencies of modes, which keep their static flexibility B Bᵀ/ω².
-/// @param factor  (N)
-void multiply_traces(Kernel& kernel, const std::vector<double>& factor) {
-  const std::size_t n = kernel.modes.size();
-  for (std::size_t k = 0; k < n; ++k) kernel.modes.angular_frequency[k] *= factor[k];
-  for (std::size_t k = 0; k < kernel.surface.shape.size(); ++k) kernel.surface.shape[k] *= factor[k % n];
+/// The end of the modes from `from` on whose errors no mode beyond shares.
+Index end_of_group(const Eigen::Ref<const Eigen::MatrixXd>& error, Index from) {
+  Index end = from + 1;
+  for (Index n = from; n < end; ++n)
+    for (Index m = error.rows() - 1; m >= end; --m)
+      if (error(m, n) != 0) end = m + 1;
+  return end;
 }
 
 /// Adds a multiple of the unit matrix to the block of two candidates, and to its mirror image.
@@ -52,7 +47,9 @@ void add(Surface& surface, std::size_t i, std::size_t j, double value) {
 
 }  // namespace
 
-bool has_mesh_error(const Kernel& kernel) { return kernel.modes.mesh_error.size() == kernel.modes.size(); }
+bool has_mesh_error(const Kernel& kernel) {
+  return kernel.modes.stiffness_error.size() == kernel.modes.size() * kernel.modes.size();
+}
 
 std::vector<std::pair<std::size_t, std::size_t>> neighbours(const Surface& surface) {
   std::vector<std::pair<std::size_t, std::size_t>> out;
@@ -69,11 +66,32 @@ std::vector<std::pair<std::size_t, std::size_t>> neighbours(const Surface& surfa
   return out;
 }
 
-Kernel without_frequency_error(Kernel kernel) {
-  std::vector<double> factor;
-  for (const double error : kernel.modes.mesh_error)
-    factor.push_back(std::sqrt(1 - std::min(error, most_of_square)));
-  multiply_traces(kernel, factor);
+Kernel without_stiffness_error(Kernel kernel) {
+  std::vector<double>& omega = kernel.modes.angular_frequency;
+  const std::vector<double> had = omega;
+  const Index n = std::ssize(omega);
+  const Eigen::Map<const Eigen::MatrixXd> error(kernel.modes.stiffness_error.data(), n, n);
+  const Index elastic = std::ranges::upper_bound(omega, 0.0) - omega.begin();
+  for (Index from = elastic, end = from; from < n; from = end) {
+    end = end_of_group(error, from);
+    const Index width = end - from;
+    const auto inverse = Eigen::Map<const Eigen::VectorXd>(&omega[from], width).cwiseInverse().eval();
+    Eigen::MatrixXd flexible = error.block(from, from, width, width);
+    flexible.diagonal().array() += 1;
+    flexible = inverse.asDiagonal() * flexible * inverse.asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> exact(flexible);
+    for (Index k = 0; k < width; ++k) omega[from + k] = 1 / std::sqrt(exact.eigenvalues()[width - 1 - k]);
+    const Eigen::MatrixXd combined = exact.eigenvectors().rowwise().reverse();
+    for_each_of_modes(kernel, [&]<class T>(std::vector<T>& values) {
+      Eigen::Map<RowsOf<T>> rows(values.data(), std::ssize(values) / n, n);
+      rows.middleCols(from, width) *= combined.cast<T>();
+    });
+  }
+  // Nodes of rods have their exact static displacements, so that B Bᵀ/ω² of each mode remains.
+  if (kernel.surface.corners() == 1)
+    for (std::size_t k = 0; k < kernel.surface.shape.size(); ++k)
+      if (const auto m = static_cast<Index>(k) % n; m >= elastic)
+        kernel.surface.shape[k] *= omega[m] / had[m];
   return kernel;
 }
 
@@ -83,16 +101,6 @@ Kernel without_flexibility_error(Kernel kernel) {
   for (std::size_t i = 0; i < error.size(); ++i) add(surface, i, i, error[i]);
   for (const auto& [i, j] : neighbours(surface))
     add(surface, i, j, -surface.mesh_error_coupling * std::sqrt(error[i] * error[j]));
-  return kernel;
-}
-
-Kernel with_trace_error(Kernel kernel) {
-  std::vector<double> factor;
-  for (const double square : kernel.modes.mesh_error) {
-    const double error = error_of_trace(square / 2, kernel.order);
-    factor.push_back(1 + (factor.size() % 2 == 0 ? error : -error));
-  }
-  multiply_traces(kernel, factor);
   return kernel;
 }
 

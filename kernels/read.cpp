@@ -180,7 +180,7 @@ std::optional<Header> read_header(const std::filesystem::path& path) noexcept {
     if (file.exists("/surface/whole"))
       header.held = file.read<std::int64_t>("/surface/whole/held", {hdf5::any});
     header.normal_residual = has_normal_residual(file);
-    header.mesh_error = file.exists("/modes/mesh_error");
+    header.mesh_error = file.exists("/modes/stiffness_error");
     return header;
   } catch (...) {
     return std::nullopt;

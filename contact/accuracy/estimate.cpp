@@ -421,11 +421,10 @@ std::optional<Errors> Estimator::mesh(const StepOptions& options, const Quantiti
     return change(base, run(others, options));
   };
   mesh_near_contact_ = changed(kernels::without_flexibility_error);
-  const auto frequencies = changed(kernels::without_frequency_error),
-             traces = changed(kernels::with_trace_error);
-  if (!mesh_near_contact_ || !frequencies || !traces) return std::nullopt;
+  const auto modes = changed(kernels::without_stiffness_error);
+  if (!mesh_near_contact_ || !modes) return std::nullopt;
   Errors out = *mesh_near_contact_;
-  for (auto& [quantity, error] : out) error += frequencies->at(quantity) + traces->at(quantity);
+  for (auto& [quantity, error] : out) error += modes->at(quantity);
   return out;
 }
 

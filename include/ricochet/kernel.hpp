@@ -53,9 +53,10 @@ struct Modes {
   std::vector<double> angular_frequency;  ///< (N) ω_n [rad/s], ascending; rigid modes first, exactly 0
   std::vector<double> decay_rate;         ///< (N) δ_n = ζ_n ω_n [1/s]
   std::vector<double> residual;  ///< (N) ‖Kφ − ω²Mφ‖₂ / ‖Kφ‖₂ (rigid: over ‖diag K‖∞ ‖φ‖₂)
-  /// (N) estimated error of ω² by the mesh, relative to it [1]; rigid modes 0. Empty if not estimated, and in
-  /// files of earlier versions.
-  std::vector<double> mesh_error;
+  /// (N,N) estimated error E by the mesh of the stiffness of these modes, symmetric [1]: on an infinitely
+  /// fine mesh, they have the stiffness ω_m (1 − E)_mn ω_n, and ω_n² is smaller by E_nn ω_n². Rigid modes 0.
+  /// Empty if not estimated, and in files of earlier versions.
+  std::vector<double> stiffness_error;
   Certificate certificate;
   Coriolis coriolis;
   std::size_t size() const { return angular_frequency.size(); }
@@ -276,6 +277,19 @@ void for_each_sensitivity(Kernel& kernel, Act&& act) {
     if (gauge.strain) act(*gauge.strain);
   }
   if (kernel.view && kernel.view->stress) act(*kernel.view->stress);
+}
+
+/// Calls act(values) for each matrix (rows,N) of values of modes, of doubles or of floats.
+template <class Act>
+void for_each_of_modes(Kernel& kernel, Act&& act) {
+  act(kernel.surface.shape);
+  act(kernel.loads.body_force);
+  act(kernel.loads.rotation);
+  for (Load& load : kernel.applied) act(load.participation);
+  for (Motion& motion : kernel.motions) act(motion.participation);
+  for (Receiver& receiver : kernel.receivers) act(receiver.shape);
+  for_each_sensitivity(kernel, [&](auto& seen) { act(seen.shape); });
+  if (kernel.view) act(kernel.view->shape);
 }
 
 /// Whether a load, a motion, a receiver or a gauge may have this name, which becomes the name of a dataset: 1

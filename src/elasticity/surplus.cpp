@@ -24,8 +24,8 @@ constexpr double of_compact_elements = 1.5;
 /// elements is then exact up to functions of even higher order.
 constexpr int of_rods = 2;
 
-/// Memory of the residuals of several modes [numbers].
-constexpr Index most_numbers = Index{1} << 23;
+/// Memory of the residuals of several modes [numbers], and the number of these modes.
+constexpr Index most_numbers = Index{1} << 24, fewest_at_once = 32, most_at_once = 256;
 
 /// The nodes of the next order that this rank owns: it holds all elements around them. A node belongs to the
 /// rank that owns its lowest vertex.
@@ -95,9 +95,9 @@ void add_diagonal(const Mesh& mesh, EnrichedBlock& of, std::size_t e, const Mate
 
 }  // namespace
 
-Eigen::VectorXd eigenvalue_errors(const Mesh& mesh, const std::vector<scene::Material>& materials,
-                                  const Eigen::Ref<const MatrixXd>& shape, const Eigen::VectorXd& lambda,
-                                  const parallel::Progress& progress) {
+MatrixXd stiffness_errors(const Mesh& mesh, const std::vector<scene::Material>& materials,
+                          const Eigen::Ref<const MatrixXd>& shape, const Eigen::VectorXd& lambda,
+                          const parallel::Progress& progress) {
   const Index c = mesh.components(), modes = shape.cols();
   FinerNodes nodes;
   std::vector<EnrichedBlock> blocks;
@@ -118,11 +118,13 @@ Eigen::VectorXd eigenvalue_errors(const Mesh& mesh, const std::vector<scene::Mat
   for_each_element([&](EnrichedBlock& of, std::size_t e, const Material& material) {
     add_diagonal(mesh, of, e, material, diagonal, fixed);
   });
-  for (Eigen::Matrix3d& block : diagonal) block = block.inverse().eval();
+  std::vector<Eigen::Matrix3d> root;
+  for (const Eigen::Matrix3d& block : diagonal) root.emplace_back(block.inverse().llt().matrixL());
 
   const mesh::Halo halo(mesh);
-  Eigen::VectorXd out = Eigen::VectorXd::Zero(modes);
-  const Index at_once = std::clamp<Index>(most_numbers / std::max<Index>(c * nodes.size(), 1), 8, 128);
+  MatrixXd out = MatrixXd::Zero(modes, modes);
+  const Index at_once =
+      std::clamp(most_numbers / std::max<Index>(c * nodes.size(), 1), fewest_at_once, most_at_once);
   for (Index from = 0; from < modes; from += at_once) {
     if (progress) progress(from, modes);
     const Index n = std::min(at_once, modes - from);
@@ -151,13 +153,13 @@ Eigen::VectorXd eigenvalue_errors(const Mesh& mesh, const std::vector<scene::Mat
     });
     for (Index row = 0; row < residual.rows(); ++row)
       if (fixed[static_cast<std::size_t>(row)] != 0) residual.row(row).setZero();
-    for (Index m = 0; m < n; ++m)
-      for (Index a = 0; a < nodes.size(); ++a) {
-        Eigen::Vector3d r = Eigen::Vector3d::Zero();
-        for (Index k = 0; k < c; ++k) r[k] = residual(c * a + k, m);
-        out[from + m] += r.dot(diagonal[static_cast<std::size_t>(a)] * r);
-      }
+    // D⁻¹ = L Lᵀ, so that the products are those of Lᵀ r.
+    for (Index a = 0; a < nodes.size(); ++a)
+      residual.middleRows(c * a, c) =
+          root[static_cast<std::size_t>(a)].topLeftCorner(c, c).transpose() * residual.middleRows(c * a, c);
+    out.block(from, from, n, n).selfadjointView<Eigen::Lower>().rankUpdate(residual.transpose());
   }
+  out.triangularView<Eigen::StrictlyUpper>() = out.transpose();
   parallel::sum(mesh.comm, out);
   return (c == 1 ? 1 : of_compact_elements) * out;
 }

@@ -21,28 +21,33 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Relative errors of ω² of the lowest `count` modes. A share of 1 means that nothing is known of the mode
-/// but its order of magnitude.
+/// Errors of the stiffness of the lowest `count` modes, relative to ω_m ω_n (N,N). An error of 1 means that
+/// nothing is known of a mode but its order of magnitude.
 std::vector<double> errors_of_modes(const parallel::Teams& teams, const mesh::Mesh& mesh,
                                     const std::vector<scene::Material>& materials,
                                     const modes::ModeSet& modes, std::size_t count,
                                     const parallel::Progress& progress) {
-  std::vector<Index> elastic;  // of this team
-  std::vector<double> lambda;
+  std::vector<Index> elastic, number;  // of this team: columns, and among all modes
+  std::vector<double> omega;
   for (std::size_t j = 0; j < modes.index.size(); ++j)
-    if (const double omega = modes.angular_frequency[static_cast<std::size_t>(modes.index[j])];
-        omega > 0 && std::cmp_less(modes.index[j], count)) {
+    if (const double w = modes.angular_frequency[static_cast<std::size_t>(modes.index[j])];
+        w > 0 && std::cmp_less(modes.index[j], count)) {
       elastic.push_back(static_cast<Index>(j));
-      lambda.push_back(omega * omega);
+      number.push_back(modes.index[j]);
+      omega.push_back(w);
     }
-  const Eigen::Map<const VectorXd> squares(lambda.data(), std::ssize(lambda));
-  const VectorXd found =
-      elasticity::eigenvalue_errors(mesh, materials, modes.shape(Eigen::all, elastic), squares, progress);
-  MatrixXd mine = MatrixXd::Zero(1, std::ssize(modes.index));
-  for (std::size_t k = 0; k < elastic.size(); ++k)
-    mine(0, elastic[k]) = std::min(found[static_cast<Index>(k)] / lambda[k], 1.0);
+  const Eigen::Map<const VectorXd> frequency(omega.data(), std::ssize(omega));
+  const auto inverse = frequency.cwiseInverse().asDiagonal();
+  MatrixXd found = inverse *
+                   elasticity::stiffness_errors(mesh, materials, modes.shape(Eigen::all, elastic),
+                                                frequency.cwiseAbs2(), progress) *
+                   inverse;
+  const VectorXd limit = found.diagonal().cwiseSqrt().cwiseMax(1).cwiseInverse();
+  found = limit.asDiagonal() * found * limit.asDiagonal();
+  MatrixXd mine = MatrixXd::Zero(static_cast<Index>(count), std::ssize(modes.index));
+  mine(number, elastic) = found;
   const MatrixXd all = modes.gather(teams, mine);
-  return {all.data(), all.data() + count};
+  return {all.data(), all.data() + count * count};
 }
 
 /// Number of different normals around a candidate, at most 3: on a face, on a crease, at a corner.
@@ -184,7 +189,8 @@ void estimate_mesh_error(const parallel::Teams& teams, const mesh::Mesh& mesh,
                          const reduction::Loads& loads, kernels::Kernel& kernel,
                          const parallel::Progress& progress) {
   kernels::Surface& surface = kernel.surface;
-  kernel.modes.mesh_error = errors_of_modes(teams, mesh, materials, modes, kernel.modes.size(), progress);
+  kernel.modes.stiffness_error =
+      errors_of_modes(teams, mesh, materials, modes, kernel.modes.size(), progress);
   surface.mesh_error.assign(surface.size(), 0.0);
   if (mesh.dim == 1 || surface.size() == 0) return;  // nodes of rods have their exact static displacements
   const Presses presses(teams, mesh, materials, body, factor, patches, loads);

@@ -399,7 +399,7 @@ TEST(Rescaling, gives_each_datum_the_factor_of_its_unit) {
   expect_unit(made.outline, had.outline, {0, 1, 0}, "outline");
   expect_unit(made.piece_box, had.piece_box, {0, 1, 0}, "pieces");
   expect_unit(made.modes.angular_frequency, had.modes.angular_frequency, {0, 0, -1}, "omega");
-  EXPECT_EQ(made.modes.mesh_error, had.modes.mesh_error);
+  EXPECT_EQ(made.modes.stiffness_error, had.modes.stiffness_error);
   expect_unit(made.surface.mesh_error, had.surface.mesh_error, flexibility, "error of R");
   EXPECT_EQ(made.surface.mesh_error_coupling, had.surface.mesh_error_coupling);
   EXPECT_EQ(made.modes.coriolis, had.modes.coriolis);

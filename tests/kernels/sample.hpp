@@ -63,7 +63,7 @@ inline Kernel sample_kernel(int components, std::size_t n = 5, std::size_t m = 4
     modes.angular_frequency.push_back(i == 0 ? 0.0 : 100.0 * std::sqrt(double(i)));
     modes.decay_rate.push_back(0.01 * double(i));
     modes.residual.push_back(1e-310 * double(i + 1));  // subnormal: survives only an exact copy
-    modes.mesh_error.push_back(1e-3 * double(i * i));
+    for (std::size_t j = 0; j < n; ++j) modes.stiffness_error.push_back(1e-3 * double(i * j));
   }
   modes.certificate = {.below = 1,
                        .upto_hz = 1500.5,
