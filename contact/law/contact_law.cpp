@@ -43,6 +43,19 @@ void multiply(const Symmetric& A, const Vector& x, Index n, Vector& y) noexcept 
                     x.data(), y.data());
 }
 
+/// y = R x of the rows at some positions.
+void yield(const StepMatrices& matrices, std::span<const int> at, const Vector& x, Vector& y) noexcept {
+  if (matrices.rows != nullptr)
+    matrices.rows->yield(at, x, y);
+  else if (matrices.R.size() > 0)
+    multiply(matrices.R, x, std::ssize(at), y);
+  else
+    y.head(std::ssize(at)).setZero();
+}
+
+/// The rows and columns at some positions. Eigen would copy the positions of a std::vector, which allocates.
+auto submatrix(const Symmetric& A, std::span<const int> at) { return A(at, at); }
+
 SolveOptions options_of(const StepOptions& options) {
   return {.same_matrix = true, .max_pivots = options.contact.max_pivots};
 }
@@ -61,7 +74,8 @@ ContactLaw::ContactLaw(Index rows, Index capacity, const SolveOptions& solver, b
       springs_(springs ? static_cast<std::size_t>(rows) : 0),
       friction_of_(static_cast<std::size_t>(rows), -1),
       euler_(static_cast<int>(capacity), solver, false, springs),
-      mean_(static_cast<int>(capacity), solver, false, springs) {
+      mean_(static_cast<int>(capacity), solver, false, springs),
+      all_(first_rows(capacity)) {
   for (Vector* x : {&free, &start, &force_, &end_, &u_, &yielded_, &now_.R, &now_.M, &before_.R, &before_.M,
                     &after_.R, &after_.M})
     x->setZero(capacity);
@@ -76,7 +90,7 @@ ContactLaw::ContactLaw(Index rows, Index capacity, const SolveOptions& solver, b
   for (std::vector<int>* x : {&rows_, &p.held, &p.last, &p.pair, &p.law})
     x->reserve(static_cast<std::size_t>(capacity));
   p.springs.reserve(springs ? static_cast<std::size_t>(capacity) : 0);
-  hold(first_rows(capacity));
+  hold(all_);
 }
 
 ContactLaw::ContactLaw(const Model& model, const StepOptions& options)
@@ -94,7 +108,6 @@ ContactLaw::ContactLaw(const Model& model, const StepOptions& options)
   if (!friction_.empty())
     for (ContactSolver* solver : {&euler_, &mean_})
       *solver = ContactSolver(static_cast<int>(capacity), options_of(options), true, !springs_.empty());
-  if (moves_) problem_.S = ReservedMatrix(capacity);
   const std::size_t pairs = model.pairs.size();
   if (pairs < 2) return;
   std::vector<Islands::Sides> sides;
@@ -126,23 +139,25 @@ void ContactLaw::change_matrices() noexcept {
 /// M = (S_mean − R)/a. Steps of backward Euler do not use M p.
 void ContactLaw::know_products(const StepMatrices& matrices, const MeanForce& before) noexcept {
   if (std::exchange(knows_products_, true)) return;
-  const auto k = static_cast<std::size_t>(std::ssize(rows_));
-  const auto products = [&](const Symmetric& matrix, Vector& of_now, Vector& of_before) {
-    of_now.head(std::ssize(rows_)).setZero();
-    of_before.head(std::ssize(rows_)).setZero();
-    if (matrix.size() == 0) return;
-    simd::ColumnSum now(k, of_now.data()), then(k, of_before.data());
-    for (std::size_t j = 0; j < k; ++j) {
-      const double* const column = matrix.col(static_cast<Index>(j)).data();
-      if (const double force = before.end()(rows_[j]); force != 0) now.subtract(column, -force);
-      if (const double force = before.before()(rows_[j]); force != 0) then.subtract(column, -force);
-    }
-  };
-  products(matrices.R, now_.R, before_.R);
+  const Index k = std::ssize(rows_);
+  const auto at = std::span(all_).first(rows_.size());
+  const std::span<const int> rows = rows_;
+  Vector &now = problem_.now, &then = problem_.before;
+  now.head(k) = before.end()(rows);
+  yield(matrices, at, now, now_.R);
   if (!before.is_conserving()) return;
-  products(matrices.S_mean, now_.M, before_.M);
-  for (Products* x : {&now_, &before_})
-    x->M.head(std::ssize(rows_)) = (x->M - x->R).head(std::ssize(rows_)) / conserving_mean.end;
+  then.head(k) = before.before()(rows);
+  yield(matrices, at, then, before_.R);
+  for (Products* x : {&now_, &before_}) x->M.head(k).setZero();
+  {
+    simd::ColumnSum of_now(rows_.size(), now_.M.data()), of_then(rows_.size(), before_.M.data());
+    for (Index j = 0; j < k; ++j) {
+      const double* const column = matrices.S_mean.col(j).data();
+      if (now(j) != 0) of_now.subtract(column, -now(j));
+      if (then(j) != 0) of_then.subtract(column, -then(j));
+    }
+  }
+  for (Products* x : {&now_, &before_}) x->M.head(k) = (x->M - x->R).head(k) / conserving_mean.end;
 }
 
 StepTrial ContactLaw::solve(const StepMatrices& matrices, const MeanForce& before, Slip* slip) noexcept {
@@ -185,21 +200,25 @@ bool ContactLaw::merge_at_closed_points(const StepMatrices& matrices, const Mean
   const auto is_between = [&](Index i) { return islands_.of(before.pair_of_row()[rows_[i]]) < 0; };
   for (Index i = 0; i < k; ++i)
     if (is_between(i)) force_(i) = end_(i) = 0;
-  bool merged = false;
+  bool merged = false, knows_yield = false;
+  Vector &of_end = problem_.end_rest, &of_force = problem_.rest;  // R p⁺, R p̄
   for (Index i = 0; i < k; ++i) {
     if (!is_between(i)) continue;
     const int pair = before.pair_of_row()[rows_[i]];
-    const auto product = [&](const Symmetric& matrix, const Vector& x) {
-      return matrix.size() > 0 ? matrix.col(i).head(k).dot(x.head(k)) : 0;
-    };
+    if (!std::exchange(knows_yield, true)) {
+      const auto at = std::span(all_).first(rows_.size());
+      yield(matrices, at, end_, of_end);
+      yield(matrices, at, force_, of_force);
+    }
     const bool conserving = before.is_conserving();
-    const auto in_modes = [&](const Vector& x) {
-      const double both = product(conserving ? matrices.S_mean : matrices.S, x) - product(matrices.R, x);
+    const Symmetric& S = conserving ? matrices.S_mean : matrices.S;
+    const auto in_modes = [&](const Vector& x, const Vector& yields) {
+      const double both = S.col(i).head(k).dot(x.head(k)) - yields(i);
       return conserving ? both / conserving_mean.end : both;
     };
-    after_.R(i) = yielded_(i) = product(matrices.R, end_);
-    after_.M(i) = in_modes(end_);
-    u_(i) = free(i) - in_modes(force_) - after_.R(i);
+    after_.R(i) = yielded_(i) = of_end(i);
+    after_.M(i) = in_modes(end_, of_end);
+    u_(i) = free(i) - in_modes(force_, of_force) - after_.R(i);
     if (u_(i) <= gap_(rows_[i])) continue;
     if (islands_.joins(pair)) continue;  // another point has just closed
     trials_[islands_.of_a(pair)].reset();
@@ -259,7 +278,8 @@ StepTrial ContactLaw::solve_island(int island, const StepMatrices& matrices, con
     reserve += pair.reserve;
   }
   const StepMatrices part =
-      all ? matrices : StepMatrices{.R = p.R.view(), .S = p.S.view(), .S_mean = p.S_mean.view()};
+      all ? matrices
+          : StepMatrices{.R = p.R.view(), .S = p.S.view(), .S_mean = p.S_mean.view(), .rows = matrices.rows};
   const auto left = [&](const StepTrial& trial) { return bank + trial.removed - trial.heat; };
   const bool mean = before.is_conserving() && !shock;
   MeanForce::Pair next{.weights = mean ? conserving_mean : backward_euler, .restarts = shock};
@@ -311,7 +331,7 @@ void ContactLaw::gather(const StepMatrices& matrices) noexcept {
   const Index n = std::ssize(p.held);
   const auto take = [&](const Symmetric& from, ReservedMatrix& to) {
     auto out = to.begin(from.size() > 0 ? n : 0);
-    if (from.size() > 0) out = from(p.held, p.held);
+    if (from.size() > 0) out = submatrix(from, p.held);
   };
   take(matrices.R, p.R);
   take(matrices.S, p.S);
@@ -412,15 +432,14 @@ void ContactLaw::account(const FrictionSolver* friction, Slip* slip, StepTrial& 
   }
 }
 
-/// S of the island. If it is not given, it is S_mean/a − (1/a − 1) R.
+/// S of the island, gathered when it is needed unless it is given.
 Symmetric ContactLaw::whole(const StepMatrices& matrices) noexcept {
   if (matrices.S.size() > 0) return matrices.S;
-  const ReservedMatrix& known = problem_.S;
-  if (known.view().size() > 0) return known.view();
-  auto S = problem_.S.begin(problem_.size);
-  S = matrices.S_mean / conserving_mean.end;
-  if (matrices.R.size() > 0) S -= (1 / conserving_mean.end - 1) * matrices.R;
-  return S;
+  const Symmetric S = matrices.rows->S();
+  Island& p = problem_;
+  if (S.rows() == p.size) return S;
+  if (p.S.view().size() == 0) p.S.begin(p.size) = submatrix(S, p.held);
+  return p.S.view();
 }
 
 /// Solves an island with a mean.
@@ -450,10 +469,7 @@ StepTrial ContactLaw::attempt(const StepMatrices& matrices, const MeanWeights& w
     }
   }
   if (!has_product) multiply(S, p.end, n, p.right);
-  if (matrices.R.size() > 0)
-    multiply(matrices.R, p.end, n, p.end_rest);
-  else
-    p.end_rest.head(n).setZero();
+  yield(matrices, p.held, p.end, p.end_rest);
   for (Index k = 0; k < n; ++k) {
     const double in_modes = p.right(k) - p.end_rest(k);  // of p̄, by p⁺
     p.force(k) += weights.end * p.end(k);

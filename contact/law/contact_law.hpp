@@ -27,11 +27,22 @@
 
 namespace ricochet::contact {
 
+/// Flexibilities of held rows that are not stored as matrices.
+class RowFlexibility {
+ public:
+  virtual ~RowFlexibility() = default;
+  /// y = R p of some of the rows. @param at  their positions: those of a point together  @param p, y  by
+  /// index among these
+  virtual void yield(std::span<const int> at, const Vector& p, Vector& y) noexcept = 0;
+  virtual Symmetric S() noexcept = 0;  ///< M + R
+};
+
 /// Flexibilities of k held rows over a step: the leading (k,k) of each matrix.
 struct StepMatrices {
-  Symmetric R;       ///< residual; empty: 0
-  Symmetric S;       ///< M + R; empty: it is computed from the others when a step needs it
-  Symmetric S_mean;  ///< a M + R; unused unless steps are conserving
+  Symmetric R;                     ///< residual; empty: 0
+  Symmetric S;                     ///< M + R
+  Symmetric S_mean;                ///< a M + R; unused unless steps are conserving
+  RowFlexibility* rows = nullptr;  ///< if given, in place of R, and of S if that is empty
   static Symmetric none() { return Eigen::Map<const Eigen::MatrixXd>(nullptr, 0, 0); }
 };
 
@@ -112,7 +123,7 @@ class ContactLaw {
     std::vector<int> pair, law;
     std::vector<PatchSpring> springs;
     std::vector<FrictionContact> contacts;
-    ReservedMatrix R, S, S_mean;  ///< of an island that does not hold all rows; S also if it is computed
+    ReservedMatrix R, S, S_mean;  ///< of an island that does not hold all rows
     /// The others are those of the step that is solved.
     void archive(auto& a) { a(size, held, last, has_matrices, R, S, S_mean); }
   };
@@ -142,6 +153,7 @@ class ContactLaw {
   ContactSolver euler_, mean_;    ///< of S, of S_mean
 
   std::vector<int> rows_, position_;  ///< held rows; position of each row
+  std::vector<int> all_;              ///< (capacity) 0, 1, …
   /// Displacements by the forces at an instant, by position [m].
   struct Products {
     Vector R, M;  ///< R p, M p

@@ -10,7 +10,7 @@ namespace ricochet::contact::simd {
 
 /// A point of a body: the mean displacement of up to three candidates and of its frame, along its rows.
 struct Lever {
-  double along[3][4];       ///< its rows along the axes of the body: entry x of along[y] is that of row x
+  double row[3][4];         ///< the directions of its rows, in the axes of the body; the fourth entry is 0
   double arm[3];            ///< from the centre of the body, in its axes
   double weight[3];         ///< of its candidates
   std::size_t at[3];        ///< their places among those of the body
@@ -20,13 +20,18 @@ struct Lever {
 
 /// How a body yields to forces, in its axes.
 struct Yield {
-  /// Blocks (2,3,3) of M and of R between candidates, for each column and row, with the distance of columns.
-  const double* blocks;
-  std::size_t stride;
-  bool has_residual;  ///< whether R is not 0
-  double share;       ///< a, by which M is multiplied
-  double shift;       ///< of the frame under a unit force, times a
-  double turn[3][3];  ///< of the frame under a unit moment, times a
+  /// M and R of candidates, three rows and columns of each; R may be null. Columns begin at cache lines, up
+  /// to the next of which they are read.
+  const double *M, *R;
+  std::size_t stride;  ///< distance of columns
+  double share;        ///< a, by which M is multiplied
+  double shift;        ///< of the frame under a unit force, times a
+  double turn[3][3];   ///< of the frame under a unit moment, times a
+};
+
+/// A lever among others, and its first row in a vector of rows.
+struct Pull {
+  std::size_t lever, row;
 };
 
 /// Constants of modes in a step, and constant loads on them.
@@ -74,15 +79,23 @@ struct Dense {
   /// the work of damping and Σ applied Δq to work (2).
   void (*move_modes)(std::size_t n, const Oscillators& of, const double* push, const double* q,
                      const double* v, double* next_q, double* next_v, double* work);
-  /// Adds to rows of `out` (n,8), or sets there, the displacements of levers under unit forces along the rows
-  /// of the first one: a M + R to columns 0, 1, 2; R to 4, 5, 6.
-  /// @param from, to  places among which those of the levers are  @param u  (to,24) scratch
+  /// Adds ½ Σ (v + lift)², ½ Σ stiffness q² and Σ load (q − origin) of modes (n) to energy (3).
+  void (*add_energy)(std::size_t n, const double* stiffness, const double* load, const double* origin,
+                     const double* lift, const double* q, const double* v, double* energy);
+  /// Adds to rows of `out` (n,4), or sets there, the displacements of levers under unit forces along the rows
+  /// of the first one, in columns 0, 1, 2: a M + R.
+  /// @param from, to  places among which those of the levers are  @param u  (7, 3 to, rounded up to a
+  /// multiple of 8) scratch
   void (*displace)(const Yield& body, const Lever* levers, std::size_t count, std::size_t from,
                    std::size_t to, double* u, bool adds, double* out);
-  /// Sets the columns `first` and on, 1 or 3, of symmetric S and R (n,n) and the rows across from them to
-  /// what `displace` gave, on and below the diagonal. The entries of R are not set if it is null.
-  void (*spread)(std::size_t n, std::size_t first, std::size_t columns, const double* out, double* S,
-                 double* R, std::size_t stride);
+  /// Sets the columns `first` and on, 1 or 3, of a symmetric matrix (n,n) and the rows across from them to
+  /// what `displace` gave, on and below the diagonal.
+  void (*spread)(std::size_t n, std::size_t first, std::size_t columns, const double* out, double* A,
+                 std::size_t of_A);
+  /// Adds to y the displacements of levers under forces p along their rows: R p of one body.
+  /// @param R  of its candidates, three rows and columns of each  @param scratch  (6 candidates + 16)
+  void (*yield)(std::size_t candidates, const double* R, std::size_t of_R, const Lever* levers,
+                const Pull* pulls, std::size_t count, const double* p, double* scratch, double* y);
 };
 
 /// Of this processor.

@@ -237,106 +237,167 @@ void move_modes(std::size_t n, const Oscillators& m, const double* push, const d
   }
 }
 
-using Four = Lanes<double, 4>;
-using Pair = Lanes<double, 2>;
+void add_energy(std::size_t n, const double* stiffness, const double* load, const double* origin,
+                const double* lift, const double* q, const double* v, double* energy) {
+  V::type kinetic = {}, strain = {}, loads = {};
+  std::size_t i = 0;
+  for (; i + V::size <= n; i += V::size) {
+    const auto x = V::load(q + i), rate = V::load(v + i) + V::load(lift + i);
+    kinetic += rate * rate;
+    strain += V::load(stiffness + i) * x * x;
+    loads += V::load(load + i) * (x - V::load(origin + i));
+  }
+  double sums[3] = {V::sum(kinetic), V::sum(strain), V::sum(loads)};
+  for (; i < n; ++i) {
+    sums[0] += (v[i] + lift[i]) * (v[i] + lift[i]);
+    sums[1] += stiffness[i] * q[i] * q[i];
+    sums[2] += load[i] * (q[i] - origin[i]);
+  }
+  energy[0] += 0.5 * sums[0];
+  energy[1] += 0.5 * sums[1];
+  energy[2] += sums[2];
+}
 
-/// The lanes are the rows of the first lever: of a M + R, and of R.
+using Four = Lanes<double, 4>;
+
+/// The lanes are the rows of the first lever.
 void displace(const Yield& body, const Lever* levers, std::size_t count, std::size_t from, std::size_t to,
               double* u, bool adds, double* out) {
   const Lever& pushed = levers[0];
-  const auto in_first = [](Four::type x) {
-    return __builtin_shufflevector(x, Four::type{}, 0, 1, 2, 3, 4, 4, 4, 4);
-  };
-  Eight::type on_modes[3], on_residual[3], shift[3], turn[3];
-  Four::type moment[3];
-  for (std::size_t z = 0; z < 3; ++z) {
-    const auto along = [&](std::size_t axis) { return Four::load(pushed.along[axis % 3]); };
-    on_modes[z] = in_first(body.share * along(z));
-    on_residual[z] = __builtin_shufflevector(along(z), along(z), 0, 1, 2, 3, 0, 1, 2, 3);
-    shift[z] = in_first(body.shift * along(z));
-    moment[z] = pushed.arm[(z + 1) % 3] * along(z + 2) - pushed.arm[(z + 2) % 3] * along(z + 1);
-  }
+  Four::type along[4] = {Four::load(pushed.row[0]), Four::load(pushed.row[1]), Four::load(pushed.row[2])};
+  Four::transpose(along);
+  Four::type shift[3], turn[3], moment[3];
+  for (std::size_t z = 0; z < 3; ++z) shift[z] = body.shift * along[z];
+  for (std::size_t z = 0; z < 3; ++z)
+    moment[z] = pushed.arm[(z + 1) % 3] * along[(z + 2) % 3] - pushed.arm[(z + 2) % 3] * along[(z + 1) % 3];
   for (std::size_t y = 0; y < 3; ++y)
-    turn[y] =
-        in_first(body.turn[y][0] * moment[0] + body.turn[y][1] * moment[1] + body.turn[y][2] * moment[2]);
-  for (std::size_t node = from; node < to; ++node) {
-    // The block of the mean of the candidates that are pushed
-    const auto block = [&](std::size_t j) { return body.blocks + 18 * (pushed.at[j] * body.stride + node); };
-    const double* of = block(0);
-    double mean[18];
-    if (pushed.count > 1) {
-      for (std::size_t k = 0; k < 18; k += Pair::size) {
-        auto sum = pushed.weight[0] * Pair::load(of + k);
-        for (std::size_t j = 1; j < pushed.count; ++j) sum += pushed.weight[j] * Pair::load(block(j) + k);
-        Pair::store(mean + k, sum);
+    turn[y] = body.turn[y][0] * moment[0] + body.turn[y][1] * moment[1] + body.turn[y][2] * moment[2];
+
+  // Columns of a M + R for the mean of the candidates that are pushed, then their products with `along`
+  const std::size_t first = 3 * from / V::size * V::size, rows = 3 * to, height = (rows + 7) / 8 * 8;
+  double* const columns = u + 4 * height;
+  for (std::size_t z = 0; z < 3; ++z)
+    for (std::size_t i = first; i < rows; i += V::size) {
+      V::type sum = {};
+      for (std::size_t j = 0; j < pushed.count; ++j) {
+        const std::size_t at = (3 * pushed.at[j] + z) * body.stride + i;
+        auto entries = body.share * V::load(body.M + at);
+        if (body.R != nullptr) entries += V::load(body.R + at);
+        sum += pushed.weight[j] * entries;
       }
-      of = mean;
+      V::store(columns + z * height + i, sum);
     }
+  for (std::size_t i = 3 * from; i < rows; ++i)
+    Four::store(u + 4 * i,
+                columns[i] * along[0] + columns[height + i] * along[1] + columns[2 * height + i] * along[2]);
+
+  const auto move = [&](const Lever& lever, auto sum_at, auto lever_rows) {
+    Four::type moved[3];
     for (std::size_t y = 0; y < 3; ++y) {
-      const double *const M = of + 3 * y, *const R = M + 9;
-      Eight::type moved = M[0] * on_modes[0] + M[1] * on_modes[1] + M[2] * on_modes[2];
-      if (body.has_residual) moved += R[0] * on_residual[0] + R[1] * on_residual[1] + R[2] * on_residual[2];
-      Eight::store(u + 8 * (3 * node + y), moved);
+      moved[y] = shift[y] + turn[(y + 1) % 3] * lever.arm[(y + 2) % 3];
+      moved[y] -= turn[(y + 2) % 3] * lever.arm[(y + 1) % 3];
     }
-  }
-  const auto move_levers = [&](auto sum_at) {
+    for (std::size_t j = 0; j < lever.count; ++j)
+      for (std::size_t y = 0; y < 3; ++y)
+        moved[y] += lever.weight[j] * Four::load(u + 4 * (3 * lever.at[j] + y));
+    for (std::size_t x = 0; x < lever_rows; ++x) {
+      double* const at = out + 4 * (lever.first + x);
+      Four::type sum = sum_at(at);
+      for (std::size_t y = 0; y < 3; ++y) sum += lever.row[x][y] * moved[y];
+      Four::store(at, sum);
+    }
+  };
+  const auto move_all = [&](auto sum_at) {
     for (std::size_t f = 0; f < count; ++f) {
-      const Lever& lever = levers[f];
-      Eight::type moved[3];
-      for (std::size_t y = 0; y < 3; ++y) {
-        moved[y] = shift[y] + turn[(y + 1) % 3] * lever.arm[(y + 2) % 3];
-        moved[y] -= turn[(y + 2) % 3] * lever.arm[(y + 1) % 3];
-      }
-      for (std::size_t j = 0; j < lever.count; ++j)
-        for (std::size_t y = 0; y < 3; ++y)
-          moved[y] += lever.weight[j] * Eight::load(u + 8 * (3 * lever.at[j] + y));
-      for (std::size_t x = 0; x < lever.rows; ++x) {
-        double* const at = out + 8 * (lever.first + x);
-        Eight::type sum = sum_at(at);
-        for (std::size_t y = 0; y < 3; ++y) sum += lever.along[y][x] * moved[y];
-        Eight::store(at, sum);
-      }
+      if (levers[f].rows == 3)
+        move(levers[f], sum_at, std::integral_constant<std::size_t, 3>());
+      else
+        move(levers[f], sum_at, std::integral_constant<std::size_t, 1>());
     }
   };
   if (adds)
-    move_levers([](const double* at) { return Eight::load(at); });
+    move_all([](const double* at) { return Four::load(at); });
   else
-    move_levers([](const double*) { return Eight::type{}; });
+    move_all([](const double*) { return Four::type{}; });
 }
 
-void spread(std::size_t n, std::size_t first, std::size_t columns, const double* out, double* S, double* R,
-            std::size_t stride) {
-  double* const matrices[] = {S, R};
-  const std::size_t count = R != nullptr ? 2 : 1;
+void spread(std::size_t n, std::size_t first, std::size_t columns, const double* out, double* A,
+            std::size_t of_A) {
   // The rows after the last one, up to a multiple of 8, belong to no other column.
-  const std::size_t whole = (first + 7) / 8 * 8;
-  for (std::size_t m = 0; m < count; ++m) {
-    double* const A = matrices[m];
-    const double* const of = out + 4 * m;
-    for (std::size_t c = 0; c < columns; ++c)
-      for (std::size_t i = first; i < n && i < whole; ++i) A[(first + c) * stride + i] = of[8 * i + c];
-    if (columns == 3)  // The fourth entry of a row is set later, with the next columns.
-      for (std::size_t i = first + columns; i < n; ++i)
-        Lanes<double, 4>::store(A + i * stride + first, Lanes<double, 4>::load(of + 8 * i));
-    else
-      for (std::size_t i = first + 1; i < n; ++i) A[i * stride + first] = of[8 * i];
+  const std::size_t whole = (first + 3) / 4 * 4;
+  for (std::size_t c = 0; c < columns; ++c)
+    for (std::size_t i = first; i < n && i < whole; ++i) A[(first + c) * of_A + i] = out[4 * i + c];
+  if (columns == 3)  // The fourth entry of a row is set later, with the next columns.
+    for (std::size_t i = first + columns; i < n; ++i)
+      Four::store(A + i * of_A + first, Four::load(out + 4 * i));
+  else
+    for (std::size_t i = first + 1; i < n; ++i) A[i * of_A + first] = out[4 * i];
+  for (std::size_t i = whole; i < n; i += 4) {
+    Four::type x[4];
+    for (std::size_t k = 0; k < 4; ++k) x[k] = Four::load(out + 4 * (i + k));
+    Four::transpose(x);
+    for (std::size_t c = 0; c < columns; ++c) Four::store(A + (first + c) * of_A + i, x[c]);
   }
-  for (std::size_t i = whole; i < n; i += 8) {
-    Eight::type x[8];
-    for (std::size_t k = 0; k < 8; ++k) x[k] = Eight::load(out + 8 * (i + k));
-    Eight::transpose(x);
-    for (std::size_t m = 0; m < count; ++m)
-      for (std::size_t c = 0; c < columns; ++c)
-        Eight::store(matrices[m] + (first + c) * stride + i, x[4 * m + c]);
+}
+
+/// The lanes are axes of the body. The fourth one belongs to the next candidate and is multiplied by 0.
+void yield(std::size_t candidates, const double* R, std::size_t of_R, const Lever* levers, const Pull* pulls,
+           std::size_t count, const double* p, double* scratch, double* y) {
+  const std::size_t rows = 3 * candidates, height = rows + 8;
+  double *const forces = scratch, *const moved = scratch + height;
+  for (std::size_t i = 0; i < 2 * height; ++i) scratch[i] = 0;
+  for (std::size_t c = 0; c < count; ++c) {
+    const Lever& lever = levers[pulls[c].lever];
+    const double* const of_rows = p + pulls[c].row;
+    auto force = of_rows[0] * Four::load(lever.row[0]);
+    if (lever.rows == 3)
+      force += of_rows[1] * Four::load(lever.row[1]) + of_rows[2] * Four::load(lever.row[2]);
+    for (std::size_t j = 0; j < lever.count; ++j) {
+      double* const at = forces + 3 * lever.at[j];
+      Four::store(at, Four::load(at) + lever.weight[j] * force);
+    }
+  }
+  for (std::size_t j = 0; j < rows; j += 4) {
+    const double* column[4];
+    double factor[4];
+    for (std::size_t k = 0; k < 4; ++k) {
+      column[k] = R + (j + k < rows ? j + k : j) * of_R;
+      factor[k] = -forces[j + k];  // 0 beyond the last one
+    }
+    subtract_columns(rows, column, factor, moved);
+  }
+  for (std::size_t c = 0; c < count; ++c) {
+    const Lever& lever = levers[pulls[c].lever];
+    Four::type way = {};
+    for (std::size_t j = 0; j < lever.count; ++j)
+      way += lever.weight[j] * Four::load(moved + 3 * lever.at[j]);
+    Four::type along[4] = {way * Four::load(lever.row[0]), way * Four::load(lever.row[1]),
+                           way * Four::load(lever.row[2])};
+    const auto of_rows = Four::sums(along);
+    for (std::size_t x = 0; x < lever.rows; ++x) y[pulls[c].row + x] += of_rows[x];
   }
 }
 
 }  // namespace
 
 extern const Dense RICOCHET_DENSE;
-const Dense RICOCHET_DENSE{subtract_product,  factor_panel, solve_lower,      invert_blocks,
-                           symmetric_product, norm,         subtract_columns, solve_factor,
-                           solve_factors,     row_products, two_row_products, add_rows,
-                           free_motion,       move_modes,   displace,         spread};
+const Dense RICOCHET_DENSE{subtract_product,
+                           factor_panel,
+                           solve_lower,
+                           invert_blocks,
+                           symmetric_product,
+                           norm,
+                           subtract_columns,
+                           solve_factor,
+                           solve_factors,
+                           row_products,
+                           two_row_products,
+                           add_rows,
+                           free_motion,
+                           move_modes,
+                           add_energy,
+                           displace,
+                           spread,
+                           yield};
 
 }  // namespace ricochet::contact::simd

@@ -103,13 +103,13 @@ void KeptPoints<T>::gather(const BlockSystem<T>& system, const BlockForce<T>& he
       S += R;
     }
   }
-  const auto [R, S, S_mean] = matrices();
+  const StepMatrices gathered = matrices();
   pushed_.head(n).setZero();
   yielded_.head(n).setZero();
   for (Eigen::Index k = 0; k < n; ++k)
     if (const double force = held.force(rows_[k]); force != 0) {
-      pushed_.head(n) += force * S.col(k).head(n);
-      if (system.yields) yielded_.head(n) += force * R.col(k).head(n);
+      pushed_.head(n) += force * gathered.S.col(k).head(n);
+      if (system.yields) yielded_.head(n) += force * gathered.R.col(k).head(n);
     }
 }
 

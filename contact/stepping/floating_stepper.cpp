@@ -401,13 +401,19 @@ Work FloatingStepper::move_modes(const ModeConstants& over) noexcept {
 
 /// Of the frames, with elastic modes (N), and the work of constant loads [J].
 Energy FloatingStepper::energy_of(const Vector& q, const Vector& v, double residual) const noexcept {
+  const StepSystem& system = *state_.system;
+  double of_modes[3] = {0, 0, 0};
   Energy now{.residual = residual};
   for (const FloatingBody& body : bodies_) {
-    const auto of = [&](const Vector& x) { return x.segment(body.first_elastic(), body.elastic()).array(); };
-    now.kinetic += body.kinetic() + 0.5 * (of(v) + of(state_.now.lift)).square().sum();
-    now.strain += 0.5 * (of(state_.system->stiffness) * of(q).square()).sum();
-    now.loads += body.work_of_gravity() + (of(state_.system->load) * (of(q) - of(state_.system->q0))).sum();
+    const auto of = [&](const Vector& x) { return x.data() + body.first_elastic(); };
+    simd::dense().add_energy(static_cast<std::size_t>(body.elastic()), of(system.stiffness), of(system.load),
+                             of(system.q0), of(state_.now.lift), of(q), of(v), of_modes);
+    now.kinetic += body.kinetic();
+    now.loads += body.work_of_gravity();
   }
+  now.kinetic += of_modes[0];
+  now.strain += of_modes[1];
+  now.loads += of_modes[2];
   return now;
 }
 

@@ -31,7 +31,8 @@ MovingCandidates::MovingCandidates(const Bodies::Block& block, const BodySurface
       first_elastic_(block.first_mode + block.frame_modes()),
       c_(system.c.segment(first_elastic_, elastic_)),
       folded_(Vector::Zero(elastic_)),
-      blocks_(surface_->size()),
+      of_modes_(surface_->size()),
+      residual_(surface_->size()),
       rows_(3 * surface_->size() * padded(static_cast<std::size_t>(elastic_))),
       width_(padded(static_cast<std::size_t>(elastic_))),
       products_(6 * surface_->size()) {
@@ -194,7 +195,8 @@ void MovingCandidates::join(int candidate) noexcept {
   const std::size_t s = joined_.size();
   number_of_[static_cast<std::size_t>(candidate)] = static_cast<int>(s);
   joined_.push_back(candidate);
-  blocks_.resize(s + 1);
+  of_modes_.resize(s + 1);
+  if (yields()) residual_.resize(s + 1);
   rows_.resize(3 * (s + 1) * width_);
   const auto own = shape(candidate);
   for (int axis = 0; axis < 3; ++axis) {
@@ -211,11 +213,13 @@ void MovingCandidates::join(int candidate) noexcept {
   };
   for (std::size_t t = 0; t <= s; ++t) {
     const int other = joined_[t];
-    const Matrix3d of_modes = block(c_, shape(other));
+    of_modes_(s, t) = block(c_, shape(other));
+    of_modes_(t, s) = of_modes_(s, t).transpose();
+    if (!yields()) continue;
     Matrix3d yielding = has_residual() ? flexibility(candidate, other) : Matrix3d::Zero();
     if (folds_) yielding += block(folded_, shape(other));
-    blocks_(t, s) = {of_modes.transpose(), yielding.transpose()};
-    blocks_(s, t) = {of_modes, yielding};
+    residual_(s, t) = yielding;
+    residual_(t, s) = yielding.transpose();
   }
 }
 
@@ -230,7 +234,9 @@ void MovingCandidates::keep(const std::vector<char>& marks) noexcept {
     std::size_t row = 0;
     for (std::size_t t = 0; t < joined_.size(); ++t) {
       if (!stays(joined_[t])) continue;
-      blocks_(row++, kept) = blocks_(t, s);
+      of_modes_(row, kept) = of_modes_(t, s);
+      if (yields()) residual_(row, kept) = residual_(t, s);
+      ++row;
     }
     ++kept;
   }

@@ -15,30 +15,44 @@
 
 namespace ricochet::contact {
 
-/// The blocks Φ c Φᵀ and R (3,3) between k candidates, whose number may change without allocation.
-class CandidateBlocks {
+/// A symmetric matrix (3k,3k) of blocks between k candidates, whose number may change without allocation.
+class CandidateMatrix {
  public:
-  struct Block {
-    using Matrix = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-    Matrix of_modes = Matrix::Zero(), residual = Matrix::Zero();
-  };
-  explicit CandidateBlocks(std::size_t candidates) : stride_(candidates), entries_(candidates * candidates) {}
-  Block& operator()(std::size_t i, std::size_t j) noexcept { return entries_[j * stride_ + i]; }
-  const double* data() const noexcept { return entries_.data()->of_modes.data(); }
-  std::size_t stride() const { return stride_; }  ///< distance of columns, in blocks
+  using Block = Eigen::Map<Eigen::Matrix3d, 0, Eigen::OuterStride<>>;
+  /// @param candidates  capacity
+  explicit CandidateMatrix(std::size_t candidates)
+      : stride_(padded(3 * candidates)), entries_(3 * candidates * stride_) {}
+  Block operator()(std::size_t i, std::size_t j) noexcept {
+    return Block(entries_.data() + 3 * j * stride_ + 3 * i,
+                 Eigen::OuterStride<>(static_cast<Eigen::Index>(stride_)));
+  }
+  /// Σ weight_j weight_k of blocks between some candidates.
+  Eigen::Matrix3d mean(std::span<const std::size_t> at, std::span<const double> weight) noexcept {
+    Eigen::Matrix3d out = Eigen::Matrix3d::Zero();
+    for (std::size_t j = 0; j < at.size(); ++j)
+      for (std::size_t k = 0; k < at.size(); ++k) out += weight[j] * weight[k] * (*this)(at[j], at[k]);
+    return out;
+  }
+  const double* data() const noexcept { return entries_.data(); }
+  std::size_t stride() const { return stride_; }  ///< distance of columns, which begin at cache lines
   /// Makes room for candidates 0 … count − 1; blocks keep their places.
-  void resize(std::size_t count) noexcept { entries_.resize(count * stride_); }
+  void resize(std::size_t count) noexcept { entries_.resize(3 * count * stride_); }
   /// Of candidates 0 … count − 1.
   void archive(auto& a, std::size_t count) {
-    if (count > stride_) return a.fail();
+    if (3 * count * stride_ > entries_.capacity()) return a.fail();
     resize(count);
-    for (std::size_t j = 0; j < count; ++j)
-      for (std::size_t i = 0; i < count; ++i) a((*this)(i, j).of_modes, (*this)(i, j).residual);
+    for (std::size_t j = 0; j < 3 * count; ++j) a.entries(entries_.data() + j * stride_, 3 * count);
   }
 
  private:
+  /// Of an odd number of cache lines: columns do not compete for the same places in the cache.
+  static std::size_t padded(std::size_t rows) {
+    constexpr std::size_t line = 8;
+    return ((rows + line - 1) / line | 1) * line;
+  }
+
   std::size_t stride_;
-  base::Reserved<Block> entries_;
+  base::Reserved<double> entries_;
 };
 
 class MovingCandidates {
@@ -86,8 +100,10 @@ class MovingCandidates {
   /// Place of a candidate among those that have joined.
   int place_of(int candidate) const { return number_of_[static_cast<std::size_t>(candidate)]; }
   int at_place(std::size_t place) const { return joined_[place]; }  ///< candidate
-  const CandidateBlocks& blocks() const { return blocks_; }         ///< by place
-  bool yields() const { return folds_ || has_residual(); }          ///< whether R_body is not 0
+  const CandidateMatrix& of_modes() const { return of_modes_; }     ///< Φ c Φᵀ, by place
+  CandidateMatrix& residual() { return residual_; }  ///< R_body, by place; undefined if it is 0
+  const CandidateMatrix& residual() const { return residual_; }
+  bool yields() const { return folds_ || has_residual(); }  ///< whether R_body is not 0
 
   struct Patch {
     Eigen::Matrix3d residual;  ///< [m/N]
@@ -113,7 +129,8 @@ class MovingCandidates {
   /// The blocks depend to the last bit on the order in which candidates have joined.
   void archive(auto& a) {
     a(static_, joined_, number_of_, rows_);
-    blocks_.archive(a, joined_.size());
+    of_modes_.archive(a, joined_.size());
+    if (yields()) residual_.archive(a, joined_.size());
     if (!a.reads()) return;
     begin_displacements();
     expects_ = false;
@@ -162,7 +179,7 @@ class MovingCandidates {
   Vector expected_;  ///< (elastic) Δq of the changes that are known with the displacements
   bool expects_ = false;
   std::vector<int> joined_, number_of_;  ///< candidates; (M) place among them, or −1
-  CandidateBlocks blocks_;
+  CandidateMatrix of_modes_, residual_;
   /// Φ of those that have joined (joined,3,width), with rows that begin at cache lines: passes over them are
   /// bound by the cache.
   base::Reserved<double> rows_;

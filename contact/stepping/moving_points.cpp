@@ -72,8 +72,8 @@ MovingPoints::MovingPoints(const Model& model, const StepSystem& system, const M
       drives_(model.pairs.size()),
       far_(model.pairs.size(), -1),
       travelled_(model.pairs.size(), std::numeric_limits<double>::infinity()),
-      R_(capacity_of(model)),
-      S_(capacity_of(model)) {
+      S_(capacity_of(model)),
+      whole_(capacity_of(model)) {
   bodies_.reserve(model.bodies.size());  // copies would lose the reserve of their lists
   for (const Bodies::Block& block : model.bodies) {
     std::shared_ptr<const BodySurface> surface = known_surface(block.kernel);
@@ -90,14 +90,17 @@ MovingPoints::MovingPoints(const Model& model, const StepSystem& system, const M
   for (std::vector<int>* x : {&rows_, &owner_}) x->reserve(held);
   levers_.resize(2 * m);
   lowest_.resize(2 * m);
+  pulls_.resize(2 * m);
   crossings_.reserve(m);
   tops_.reserve(most_found);
   summits_.reserve(most_found);
   near_.reserve(m);
   std::size_t most = 0;
   for (const Body& one : bodies_) most = std::max(most, one.used.size());
-  displaced_.assign(24 * most, 0);
-  columns_.assign(8 * (held + 7), 0);
+  displaced_.assign(7 * (3 * most + 8), 0);
+  columns_.assign(4 * (held + 7), 0);
+  levers_of_.resize(std::min(m, held));
+  excess_.resize(std::min(m, held));
   forced_.reserve(6 * m);
   for (Vector* x : {&start_, &free_, &driven_}) x->setZero(capacity_of(model));
   u_.setZero(model.rows());
@@ -484,27 +487,33 @@ bool MovingPoints::list_rows() noexcept {
 
 /// Lists the ends of members on each body.
 void MovingPoints::list_levers() noexcept {
+  for (std::size_t s = 0; s < members_.size(); ++s) {
+    const Point& point = points_[static_cast<std::size_t>(members_[s])];
+    levers_of_[s] = {.rows = point.rows(), .is_summit = point.kind == Kind::summit};
+  }
   const auto each_end = [&](const auto& visit) {
     for (std::size_t s = 0; s < members_.size(); ++s)
-      for (const End& end : points_[static_cast<std::size_t>(members_[s])].end)
-        if (end.body >= 0) visit(s, end, body(end.body));
+      for (std::size_t side = 0; side < 2; ++side)
+        if (const End& end = points_[static_cast<std::size_t>(members_[s])].end[side]; end.body >= 0)
+          visit(s, side, end, body(end.body));
   };
   for (Body& one : bodies_) one.last_lever = 0;
-  each_end([](std::size_t, const End&, Body& of) { ++of.last_lever; });
+  each_end([](std::size_t, std::size_t, const End&, Body& of) { ++of.last_lever; });
   std::size_t count = 0;
   for (Body& one : bodies_) {
-    one.first_lever = one.next_lever = count;
+    one.first_lever = count;
     count += std::exchange(one.last_lever, count);
   }
-  each_end([&](std::size_t s, const End& end, Body& of) {
+  each_end([&](std::size_t s, std::size_t side, const End& end, Body& of) {
+    levers_of_[s].body[side] = end.body;
+    levers_of_[s].at[side] = of.last_lever;
     simd::Lever& lever = levers_[of.last_lever++];
     lever.count = static_cast<std::size_t>(end.count);
     lever.first = static_cast<std::size_t>(position(s, 0));
     lever.rows = static_cast<std::size_t>(points_[static_cast<std::size_t>(members_[s])].rows());
-    for (Index y = 0; y < 3; ++y) {
-      Eigen::Map<Eigen::Vector4d>(lever.along[y]) << end.direction.col(y), 0;
-      lever.arm[y] = end.arm(y);
-    }
+    for (Index x = 0; x < 3; ++x)
+      Eigen::Map<Eigen::Vector4d>(lever.row[x]) << end.direction.row(x).transpose(), 0;
+    Eigen::Map<Vector3d>(lever.arm) = end.arm;
     for (std::size_t j = 0; j < lever.count; ++j) {
       lever.weight[j] = end.weight[j];
       lever.at[j] = static_cast<std::size_t>(of.candidates.place_of(end.candidate[j]));
@@ -519,60 +528,101 @@ void MovingPoints::list_levers() noexcept {
   }
 }
 
-/// The rows of one member after another: the displacements of its bodies under forces along them are the
-/// entries below.
+/// Sets by how much the patches of summits are more flexible than their candidates.
+void MovingPoints::compare_patches() noexcept {
+  for (std::size_t s = 0; s < members_.size(); ++s) {
+    if (!levers_of_[s].is_summit) continue;
+    excess_[s].setZero();
+    for (std::size_t side = 0; side < 2; ++side) {
+      const Point& point = points_[static_cast<std::size_t>(members_[s])];
+      const End& end = point.end[side];
+      if (end.body < 0 || !body(end.body).candidates.yields()) continue;
+      const simd::Lever& lever = levers_[levers_of_[s].at[side]];
+      const Matrix3d of_candidates = body(end.body).candidates.residual().mean(
+          std::span(lever.at).first(lever.count), std::span(lever.weight).first(lever.count));
+      excess_[s] += end.direction * (patch(point, end).residual - of_candidates) * end.direction.transpose();
+    }
+  }
+}
+
 StepMatrices MovingPoints::matrices(std::span<const FloatingBody> bodies, double step, double a) noexcept {
   list_levers();
-  bool yields = false;
+  compare_patches();
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    Body& one = bodies_[b];
-    if (one.first_lever == one.last_lever) continue;
-    const double share = 0.5 * step * step * a;
-    const MovingCandidates& candidates = one.candidates;
-    one.yield = {.blocks = candidates.blocks().data(),
-                 .stride = candidates.blocks().stride(),
-                 .has_residual = candidates.yields(),
-                 .share = a,
-                 .shift = share * bodies[b].inverse_mass,
-                 .turn = {}};
-    Eigen::Map<Matrix3d>(one.yield.turn[0]) = share * bodies[b].inertia.inverse;
-    yields = yields || candidates.yields();
+    if (bodies_[b].first_lever == bodies_[b].last_lever) continue;
+    bodies_[b].shift = 0.5 * step * step * bodies[b].inverse_mass;
+    bodies_[b].turn = 0.5 * step * step * bodies[b].inertia.inverse;
   }
+  fill(a, S_);
+  has_whole_ = false;
+  const Symmetric none = StepMatrices::none(), S = S_.view();
+  return {.R = none, .S = a < 1 ? none : S, .S_mean = a < 1 ? S : none, .rows = this};
+}
+
+Symmetric MovingPoints::S() noexcept {
+  if (!std::exchange(has_whole_, true)) fill(1, whole_);
+  return whole_.view();
+}
+
+/// Sets a M + R. The rows of one member after another: the displacements of its bodies under forces along
+/// them are the entries below.
+void MovingPoints::fill(double a, ReservedMatrix& to) noexcept {
   const auto k = static_cast<Index>(rows_.size());
-  auto S = S_.begin(k), R = R_.begin(yields ? k : 0);
+  auto S = to.begin(k);
   const simd::Dense& loops = simd::dense();
+  double* const columns = columns_.data();
   for (std::size_t s = 0; s < members_.size(); ++s) {
-    const Point& point = points_[static_cast<std::size_t>(members_[s])];
-    const Index first = position(s, 0), rows = point.rows();
-    double* const columns = columns_.data();
-    Matrix3d of_patches = Matrix3d::Zero();
+    const Levers& member = levers_of_[s];
+    const Index first = position(s, 0), rows = member.rows;
     bool adds = false;
-    for (const End& end : point.end) {
-      if (end.body < 0) continue;
-      Body& of = body(end.body);
-      const std::size_t e = of.next_lever++;
+    for (std::size_t side = 0; side < 2; ++side) {
+      if (member.body[side] < 0) continue;
+      const Body& of = body(member.body[side]);
+      const MovingCandidates& candidates = of.candidates;
+      const std::size_t e = member.at[side];
       if (!adds && of.last_lever - e < members_.size() - s) {  // it leaves rows out
-        std::fill(columns + 8 * first, columns + 8 * k, 0.0);
+        std::fill(columns + 4 * first, columns + 4 * k, 0.0);
         adds = true;
       }
-      loops.displace(of.yield, levers_.data() + e, of.last_lever - e, lowest_[e],
-                     static_cast<std::size_t>(of.candidates.joined()), displaced_.data(), adds, columns);
+      simd::Yield yield{.M = candidates.of_modes().data(),
+                        .R = candidates.yields() ? candidates.residual().data() : nullptr,
+                        .stride = candidates.of_modes().stride(),
+                        .share = a,
+                        .shift = a * of.shift,
+                        .turn = {}};
+      Eigen::Map<Matrix3d>(yield.turn[0]) = a * of.turn;
+      loops.displace(yield, levers_.data() + e, of.last_lever - e, lowest_[e],
+                     static_cast<std::size_t>(candidates.joined()), displaced_.data(), adds, columns);
       adds = true;
-      if (point.kind == Kind::summit)
-        of_patches += end.direction * patch(point, end).residual * end.direction.transpose();
     }
-    if (point.kind == Kind::summit && yields)
+    if (member.is_summit)
       for (Index i = 0; i < rows; ++i)
-        for (Index c = 0; c < rows; ++c) {
-          double* const of_row = columns + 8 * (first + i);
-          of_row[c] += of_patches(i, c) - of_row[4 + c];
-          of_row[4 + c] = of_patches(i, c);
-        }
+        for (Index c = 0; c < rows; ++c) columns[4 * (first + i) + c] += excess_[s](i, c);
     loops.spread(static_cast<std::size_t>(k), static_cast<std::size_t>(first), static_cast<std::size_t>(rows),
-                 columns, S.data(), yields ? R.data() : nullptr, static_cast<std::size_t>(S_.stride()));
+                 columns, S.data(), static_cast<std::size_t>(to.stride()));
   }
-  const Symmetric none = StepMatrices::none();
-  return {.R = R, .S = a < 1 ? none : S, .S_mean = a < 1 ? S : none};
+}
+
+void MovingPoints::yield(std::span<const int> at, const Vector& p, Vector& y) noexcept {
+  y.head(std::ssize(at)).setZero();
+  for (std::size_t k = 0; k < at.size();) {
+    const auto s = static_cast<std::size_t>(owner_[static_cast<std::size_t>(at[k])]);
+    const Levers& member = levers_of_[s];
+    for (std::size_t side = 0; side < 2; ++side)
+      if (member.body[side] >= 0) {
+        Body& of = body(member.body[side]);
+        pulls_[of.first_lever + of.pulls++] = {member.at[side], k};
+      }
+    if (const auto row = static_cast<Index>(k); member.is_summit)
+      y.segment(row, member.rows) +=
+          excess_[s].topLeftCorner(member.rows, member.rows) * p.segment(row, member.rows);
+    k += static_cast<std::size_t>(member.rows);
+  }
+  for (Body& one : bodies_)
+    if (const std::size_t count = std::exchange(one.pulls, 0); count > 0 && one.candidates.yields())
+      simd::dense().yield(static_cast<std::size_t>(one.candidates.joined()), one.candidates.residual().data(),
+                          one.candidates.residual().stride(), levers_.data(), pulls_.data() + one.first_lever,
+                          count, p.data(), displaced_.data(), y.data());
 }
 
 MovingCandidates::Patch MovingPoints::patch(const Point& point, const End& end) const noexcept {
@@ -612,10 +662,9 @@ MovingPoints::Load MovingPoints::load(int number, const Vector& p, Vector& modal
   forces.setZero();
   for (std::size_t e = of.first_lever; e < of.last_lever; ++e) {
     const simd::Lever& lever = levers_[e];
-    const Eigen::Map<const Eigen::Matrix<double, 4, 3>> along(lever.along[0]);
     Vector3d force = Vector3d::Zero();
-    for (Index x = 0; x < static_cast<Index>(lever.rows); ++x)
-      force -= p(static_cast<Index>(lever.first) + x) * along.row(x).transpose();
+    for (std::size_t x = 0; x < lever.rows; ++x)
+      force -= p(static_cast<Index>(lever.first + x)) * Eigen::Map<const Vector3d>(lever.row[x]);
     out.force += force;
     out.torque += Eigen::Map<const Vector3d>(lever.arm).cross(force);
     for (std::size_t j = 0; j < lever.count; ++j)

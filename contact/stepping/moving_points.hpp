@@ -40,7 +40,7 @@
 
 namespace ricochet::contact {
 
-class MovingPoints {
+class MovingPoints : public RowFlexibility {
  public:
   /// Allocates all memory. Bodies with the same kernel share their surface, also with those of `earlier`, if
   /// given. Throws InputError if a kernel does not allow bodies that turn.
@@ -132,8 +132,10 @@ class MovingPoints {
   bool slides(std::size_t position) const { return member_at(position).kind != Kind::half_space; }
   /// The spring of the point in this step; no value for a tangential row.
   std::optional<PatchSpring> spring(std::size_t position) const noexcept;
-  /// The matrices of a step. @param a  weight of the end in the mean; 1: of backward Euler throughout
+  /// The flexibilities of a step. @param a  weight of the end in the mean; 1: of backward Euler throughout
   StepMatrices matrices(std::span<const FloatingBody> bodies, double step, double a) noexcept;
+  void yield(std::span<const int> at, const Vector& p, Vector& y) noexcept override;
+  Symmetric S() noexcept override;
 
   /// The forces and torques on a body, in its axes, and the forces on its modes, under p by position.
   struct Load {
@@ -196,9 +198,11 @@ class MovingPoints {
     /// Free displacements in the step, of the frame and beside it, at most [m].
     double fastest = 0, elastic_fastest = 0;
     FloatingBody::FreeMotion free{};
-    std::vector<char> used;                                       ///< (M) scratch
-    std::size_t first_lever = 0, last_lever = 0, next_lever = 0;  ///< of its ends in this step
-    simd::Yield yield{};
+    std::vector<char> used;                       ///< (M) scratch
+    std::size_t first_lever = 0, last_lever = 0;  ///< of its ends in this step
+    double shift = 0;                             ///< of the frame in the step, under a unit force [m/N]
+    Eigen::Matrix3d turn;                         ///< under a unit moment [1/(N m)]
+    std::size_t pulls = 0;                        ///< of its levers in a product
   };
 
   const Point& member_at(std::size_t position) const {
@@ -283,6 +287,8 @@ class MovingPoints {
   double deepest_start(const Point& point, double approach) const noexcept;
   bool list_rows() noexcept;
   void list_levers() noexcept;
+  void compare_patches() noexcept;
+  void fill(double a, ReservedMatrix& S) noexcept;
   Eigen::Vector3d force_on(const End& end, std::size_t member, const Vector& p) const noexcept;
 
   std::vector<Model::PairBlock> pairs_;
@@ -317,8 +323,19 @@ class MovingPoints {
   std::vector<std::array<int, 2>> forced_;  ///< body and candidate with a force in write_forces
   std::vector<simd::Lever> levers_;         ///< ends of members in this step, by body
   std::vector<std::size_t> lowest_;         ///< the same: the first place of an end and those after it
-  base::AlignedVector<double> displaced_, columns_;  ///< (C,24) of candidates; (n,8) of rows: scratch
-  ReservedMatrix R_, S_;
+  std::vector<simd::Pull> pulls_;           ///< scratch, as levers_
+  /// The levers of a member on its bodies; a body is −1 where it has none.
+  struct Levers {
+    std::array<int, 2> body{-1, -1};
+    std::array<std::size_t, 2> at{};
+    Eigen::Index rows = 0;
+    bool is_summit = false;
+  };
+  std::vector<Levers> levers_of_;        ///< by member, in this step
+  std::vector<Eigen::Matrix3d> excess_;  ///< by member, of summits: R of their patches beyond W R Wᵀ
+  base::AlignedVector<double> displaced_, columns_;  ///< (7,C) of candidates; (n,4) of rows: scratch
+  ReservedMatrix S_, whole_;                         ///< a M + R; M + R of a step with a < 1
+  bool has_whole_ = false;
 };
 
 }  // namespace ricochet::contact

@@ -123,6 +123,21 @@ TEST(DenseLoops, move_modes_freely) {
   }
 }
 
+// The oracle sums over vectors of Eigen; round-off of sums of 45 terms.
+TEST(DenseLoops, add_the_energies_of_modes) {
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> normal;
+  for (const int size : {1, 8, 45}) {
+    const MatrixXd x = MatrixXd::NullaryExpr(size, 6, [&] { return normal(random); });
+    const auto column = [&](int j) { return &x(0, j); };
+    double energy[3] = {1, 2, 3};
+    simd::dense().add_energy(size, column(0), column(1), column(2), column(3), column(4), column(5), energy);
+    EXPECT_NEAR(energy[0], 1 + 0.5 * (x.col(5) + x.col(3)).squaredNorm(), 1e-13 * size);
+    EXPECT_NEAR(energy[1], 2 + 0.5 * x.col(0).dot(x.col(4).cwiseAbs2()), 1e-13 * size);
+    EXPECT_NEAR(energy[2], 3 + x.col(1).dot(x.col(4) - x.col(2)), 1e-13 * size);
+  }
+}
+
 // Levers with one candidate or two, one row or three, on a body of five candidates. The oracle multiplies
 // whole matrices: D W (a M + R) Wᵀ Dᵀ, and D (a/m − r̂ a J⁻¹ r̂) Dᵀ of the frame.
 TEST(DenseLoops, give_the_flexibility_of_levers) {
@@ -136,25 +151,19 @@ TEST(DenseLoops, give_the_flexibility_of_levers) {
   const MatrixXd half = numbers(15, 15), other_half = numbers(15, 15), turn = numbers(3, 3);
   const MatrixXd M = half * half.transpose(), R = other_half * other_half.transpose();
   const Eigen::Matrix3d J = turn * turn.transpose();
-  std::vector<double> blocks;
-  for (int t = 0; t < candidates; ++t)
-    for (int s = 0; s < candidates; ++s)
-      for (const MatrixXd* matrix : {&M, &R})
-        for (int y = 0; y < 3; ++y)
-          for (int z = 0; z < 3; ++z) blocks.push_back((*matrix)(3 * s + y, 3 * t + z));
-  simd::Yield body{.blocks = blocks.data(),
-                   .stride = candidates,
-                   .has_residual = true,
-                   .share = a,
-                   .shift = shift,
-                   .turn = {}};
+  constexpr std::size_t height = 16;  // of columns, to the next cache line
+  MatrixXd M_stored = MatrixXd::Constant(height, 15, NAN), R_stored = M_stored;
+  M_stored.topRows(15) = M;
+  R_stored.topRows(15) = R;
+  simd::Yield body{
+      .M = M_stored.data(), .R = R_stored.data(), .stride = height, .share = a, .shift = shift, .turn = {}};
   Eigen::Map<Eigen::Matrix3d>(body.turn[0]) = J;
 
   std::vector<simd::Lever> levers;
   MatrixXd W = MatrixXd::Zero(3 * points, 15), frame = MatrixXd::Zero(3 * points, 6);
   std::size_t n = 0;
   for (std::size_t f = 0; f < points; ++f) {
-    simd::Lever lever{.along = {},
+    simd::Lever lever{.row = {},
                       .arm = {},
                       .weight = {f % 2 == 0 ? 1 : 0.25, 0.75},
                       .at = {f % candidates, (f + 2) % candidates},
@@ -164,8 +173,8 @@ TEST(DenseLoops, give_the_flexibility_of_levers) {
     const MatrixXd D = numbers(3, 3);
     const Eigen::Vector3d r = numbers(3, 1);
     Eigen::Map<Eigen::Vector3d>(lever.arm) = r;
-    for (int y = 0; y < 3; ++y)
-      for (int x = 0; x < 3; ++x) lever.along[y][x] = D(x, y);
+    for (int x = 0; x < 3; ++x)
+      for (int y = 0; y < 3; ++y) lever.row[x][y] = D(x, y);
     const auto rows = static_cast<int>(lever.rows), first = static_cast<int>(n);
     for (std::size_t j = 0; j < lever.count; ++j)
       W.block(first, 3 * static_cast<int>(lever.at[j]), rows, 3) += lever.weight[j] * D.topRows(rows);
@@ -180,22 +189,40 @@ TEST(DenseLoops, give_the_flexibility_of_levers) {
   MatrixXd rigid = MatrixXd::Zero(6, 6);
   rigid.topLeftCorner(3, 3) = shift * MatrixXd::Identity(3, 3);
   rigid.bottomRightCorner(3, 3) = J;
-  const MatrixXd of_R = (W * R * W.transpose()).topLeftCorner(size, size),
-                 of_S = (W * (a * M + R) * W.transpose() + frame * rigid * frame.transpose())
-                            .topLeftCorner(size, size);
-
-  MatrixXd S_found = MatrixXd::Constant(stride, size, NAN), R_found = S_found;
-  std::vector<double> u(24 * candidates), out;
+  // Forces on all levers but the second one, whose rows are left out of the vectors
+  std::vector<simd::Pull> pulls;
+  std::vector<int> rows;
   for (std::size_t f = 0; f < points; ++f) {
-    const bool adds = f % 2 == 0;  // to 0, or sets what was undefined
-    out.assign(static_cast<std::size_t>(8 * stride), adds ? 0 : NAN);
-    simd::dense().displace(body, &levers[f], points - f, 0, candidates, u.data(), adds, out.data());
-    simd::dense().spread(n, levers[f].first, levers[f].rows, out.data(), S_found.data(), R_found.data(),
-                         static_cast<std::size_t>(stride));
+    if (f == 1) continue;
+    pulls.push_back({f, rows.size()});
+    for (std::size_t x = 0; x < levers[f].rows; ++x) rows.push_back(static_cast<int>(levers[f].first + x));
   }
-  EXPECT_TRUE(S_found.topRows(size).allFinite() && R_found.topRows(size).allFinite());
-  EXPECT_LT((S_found.topRows(size) - of_S).cwiseAbs().maxCoeff(), 1e-14 * of_S.cwiseAbs().maxCoeff());
-  EXPECT_LT((R_found.topRows(size) - of_R).cwiseAbs().maxCoeff(), 1e-14 * of_R.cwiseAbs().maxCoeff());
+  const auto pulled = static_cast<int>(rows.size());
+  const MatrixXd p = numbers(pulled, 1), before = numbers(pulled, 1);
+  MatrixXd y = before;
+  std::vector<double> scratch(6 * candidates + 16, NAN);
+  simd::dense().yield(candidates, R_stored.data(), height, levers.data(), pulls.data(), pulls.size(),
+                      p.data(), scratch.data(), y.data());
+  const MatrixXd of_R = (W * R * W.transpose())(rows, rows), moved = of_R * p;
+  EXPECT_LT((y - before - moved).cwiseAbs().maxCoeff(), 1e-14 * of_R.cwiseAbs().rowwise().sum().maxCoeff());
+
+  for (const bool has_residual : {true, false}) {
+    if (!has_residual) body.R = nullptr;
+    const MatrixXd yields = has_residual ? MatrixXd(a * M + R) : MatrixXd(a * M);
+    const MatrixXd exact =
+        (W * yields * W.transpose() + frame * rigid * frame.transpose()).topLeftCorner(size, size);
+    MatrixXd found = MatrixXd::Constant(stride, size, NAN);
+    std::vector<double> u(7 * height), out;
+    for (std::size_t f = 0; f < points; ++f) {
+      const bool adds = f % 2 == 0;  // to 0, or sets what was undefined
+      out.assign(static_cast<std::size_t>(4 * stride), adds ? 0 : NAN);
+      simd::dense().displace(body, &levers[f], points - f, 0, candidates, u.data(), adds, out.data());
+      simd::dense().spread(n, levers[f].first, levers[f].rows, out.data(), found.data(),
+                           static_cast<std::size_t>(stride));
+    }
+    EXPECT_TRUE(found.topRows(size).allFinite());
+    EXPECT_LT((found.topRows(size) - exact).cwiseAbs().maxCoeff(), 1e-14 * exact.cwiseAbs().maxCoeff());
+  }
 }
 
 // Sizes below, at and above those of the blocks. The oracle multiplies instead of dividing; it takes the sign

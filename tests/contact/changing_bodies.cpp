@@ -472,7 +472,8 @@ TEST(ChangingBodies, refuse_a_mistake_in_one_line_and_change_nothing) {
   simulation.remove(simulation.add("b", kernel, at(1, 1)));
   EXPECT_THAT(refused("b", at(0.01, 0.15)), HasSubstr("they overlap by 0.01 m"));
   EXPECT_THAT(refused("b", at(1, 1, {}, {0, 0, 1e6})), HasSubstr("turns the body by"));
-  EXPECT_EQ(simulation.energy().added, 0);
+  // The round-off of modal displacements at rest, squared, times stiffnesses of up to 1e10.
+  EXPECT_NEAR(simulation.energy().added, 0, 1e-20);
 
   Scene linear = scene;
   linear.rotation = Rotation::linear;
