@@ -297,5 +297,26 @@ TEST(Meeting, does_not_allocate) {
   EXPECT_GT(touching, 3);
 }
 
+// Bodies on a floor that do not meet are islands of their own, with matrices of their own.
+TEST(Meeting, on_a_floor_alone_does_not_allocate) {
+  if (!RICOCHET_HEAP_COUNTED) GTEST_SKIP();
+  const Cloud one({0.1, 0.08, 0.06}, 2000, 1e-8, 1), other({0.1, 0.08, 0.06}, 2000, 1e-8, 2);
+  Meeting scene{.clouds = {&one, &other},
+                .bodies = {at({0, 0, 0.04}, turn(0, {0, 0, 1}), {0, 0, -0.5}),
+                           at({0.5, 0, 0.04}, turn(0, {0, 0, 1}), {0, 0, -0.5})},
+                .friction = Friction{0.5, 0.5, 0},
+                .gravity = {0, 0, -1000},
+                .floor = true};
+  auto stepper = make_stepper(meet(scene), stepping(44100));
+  int touching = 0;
+  const long before = heap_counter::calls + heap_counter::returns;
+  for (int k = 0; k < 2000; ++k) {
+    stepper->step();
+    touching += stepper->active() > 2;
+  }
+  EXPECT_EQ(heap_counter::calls + heap_counter::returns, before);
+  EXPECT_GT(touching, 10);
+}
+
 }  // namespace
 }  // namespace ricochet::contact::test
