@@ -22,6 +22,7 @@
 // is smaller than this so has one point, which moves smoothly.
 // U + d is û of contact/law. The blocks Φ c Φᵀ and R_body between candidates are
 // constant in body axes: they are gathered once, when a candidate joins those under points that may touch.
+// Between points, only sums of M and R are formed; R is multiplied by forces between candidates.
 #pragma once
 
 #include <algorithm>
