@@ -15,6 +15,9 @@ using Eigen::Vector3d;
 
 /// Nearer to a crease than this share of an element, the direction to it is not known.
 constexpr double indistinct = 1e-3;
+/// A point beside a face and beyond its crease may be below its plane by this sine: elements that are curved
+/// meet on an arc, while the foot is that of their chords.
+constexpr double beside_face = 0.1;
 /// Longest way of a point along the surface between two looks, in elements.
 constexpr int most_moves = 16;
 /// Sine below which segments are parallel.
@@ -62,6 +65,7 @@ BodySurface::BodySurface(WorldSurface of_body) : projection_(std::move(of_body))
   const auto at = [](int k) { return static_cast<std::size_t>(k); };
   neighbour_.assign(on.element.size(), {-1, -1, -1});
   crease_.assign(on.element.size(), {true, true, true});
+  at_crease_.assign(on.node.size(), false);
   std::vector<std::vector<int>> beside(on.node.size()), elements(on.node.size());
   for (int e = 0; e < static_cast<int>(on.element.size()) && on.corners == 3; ++e) {
     element_size_ = std::max(element_size_, on.element[at(e)].size);
@@ -79,8 +83,9 @@ BodySurface::BodySurface(WorldSurface of_body) : projection_(std::move(of_body))
   std::set<std::array<int, 2>> creases;
   for (const WorldSurface::Crease& crease : on.crease) creases.insert(crease.node);
   for (const auto& [nodes, sides] : edges) {
+    const bool crease = sides.size() != 2 || creases.contains(nodes);
+    for (const int node : nodes) at_crease_[at(node)] |= crease;
     if (sides.size() != 2) continue;
-    const bool crease = creases.contains(nodes);
     for (int k = 0; k < 2; ++k) {
       const auto& [e, j] = sides[at(k)];
       neighbour_[at(e)][at(j)] = sides[at(1 - k)][0];
@@ -111,10 +116,29 @@ double BodySurface::near_crease(const Foot& foot) const noexcept {
 }
 
 bool BodySurface::is_at_crease(const Foot& foot) const noexcept {
-  const std::array<bool, 3>& crease = crease_[static_cast<std::size_t>(foot.element)];
-  for (std::size_t j = 0; j < 3; ++j)
-    if (foot.weight[(j + 2) % 3] == 0 && crease[j]) return true;
+  const auto e = static_cast<std::size_t>(foot.element);
+  for (std::size_t j = 0; j < 3; ++j) {
+    if (foot.weight[(j + 2) % 3] == 0 && crease_[e][j]) return true;
+    if (foot.weight[j] == 1 && at_crease_[static_cast<std::size_t>(surface().element[e].corner[j])])
+      return true;
+  }
   return false;
+}
+
+Vector3d BodySurface::on_chords(const Foot& foot) const noexcept {
+  const WorldSurface::Element& element = surface().element[static_cast<std::size_t>(foot.element)];
+  Vector3d out = Vector3d::Zero();
+  for (std::size_t j = 0; j < 3; ++j)
+    out += foot.weight[j] * surface().node[static_cast<std::size_t>(element.corner[j])];
+  return out;
+}
+
+/// Interpolated between the corners, so that it is continuous.
+Vector3d BodySurface::normal_at(int element, const std::array<double, 3>& weight) const noexcept {
+  Vector3d out = Vector3d::Zero();
+  for (std::size_t j = 0; j < 3; ++j)
+    out += weight[j] * surface().element[static_cast<std::size_t>(element)].normal[j];
+  return out.normalized();
 }
 
 /// Over an edge that is no crease, the normal is that of the curved surface; beyond a crease, it leads to the
@@ -124,13 +148,12 @@ Foot BodySurface::foot_on(int number, const Vector3d& x) const noexcept {
   const WorldSurface::Element& element = on.element[static_cast<std::size_t>(number)];
   Foot out{.element = number, .weight = closest_weights(on, element, x)};
   out.point = on.at(element, out.weight);
-  for (std::size_t j = 0; j < 3; ++j) out.normal += out.weight[j] * element.normal[j];
-  out.normal.normalize();
+  out.normal = normal_at(number, out.weight);
   const bool at_crease = is_at_crease(out);
   const Vector3d way = x - out.point;
   if (const double length = way.norm(); at_crease && length > near_crease(out)) {
     // Inside, the point is nearer to a face.
-    if (const Vector3d outward = way / length; outward.dot(out.normal) > 0) out.normal = outward;
+    if (const Vector3d outward = way / length; outward.dot(out.normal) > -beside_face) out.normal = outward;
   } else if (const auto exact = on.on_form(element, x)) {
     out.point = exact->point;
     out.normal = exact->normal;
@@ -149,14 +172,17 @@ Foot BodySurface::closest(const Vector3d& x, double within, int guess) const noe
   return nearest.nearest < 0 ? Foot{} : foot_on(nearest.nearest, x);
 }
 
+/// Goes where the chords are nearer, as `closest` does: the curved surface of the next element may be farther
+/// just beyond an edge, where the point would stop.
 Foot BodySurface::follow(const Foot& earlier, const Vector3d& x) const noexcept {
+  const auto square_way = [&](const Foot& foot) { return (x - on_chords(foot)).squaredNorm(); };
   Foot best = foot_on(earlier.element, x);
-  double least = (x - best.point).squaredNorm();
+  double least = square_way(best);
   for (int move = 0; move < most_moves; ++move) {
     Foot next = best;
     visit_beside(best, [&](int beside) {
       const Foot there = foot_on(beside, x);
-      const double square = (x - there.point).squaredNorm();
+      const double square = square_way(there);
       if (square >= least * (1 - 1e-12)) return;
       next = there;
       least = square;
@@ -174,28 +200,46 @@ bool BodySurface::is_peak(int node, const Vector3d& n) const noexcept {
   return std::ranges::none_of(around(node), [&](int k) { return height(k) > own; });
 }
 
-Foot BodySurface::summit(int element, const Vector3d& n) const noexcept {
+Foot BodySurface::summit(int element, const Height& height) const noexcept {
   const auto on_element = [&](int number) {
     const WorldSurface::Element& on = surface().element[static_cast<std::size_t>(number)];
-    Foot out{.element = number, .weight = highest_weights(surface(), on, n), .normal = n};
+    Foot out{.element = number, .weight = highest_weights(surface(), on, height)};
     out.point = surface().at(on, out.weight);
     return out;
   };
   Foot best = on_element(element);
-  double most = n.dot(best.point);
+  double most = height.of(best.point);
   for (int move = 0; move < most_moves; ++move) {
     Foot next = best;
     visit_beside(best, [&](int number) {
       const Foot there = on_element(number);
-      const double height = n.dot(there.point);
-      if (height <= most + 1e-14 * element_size_) return;
+      const double of_there = height.of(there.point);
+      if (of_there <= most + 1e-14 * element_size_) return;
       next = there;
-      most = height;
+      most = of_there;
     });
     if (next.element == best.element) break;
     best = next;
   }
+  best.normal = normal_at(best.element, best.weight);
   return best;
+}
+
+double BodySurface::bend_down(const Foot& summit, const Height& height) const noexcept {
+  const double most = height.of(summit.point);
+  double out = std::numeric_limits<double>::infinity();
+  const auto look_at = [&](int number) {
+    const WorldSurface::Element& on = surface().element[static_cast<std::size_t>(number)];
+    for (const int corner : on.corner) {
+      const Vector3d& x = surface().node[static_cast<std::size_t>(corner)];
+      const double square = (x - summit.point).squaredNorm();
+      // Near a node, round-off would count.
+      if (square > 0.01 * on.size * on.size) out = std::min(out, 2 * (most - height.of(x)) / square);
+    }
+  };
+  look_at(summit.element);
+  visit_beside(summit, look_at);
+  return out;
 }
 
 void BodySurface::summits(const Vector3d& n, double least, std::vector<Foot>& out) const noexcept {
@@ -205,7 +249,7 @@ void BodySurface::summits(const Vector3d& n, double least, std::vector<Foot>& ou
     if (!(n.dot(surface().node[static_cast<std::size_t>(node)]) + camber_ > least) || !is_peak(node, n) ||
         elements_at(node).empty())
       continue;
-    const Foot found = summit(elements_at(node).front(), n);
+    const Foot found = summit(elements_at(node).front(), {.up = n});
     if (!surface().element[static_cast<std::size_t>(found.element)].curved || !(n.dot(found.point) > least))
       continue;
     const bool known = std::any_of(out.begin(), out.end(), [&](const Foot& one) {
@@ -219,11 +263,7 @@ void BodySurface::summits(const Vector3d& n, double least, std::vector<Foot>& ou
 
 /// From its place on the chords of its element, so that it stays where it is without a way.
 Foot BodySurface::beside(const Foot& foot, const Vector3d& way) const noexcept {
-  const WorldSurface::Element& element = surface().element[static_cast<std::size_t>(foot.element)];
-  Vector3d x = way;
-  for (std::size_t j = 0; j < 3; ++j)
-    x += foot.weight[j] * surface().node[static_cast<std::size_t>(element.corner[j])];
-  Foot out = follow(foot, x);
+  Foot out = follow(foot, on_chords(foot) + way);
   out.distance = 0;
   return out;
 }

@@ -67,16 +67,19 @@ class BodySurface {
     return out;
   }
 
-  /// The highest point of the curved surface towards n around an element, by climbing from element to
-  /// element. Its distance is 0.
-  Foot summit(int element, const Eigen::Vector3d& n) const noexcept;
+  /// The highest point of the curved surface around an element, by climbing from element to element, also on
+  /// creases and at nodes. Its distance is 0.
+  Foot summit(int element, const Height& height) const noexcept;
+  /// By how much the surface bends down from a summit towards the nodes around it, at least: twice the drop
+  /// over the square of the way [1/m].
+  double bend_down(const Foot& summit, const Height& height) const noexcept;
   /// The highest points towards n in their surroundings where the surface is curved, if they are higher than
   /// `least` (n·x), highest first. @param out  is filled up to its capacity
   void summits(const Eigen::Vector3d& n, double least, std::vector<Foot>& out) const noexcept;
   /// By how much the curved surface may rise over its nodes [m].
   double camber() const { return camber_; }
 
-  /// Whether a foot is on a crease or on the end of the surface.
+  /// Whether a foot is on a crease, at a node of one, or on the end of the surface.
   bool is_at_crease(const Foot& foot) const noexcept;
   /// The point of the surface at the end of a way along it [m]. Its distance is 0.
   Foot beside(const Foot& foot, const Eigen::Vector3d& way) const noexcept;
@@ -91,6 +94,8 @@ class BodySurface {
 
  private:
   Foot foot_on(int element, const Eigen::Vector3d& x) const noexcept;
+  Eigen::Vector3d on_chords(const Foot& foot) const noexcept;
+  Eigen::Vector3d normal_at(int element, const std::array<double, 3>& weight) const noexcept;
   double near_crease(const Foot& foot) const noexcept;
   bool is_peak(int node, const Eigen::Vector3d& n) const noexcept;
   /// Visits the elements that share the edge or the corner at which a foot is.
@@ -118,6 +123,7 @@ class BodySurface {
   double element_size_ = 0, camber_ = 0;
   std::vector<std::array<int, 3>> neighbour_;  ///< across the edge from corner j to the next; −1: none
   std::vector<std::array<bool, 3>> crease_;    ///< whether the surface has a crease there, or ends
+  std::vector<char> at_crease_;                ///< (nodes) whether one of its edges is one of these
   std::vector<int> first_;                     ///< (nodes + 1) of each node's neighbours
   std::vector<int> around_;                    ///< nodes that share an edge with it
   std::vector<Eigen::Vector3d> edges_;         ///< unit, towards them

@@ -140,7 +140,7 @@ Projection farthest_along(const Vector3d& n, const WorldSurface& surface) {
   Projection out;
   double farthest = -std::numeric_limits<double>::infinity();
   for (const WorldSurface::Element& element : surface.element) {
-    const auto weight = highest_weights(surface, element, n);
+    const auto weight = highest_weights(surface, element, {.up = n});
     const Vector3d x = surface.at(element, weight);
     if (n.dot(x) <= farthest) continue;
     farthest = n.dot(x);

@@ -381,14 +381,16 @@ std::array<double, 3> closest_weights(const WorldSurface& b, const Element& elem
   return {1 - s, s, 0};
 }
 
+/// The drop is that of the chords.
 std::array<double, 3> highest_weights(const WorldSurface& surface, const Element& element,
-                                      const Vector3d& n) noexcept {
+                                      const Height& height) noexcept {
   std::array<double, 3> a{}, b{};
   for (int j = 0; j < 3; ++j) {
-    a[j] = n.dot(surface.node[element.corner[j]] - element.centre);
-    b[j] = n.dot(element.bend[j]);
+    const Vector3d &x = surface.node[element.corner[j]], &next = surface.node[element.corner[(j + 1) % 3]];
+    a[j] = height.up.dot(x - element.centre) - height.drop(x);
+    b[j] = height.up.dot(element.bend[j]) + (next - x).dot(height.curvature * (next - x)) / 8;
   }
-  return highest(a, b, n.dot(element.bubble));
+  return highest(a, b, height.up.dot(element.bubble));
 }
 
 double radius_of(const Element& element) {

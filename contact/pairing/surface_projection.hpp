@@ -96,9 +96,18 @@ double smallest_element(const WorldSurface& surface);
 std::array<double, 3> closest_weights(const WorldSurface& surface, const WorldSurface::Element& element,
                                       const Eigen::Vector3d& x);
 
-/// Weights of the corners of a triangle, curved or not, at its highest point towards n.
+/// How high a place is over what a surface meets: over a plane, or over a surface that falls away from it.
+struct Height {
+  Eigen::Vector3d up;                                   ///< unit
+  Eigen::Matrix3d curvature = Eigen::Matrix3d::Zero();  ///< W of that surface [1/m]
+  Eigen::Vector3d at = Eigen::Vector3d::Zero();         ///< over its foot [m]
+  double of(const Eigen::Vector3d& x) const noexcept { return up.dot(x) - drop(x); }
+  double drop(const Eigen::Vector3d& x) const noexcept { return 0.5 * (x - at).dot(curvature * (x - at)); }
+};
+
+/// Weights of the corners of a triangle, curved or not, at its highest point.
 std::array<double, 3> highest_weights(const WorldSurface& surface, const WorldSurface::Element& element,
-                                      const Eigen::Vector3d& n) noexcept;
+                                      const Height& height) noexcept;
 
 /// Square of the distance of a point from a flat triangle [m²].
 double square_distance(const Eigen::Vector3d& x, const std::array<Eigen::Vector3d, 3>& triangle);

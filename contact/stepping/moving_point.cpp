@@ -36,12 +36,30 @@ constexpr int most_rounds = 8;
 constexpr double shortest_way = 1e-8;
 /// Surfaces with a larger angle between them do not touch at a summit.
 constexpr double most_angle = 1e-2;
+/// A foot whose normal turns in a round by more than this angle, as a cosine, has passed a crease.
+constexpr double same_face = 0.7;
 /// Surfaces with a smaller relative curvature are flat on each other, as a share of the inverse element.
 constexpr double least_curvature = 1e-3;
 
 /// Whether an obstacle is flat at a foot.
 bool is_flat_obstacle(const Side& side, const Foot& foot) {
   return side.shape.surface().is_rigid && side.shape.curvature(foot).isZero(0);
+}
+
+/// Takes the top of a surface, which may be on a crease, to where it is nearest to another one, whose foot
+/// below it is known, by Newton's method. Returns by how much the surface bends away from there [1/m].
+double climb(Foot& top, const Side& own, Foot& foot, const Side& other) {
+  const Matrix3d to_own = own.state.axes.transpose() * other.state.axes;
+  Height height;
+  for (int round = 0; round < most_rounds; ++round) {
+    const Vector3d up = -(to_own * foot.normal);
+    if (round > 0 && height.curvature.isZero(0) && up == height.up) break;  // the plane is known
+    height = {up, to_own * other.shape.curvature(foot) * to_own.transpose(), top.point};
+    top = own.shape.summit(top.element, height);
+    foot = other.shape.follow(foot, other.place_of(top.point - own.centre, own));
+    if ((top.point - height.at).norm() < shortest_way * own.shape.element_size()) break;
+  }
+  return own.shape.bend_down(top, height);
 }
 
 }  // namespace
@@ -168,27 +186,39 @@ void MovingPoint::stand_on(const Foot& summit, const Side& own) noexcept {
 }
 
 /// The angle t = n_own + n_other in the tangent plane changes by (W_own + W_other) dx: Newton's method, in
-/// the directions that are curved. In others, surfaces touch along a line, on which the point stays.
+/// the directions that are curved. In others, surfaces touch along a line, on which the point stays. A crease
+/// has many normals: there, and over a flat obstacle, the point climbs to where it is nearest to the other
+/// side.
 void MovingPoint::face(const Side& own, const Side& other) noexcept {
   const Matrix3d to_own = own.state.axes.transpose() * other.state.axes;
+  const auto own_place = [&] { return other.place_of(top.point - own.centre, own); };
+  const auto is_on_other = [&] { return !other.shape.surface().is_rigid && other.shape.is_at_crease(foot); };
+  const double size = own.shape.element_size(), least = least_curvature / size;
+  bool climbs_on_other = false;
   for (int round = 0;; ++round) {
-    foot = other.shape.follow(foot, other.place_of(top.point - own.centre, own));
-    const Vector3d facing = to_own * foot.normal;
-    if (is_flat_obstacle(other, foot)) {  // as over a half-space
-      top = own.shape.summit(top.element, -facing);
-      const Vector3d x = other.place_of(top.point - own.centre, own);
-      foot = other.shape.follow(foot, x);
+    const Vector3d before = foot.normal;
+    // A crease that is pressed in would be nearer to one of its faces.
+    if (!is_on_other()) foot = other.shape.follow(foot, own_place());
+    const bool is_flat = is_flat_obstacle(other, foot);
+    if (is_flat || own.shape.is_at_crease(top)) {
+      const double bend = climb(top, own, foot, other);
       // Behind a far face of the obstacle, the summit is outside of it.
-      open = foot.distance < -own.shape.element_size() && other.shape.closest(x).distance > 0;
+      open = is_flat ? foot.distance < -size && other.shape.closest(own_place()).distance > 0 : bend < least;
       break;
     }
+    const bool has_passed = round > 0 && foot.normal.dot(before) < same_face;
+    climbs_on_other = !other.shape.surface().is_rigid && (is_on_other() || has_passed);
+    if (climbs_on_other) {
+      open = climb(foot, other, top, own) < least;
+      break;
+    }
+    const Vector3d facing = to_own * foot.normal;
     const Eigen::Matrix<double, 2, 3> T = tangents_of(top.normal);
     const Vector2d angle = T * facing;
     Eigen::SelfAdjointEigenSolver<Matrix2d> W;
     W.computeDirect(T *
                     (own.shape.curvature(top) + to_own * other.shape.curvature(foot) * to_own.transpose()) *
                     T.transpose());
-    const double size = own.shape.element_size(), least = least_curvature / size;
     open = !(top.normal.dot(facing) < 0) || W.eigenvalues()(0) < -least || W.eigenvalues()(1) < least;
     if (open) break;
     Vector2d way = Vector2d::Zero();
@@ -202,10 +232,11 @@ void MovingPoint::face(const Side& own, const Side& other) noexcept {
     }
     top = own.shape.beside(top, T.transpose() * way * std::min(1.0, size / length));
   }
-  open = open || other.is_left_to_creases(foot);
+  // Creases that meet cross.
+  open = open || (climbs_on_other ? own.shape.is_at_crease(top) : other.shape.is_at_crease(foot));
   stand_on(top, own);
-  distance = foot.distance;
-  set_row(-foot.normal);
+  distance = (climbs_on_other ? top : foot).distance;
+  set_row(climbs_on_other ? Vector3d(to_own.transpose() * top.normal) : Vector3d(-foot.normal));
   end[1].set(other.shape.surface().element[static_cast<std::size_t>(foot.element)].corner, foot.weight);
 }
 

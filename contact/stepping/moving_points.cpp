@@ -264,8 +264,9 @@ void MovingPoints::follow_summit(Point& point, std::span<const FloatingBody> bod
   const Vector3d w = point.place_now - point.place;
   const Side own = side(point.end[0].body, bodies);
   if (point.over_half_space())
-    point.stand_on(
-        own.shape.summit(point.top.element, own.state.axes.transpose() * point.row.row(0).transpose()), own);
+    point.stand_on(own.shape.summit(point.top.element,
+                                    {.up = own.state.axes.transpose() * point.row.row(0).transpose()}),
+                   own);
   else
     point.face(own, side(point.end[1], bodies));
   point.place_now = point.place + w;
@@ -287,7 +288,7 @@ void MovingPoints::stand_back() noexcept {
     const auto end =
         std::find_if(first, near_.end(), [&](const Near& one) { return one.summit != first->summit; });
     const Point& summit = points_[static_cast<std::size_t>(first->summit)];
-    if (summit.open && summit.end[1].solid >= 0) {  // it has come to an edge
+    if (summit.open) {  // it has come to an edge
       first = end;
       continue;
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "contact/stepping/moving_points.hpp"
 
@@ -19,9 +20,15 @@ constexpr double same_summit = 0.01;
 
 }  // namespace
 
-/// By how much a summit of a pair may be nearer than the candidates around it [m].
+/// By how much a summit of a pair may be nearer than the candidates around it [m]. On a crease, it may be as
+/// much nearer as the nearest candidate of the finer surface is away, as in the middle of an equilateral
+/// triangle.
 double MovingPoints::rise_of(const Model::PairBlock& pair) const noexcept {
-  return pair.summits == 0 ? 0 : body(pair.a).shape().camber() + shape_of_b(pair).camber();
+  if (pair.summits == 0) return 0;
+  const BodySurface &a = body(pair.a).shape(), &b = shape_of_b(pair);
+  const bool a_is_finer = std::cmp_equal(pair.candidates_of_a, a.surface().node.size());
+  const bool creased = !a.surface().crease.empty() || !b.surface().crease.empty();
+  return a.camber() + b.camber() + (creased ? (a_is_finer ? a : b).element_size() / std::sqrt(3.0) : 0);
 }
 
 /// By how much the elastic displacements may bring a point nearer [m].
