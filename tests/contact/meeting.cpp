@@ -109,62 +109,75 @@ TEST(Meeting, of_edges_is_where_they_cross) {
   }
 }
 
-/// With inertias that are too large to turn them, bodies meet as with linear rotations.
-TEST(Meeting, without_a_turn_is_the_compliant_step) {
-  Cloud small({0.02, 0.02, 0.02}, 2000, 1e-8, 1, true, 0), large({0.1, 0.08, 0.06}, 2000, 1e-8, 2, true, 0);
-  for (Cloud* cloud : {&small, &large}) cloud->hold_attitude();
-  Meeting scene{
-      .clouds = {&small, &large},
-      .bodies = {at({0.011, 0.007, 0.04 + 1e-5}, Matrix3d::Identity(), {0.2, 0.1, -1}), at({0, 0, 0})},
-      .friction = Friction{0.3, 0.3, 0}};
-  const auto turning = meet(scene);
-  scene.turns = false;
-  const auto fixed = meet(scene);
-  auto finite = make_stepper(turning, stepping(1e5)),
-       linear = make_stepper(fixed, stepping(1e5, Rotation::linear));
-  double peak = 0, most = 0;
-  for (int k = 0; k < 60; ++k) {
-    ASSERT_EQ(finite->step(), StepStatus::ok);
-    ASSERT_EQ(linear->step(), StepStatus::ok);
-    peak = std::max(peak, linear->force().head(linear->points()).sum());
-    most = std::max(most, std::abs(finite->force().head(finite->points()).sum() -
-                                   linear->force().head(linear->points()).sum()));
-  }
-  EXPECT_GT(peak, 10);
-  // The small body slides by 0.1 mm, and the points of the linear model stay where they were.
-  EXPECT_LT(most, 1e-2 * peak);
-  EXPECT_LT((finite->modal()->v.head<6>() - linear->modal()->v.head<6>()).norm(),
-            1e-2 * linear->modal()->v.head<6>().norm());
-}
+/// The largest difference of the force on the first pair from that with linear rotations, as a share of its
+/// peak; and the same of the velocity of the first body.
+struct Distance {
+  double force = 0, velocity = 0;
+};
 
-/// A box falls on a body that springs hold under gravity.
-TEST(Meeting, of_a_supported_body_without_a_turn_is_the_compliant_step) {
-  Cloud small({0.02, 0.02, 0.02}, 2000, 1e-8, 1, true, 0), large({0.1, 0.08, 0.06}, 2000, 1e-8, 2, true, 0);
-  small.hold_attitude();
-  large.support();
-  Meeting scene{.clouds = {&small, &large},
-                .bodies = {at({0.011, 0.007, 0.04 + 1e-4}, Matrix3d::Identity(), {0, 0, -0.3}),
-                           at({0, 0, 0}, turn(std::numbers::pi, {0, 0, 1}))},
-                .gravity = {0, 0, -9.81}};
+Distance from_linear(Meeting scene, int steps) {
   const auto turning = meet(scene);
   scene.turns = false;
   const auto fixed = meet(scene);
   auto finite = make_stepper(turning, stepping(1e5)),
        linear = make_stepper(fixed, stepping(1e5, Rotation::linear));
-  const auto sum = [](const Stepper& stepper) { return stepper.force().head(stepper.points()).sum(); };
   double peak = 0, most = 0;
-  for (int k = 0; k < 3000; ++k) {
-    ASSERT_EQ(finite->step(), StepStatus::ok);
-    ASSERT_EQ(linear->step(), StepStatus::ok);
-    peak = std::max(peak, sum(*linear));
-    most = std::max(most, std::abs(sum(*finite) - sum(*linear)));
+  for (int k = 0; k < steps; ++k) {
+    EXPECT_EQ(finite->step(), StepStatus::ok);
+    EXPECT_EQ(linear->step(), StepStatus::ok);
+    const double force = linear->force().head(linear->points()).sum();
+    peak = std::max(peak, force);
+    most = std::max(most, std::abs(finite->force().head(finite->points()).sum() - force));
   }
   EXPECT_GT(peak, 10);
-  EXPECT_LT(most, 1e-3 * peak);  // the supported body turns a little, and its faces with it
-  EXPECT_EQ(finite->turning()->poses[1].position, Vector3d(turning->bodies[1].centre));
   const Energy energy = finite->modal()->energy();
   EXPECT_NEAR(energy.ledger(), initial_energy(*turning).ledger(), 1e-11 * energy.kinetic);
-  EXPECT_NEAR(energy.total(), linear->modal()->energy().total(), 1e-3 * std::abs(energy.total()));
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k)
+    if (turning->bodies[k].supported)
+      EXPECT_EQ(finite->turning()->poses[k].position, Vector3d(turning->bodies[k].centre));
+  return {most / peak, (finite->modal()->v.head<3>() - linear->modal()->v.head<3>()).norm() /
+                           linear->modal()->v.head<3>().norm()};
+}
+
+/// With inertias that are too large to turn it, a box that falls on the face of a coarser one meets it as
+/// with linear rotations, to the round-off of 60 and of 3000 steps. The other one is free, or springs hold
+/// it.
+TEST(Meeting, of_faces_without_a_turn_is_the_compliant_step) {
+  Cloud small({0.02, 0.02, 0.02}, 2000, 1e-8, 1, true, 0), large({0.1, 0.08, 0.06}, 2000, 1e-8, 2, true, 0);
+  for (Cloud* cloud : {&small, &large}) cloud->hold_attitude();
+  const Distance free = from_linear(
+      {.clouds = {&small, &large},
+       .bodies = {at({0.011, 0.007, 0.04 + 1e-5}, Matrix3d::Identity(), {0, 0, -1}), at({0, 0, 0})}},
+      60);
+  EXPECT_LT(free.force, 1e-11);
+  EXPECT_LT(free.velocity, 1e-11);
+  large.support();
+  const Distance held =
+      from_linear({.clouds = {&small, &large},
+                   .bodies = {at({0.011, 0.007, 0.04 + 1e-4}, Matrix3d::Identity(), {0, 0, -0.3}),
+                              at({0, 0, 0}, turn(std::numbers::pi, {0, 0, 1}))},
+                   .gravity = {0, 0, -9.81}},
+                  3000);
+  EXPECT_LT(held.force, 1e-10);
+  EXPECT_LT(held.velocity, 1e-10);
+}
+
+/// Points follow a face over which they slide, while those of the linear scheme stay on its material. The
+/// difference is about the way, 50 µm or less, over the spacing of the nodes, 30 mm, and falls with it.
+TEST(Meeting, of_faces_that_slide_differs_from_the_linear_scheme_by_their_way) {
+  Cloud small({0.02, 0.02, 0.02}, 2000, 1e-8, 1, true, 0), large({0.1, 0.08, 0.06}, 2000, 1e-8, 2, true, 0);
+  for (Cloud* cloud : {&small, &large}) cloud->hold_attitude();
+  const auto sliding = [&](double speed) {
+    return from_linear({.clouds = {&small, &large},
+                        .bodies = {at({0.011, 0.007, 0.04 + 1e-5}, Matrix3d::Identity(), {speed, 0, -1}),
+                                   at({0, 0, 0})}},
+                       60)
+        .force;
+  };
+  const double slow = sliding(0.05), fast = sliding(0.2);
+  EXPECT_GT(fast, 1e-5);
+  EXPECT_LT(fast, 0.2 * 230e-6 / 0.03);
+  EXPECT_NEAR(fast / slow, 4, 0.1);
 }
 
 /// Two boxes 10 mm apart, within their spheres, fly towards each other, face to face. Their flight is crossed
