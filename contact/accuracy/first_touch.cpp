@@ -3,14 +3,17 @@
 
 #include <algorithm>
 #include <limits>
+#include <numbers>
 #include <numeric>
 
+#include "base/format.hpp"
 #include "contact/accuracy/estimate.hpp"
 #include "contact/figures/figure_observer.hpp"
 #include "contact/figures/linearity_check.hpp"
 #include "contact/model/folding.hpp"
 #include "contact/motion/floating_body.hpp"
 #include "contact/stepping/run_steps.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::contact {
 namespace {
@@ -23,18 +26,21 @@ constexpr double share_of_radius = 0.01;
 constexpr double enough_steps = 16;
 constexpr int shorter = 8, most_per_sample = 100000;
 
-/// Sets the poses shortly before the bodies touch in the poses `then`, at the start of the touch.
+constexpr double degrees = 180 / std::numbers::pi;
+
+/// Sets the poses shortly before the bodies touch in the poses `then`, at the start of the touch; under
+/// loads, those at the start of the run.
 void set_poses(const Model& model, std::span<const Pose> then, double start, FirstTouch& out) {
   double margin = start;
   for (std::size_t k = 0; k < then.size(); ++k) {
-    if (model.bodies[k].supported) continue;
+    if (model.bodies[k].supported || !model.forcing.empty()) continue;
     const double radius = model.bodies[k].radius(),
                  speed = then[k].velocity.norm() + radius * then[k].spin.norm();
     if (speed > 0) margin = std::min(margin, share_of_radius * radius / speed);
   }
   out.from = start - margin;
   for (FloatingBody& body : floating_bodies(model)) {
-    body.fly(out.from);
+    if (out.from > 0) body.fly(out.from);
     out.poses.push_back(body.pose());
   }
 }
@@ -68,7 +74,15 @@ Found find(const Model& model, const StepOptions& options, double duration,
     for (std::size_t p = 0; p < model.pairs.size(); ++p) {
       const Model::PairBlock& pair = model.pairs[p];
       if (!(stepper->force().segment(pair.first_point, pair.points).array() > 0).any()) continue;
-      if (!out.touch) set_poses(model, stepper->poses(), start = now - step, out.touch.emplace());
+      if (!out.touch) {
+        set_poses(model, stepper->poses(), start = now - step, out.touch.emplace());
+        if (const double angle = turned(*out.touch, stepper->poses()); angle > largest_linear_rotation)
+          throw InputError(
+              base::format("accuracy: loads turn a body by {:.3g} degrees before it touches, and errors are "
+                           "estimated up to "
+                           "{:.3g}: give modes.up_to_hz or modes.count and accuracy = \"off\"",
+                           angle * degrees, largest_linear_rotation * degrees));
+      }
       pressed[p] = true;
       last = now;
     }

@@ -15,7 +15,8 @@
 namespace ricochet::contact {
 
 struct FirstTouch {
-  /// Shortly before it, when no free body has farther to go than a hundredth of its radius; at least 0 [s].
+  /// Shortly before it, when no free body has farther to go than a hundredth of its radius; at least 0, and
+  /// 0 under loads and on moving supports, because bodies then vibrate when they touch [s].
   double from = 0;
   double end = 0;  ///< of its last force, or when a body turned too far [s]
   /// When nothing had touched for as long as it lasted, or when a free body turned by more than linear
@@ -27,11 +28,12 @@ struct FirstTouch {
 };
 
 /// Runs the model until its first touch is over, with shorter steps if those of the options do not resolve
-/// the touch. Nothing but gravity and contact may act on its free bodies.
+/// the touch.
 /// @param duration  of the run [s]
 /// @param poll  called after each step; may throw to end the run
 /// @return no value if nothing touches
-/// Throws InputError as make_stepper does.
+/// Throws InputError as make_stepper does, and if loads turn a free body by more than linear rotations allow
+/// before it touches.
 std::optional<FirstTouch> find_first_touch(const Model& model, StepOptions options, double duration,
                                            const std::function<void()>& poll = {});
 

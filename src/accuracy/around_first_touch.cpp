@@ -11,12 +11,25 @@
 #include "contact/stepping/run_steps.hpp"
 #include "kernels/algebra.hpp"
 #include "src/accuracy/contact_zone.hpp"
+#include "src/store/placing.hpp"
 
 namespace ricochet::accuracy {
 namespace {
 
 bool needs_receivers(const scene::Scene& scene) {
   return std::ranges::count(scene.accuracy_of, Quantity::receivers) > 0;
+}
+
+bool has_loads(const scene::Loads& loads) {
+  return !loads.tractions.empty() || !loads.points.empty() || !loads.motions.empty();
+}
+
+/// Leaves out the loads of bodies that a scene does not have.
+void keep_loads_of_bodies(scene::Scene& scene) {
+  for (std::vector<scene::Forcing>* all : {&scene.loads.tractions, &scene.loads.points, &scene.loads.motions})
+    std::erase_if(*all, [&](const scene::Forcing& one) {
+      return one.obstacle.empty() && std::ranges::count(scene.bodies, one.body, &scene::Body::name) == 0;
+    });
 }
 
 /// Places a body as it is in a pose. @param block  the same body at the start
@@ -34,6 +47,7 @@ void place(scene::Body& body, const contact::Bodies::Block& block, const contact
 contact::Model model_around(const scene::Scene& scene, const store::Kernels& kernels,
                             store::Prepared& prepared) {
   prepared.scene = store::library_scene(scene, kernels.pointers());
+  store::read_histories(scene, prepared.scene);
   prepared.placement = placement_of(prepared.scene);
   return store::model_of(scene, prepared);
 }
@@ -87,13 +101,15 @@ AroundFirstTouch around_first_touch(const contact::FirstTouch& touch, const scen
     scene::Pair& pair = scene.contact.pairs.emplace_back(whole.contact.pairs[p]);
     pair.direction.reset();
     pair.gap.reset();
+    if (has_loads(whole.loads)) continue;  // which move bodies farther
     pair.zone = farthest[static_cast<std::size_t>(block.a)];
     if (block.b >= 0) *pair.zone += farthest[static_cast<std::size_t>(block.b)];
     *pair.zone *= after_impact;
   }
+  keep_loads_of_bodies(scene);
   out.kernels.kernel = out.all.kernel;
   out.model = model_around(scene, out.kernels, out.prepared);
-  if (needs_receivers(scene)) return out;
+  if (needs_receivers(scene) || has_loads(whole.loads)) return out;
   out.kernels = paired_alone(out.all, out.prepared.placement);
   out.model = model_around(scene, out.kernels, out.prepared);
   return out;

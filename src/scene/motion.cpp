@@ -72,12 +72,6 @@ std::optional<Remark> exclusion(const Table& root, const Scene& scene) {
   if (const auto key = choice_of_points(root))
     return Remark{*key, "a body that turns may touch with any candidate: leave it out"};
   if (root.has("strikes")) return Remark{"strikes", "with finite rotation, there are none: leave it out"};
-  const Loads& loads = scene.loads;
-  // Accuracy serves the first touch, to which its free flight leads a body.
-  if (scene.accuracy && !(loads.tractions.empty() && loads.points.empty() && loads.motions.empty()))
-    return Remark{"loads",
-                  "with finite rotation, accuracy allows gravity only: leave the other loads out, or give "
-                  "modes.up_to_hz or modes.count and accuracy = \"off\""};
   for (const Obstacle& obstacle : scene.obstacles)
     if (scene.accuracy && leaves_its_surface(scene, obstacle))
       return Remark{"obstacles." + obstacle.name,

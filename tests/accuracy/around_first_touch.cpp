@@ -7,6 +7,7 @@
 
 #include "contact/api/scene_model.hpp"
 #include "contact/stepping/run_steps.hpp"
+#include "src/store/placing.hpp"
 #include "tests/contact/cloud.hpp"
 
 namespace around_first_touch_test {
@@ -25,7 +26,17 @@ struct Falling {
   store::Kernels kernels;
   contact::Model model;
 
-  Falling() {
+  /// @param pushed  both bodies, hardly turning, by a force at their centres
+  explicit Falling(bool pushed = false) {
+    if (pushed) {
+      kernels::Load load{.name = "push", .unit = "N", .participation = cloud.kernel.loads.body_force};
+      for (double& x : load.participation) x /= cloud.mass;
+      const Vector3d& c = cloud.centre;
+      load.total = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+      load.moment = {0, -c.z(), c.y(), c.z(), 0, -c.x(), -c.y(), c.x(), 0};
+      load.residual.assign(9 * cloud.kernel.surface.size(), 0);
+      cloud.kernel.applied = {load};
+    }
     const auto kernel = std::shared_ptr<const kernels::Kernel>(&cloud.kernel, [](const auto*) {});
     for (const char* name : {"high", "low"}) {
       scene::Body& body = scene.bodies.emplace_back();
@@ -34,9 +45,15 @@ struct Falling {
       body.velocity = {0.3, 0.1, -0.5};
       body.angular_velocity = {4, -7, 9};
       kernels.kernel.push_back(kernel);
+      if (!pushed) continue;
+      body.angular_velocity = {0.1, -0.2, 0.1};
+      scene::Forcing& force = scene.loads.points.emplace_back();
+      force.body = name;
+      force.name = "push";
+      force.vector = {0.5, 0, -1};
     }
     scene.bodies[0].translate = {0.4, 0, 0.5};
-    scene.bodies[1].translate = {0, 0, 0.3};
+    scene.bodies[1].translate = {0, 0, pushed ? 0.1 : 0.3};
     scene.obstacles.push_back({{.name = "floor", .normal = {0, 0, 1}}});
     for (const auto& [a, b] : {std::pair("high", "low"), {"high", "floor"}, {"low", "floor"}}) {
       scene::Pair& pair = scene.contact.pairs.emplace_back();
@@ -49,6 +66,7 @@ struct Falling {
     scene.time.duration = 0.3;
     scene.time.contact_rate_hz = rate;
     store::Prepared prepared{store::library_scene(scene, kernels.pointers()), {}};
+    store::read_histories(scene, prepared.scene);
     prepared.placement = placement_of(prepared.scene);
     model = store::model_of(scene, prepared);
   }
@@ -105,6 +123,25 @@ TEST(FirstTouch, with_linear_rotations_is_that_of_the_whole_scene) {
   EXPECT_LT((turning.impulse - linear.impulse).norm(), 3 * touch.turned * turning.impulse.norm());
   EXPECT_LT((turning.velocity - linear.velocity).norm(), 3 * touch.turned * turning.velocity.norm());
   EXPECT_LT((turning.spin - linear.spin).norm(), 3 * touch.turned * turning.spin.norm());
+}
+
+/// The part begins with the run, and has the loads of its bodies alone.
+TEST(FirstTouch, under_loads_with_linear_rotations_is_that_of_the_whole_scene) {
+  const Falling fall(true);
+  const contact::FirstTouch touch = fall.touch();
+  EXPECT_EQ(touch.from, 0);
+  EXPECT_GT(touch.end, 0.02);
+  const auto part = accuracy::around_first_touch(touch, fall.scene, fall.kernels, fall.model);
+  ASSERT_EQ(part.scene.bodies.size(), 1);
+  ASSERT_EQ(part.model.forcing.size(), 1);
+  StepOptions options = store::step_options(fall.scene);
+  const Outcome turning = outcome(fall.model, options, touch.until, 1);
+  options.rigid.rotation = Rotation::linear;
+  const Outcome linear = outcome(part.model, options, part.scene.time.duration, 0);
+  EXPECT_GT(turning.impulse.norm(), 0.1);
+  EXPECT_GT(touch.turned, 0.005);
+  EXPECT_LT((turning.impulse - linear.impulse).norm(), 3 * touch.turned * turning.impulse.norm());
+  EXPECT_LT((turning.velocity - linear.velocity).norm(), 3 * touch.turned * turning.velocity.norm());
 }
 
 TEST(FirstTouch, has_a_share_of_rotation_beyond_its_turn) {

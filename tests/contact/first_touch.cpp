@@ -26,7 +26,18 @@ struct Fall {
   kernels::Kernel kernel = rigid_body(mass, {1e-3, 1e-3, 2e-3}, {{0, 0, -radius}}, flexibility);
   std::shared_ptr<const Model> model;
 
-  explicit Fall(double spin, double down = speed) {
+  /// @param push  force along x [N]; 0: none
+  explicit Fall(double spin, double down = speed, double push = 0) {
+    std::vector<ForcingRequest> forcing;
+    if (push != 0) {
+      kernels::Load load{.name = "push", .unit = "N", .participation = kernel.loads.body_force};
+      for (double& x : load.participation) x /= mass;
+      load.total = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+      load.moment.assign(9, 0);
+      load.residual.assign(9, 0);
+      kernel.applied = {load};
+      forcing = {{.body = "body", .name = "push", .vector = {push, 0, 0}}};
+    }
     PlacedBody body{.name = "body", .kernel = &kernel};
     body.velocity = {0.3, 0, -down};
     body.angular_velocity = {0, 0, spin};
@@ -34,7 +45,7 @@ struct Fall {
     pair.everywhere = true;
     model =
         std::make_shared<const Model>(build_model({body}, {{.name = "floor", .normal = Vector3d::UnitZ()}},
-                                                  {pair}, {0, 0, down == speed ? -gravity : 0}));
+                                                  {pair}, {0, 0, down == speed ? -gravity : 0}, forcing));
   }
   std::optional<FirstTouch> touch(double rate, double duration = 0.2) const {
     StepOptions options = stepping(rate);
@@ -79,6 +90,19 @@ TEST(FirstTouch, is_cut_where_a_body_turns_too_far_for_linear_rotations) {
   EXPECT_NEAR(touch->until - touch->from, largest_linear_rotation / spin, 2e-6);
   EXPECT_EQ(touch->end, touch->until);
   EXPECT_LT(touch->end, when + 0.6 * lasts);
+}
+
+/// A load may let the body vibrate, so that the part begins where the run does; there, linear rotations must
+/// reach up to the touch.
+TEST(FirstTouch, of_a_body_under_a_load_begins_with_the_run) {
+  const double spin = 0.5;
+  const auto touch = Fall(spin, speed, 0.1).touch(44.1e3);
+  ASSERT_TRUE(touch);
+  EXPECT_EQ(touch->from, 0);
+  EXPECT_LT((touch->poses[0].velocity - Vector3d(0.3, 0, -speed)).norm(), 1e-14);
+  EXPECT_NEAR(touch->end, when + lasts, 3 * lasts / 16);
+  EXPECT_NEAR(touch->turned, spin * touch->end, 1e-9);
+  EXPECT_THROW(Fall(3, speed, 0.1).touch(44.1e3), InputError);  // it turns by 16°
 }
 
 TEST(FirstTouch, ends_with_the_run) {
