@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 constexpr double indistinct = 1e-3;
 /// A point beside a face and beyond its crease may be below its plane by this sine: elements that are curved
 /// meet on an arc, while the foot is that of their chords.
-constexpr double beside_face = 0.1;
+constexpr double beside_face = 0.3;
 /// Longest way of a point along the surface between two looks, in elements.
 constexpr int most_moves = 16;
 /// Sine below which segments are parallel.

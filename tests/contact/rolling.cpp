@@ -173,8 +173,8 @@ TEST(BodySurface, of_a_ball_is_as_high_in_every_direction) {
   }
 }
 
-/// Beyond the rim of a disk, no point is inside of it, although the arcs of the rim pass over its chords, by
-/// 5e-3 of the radius.
+/// Around the rim of a disk, no point is taken for one inside, although the arcs of the rim pass over its
+/// chords, by 5e-3 of the radius. A point that is followed has the foot that a search finds.
 TEST(BodySurface, of_a_disk_is_left_beyond_its_rim) {
   const kernels::Kernel kernel = disk(1, 1, 0.2, 1e-9);
   const BodySurface surface(kernel);
@@ -182,11 +182,14 @@ TEST(BodySurface, of_a_disk_is_left_beyond_its_rim) {
   std::uniform_real_distribution<double> share(0, 1);
   Foot foot = surface.closest({1, 0, 0.1});
   for (int k = 0; k < 20'000; ++k) {
-    const double beyond = 0.02 + 0.5 * share(random), z = 0.1 + 0.02 * (share(random) - 0.5),
-                 angle = 1e-3 * k;
-    const Vector3d x = (1 + beyond) * Vector3d(std::cos(angle), std::sin(angle), 0) + z * Vector3d::UnitZ();
+    const bool above = k % 2;
+    const double beyond = above ? 0.024 * share(random) - 0.004 : 0.02 + 0.5 * share(random),
+                 rise = above ? 0.03 + 0.08 * share(random) : 0.02 * share(random) - 0.01, angle = 1e-3 * k;
+    const Vector3d x =
+        (1 + beyond) * Vector3d(std::cos(angle), std::sin(angle), 0) + (0.1 + rise) * Vector3d::UnitZ();
     foot = surface.follow(foot, x);
-    ASSERT_NEAR(foot.distance, std::hypot(beyond, std::max(0.0, z - 0.1)), 6e-3) << k;
+    ASSERT_NEAR(foot.distance, std::hypot(std::max(0.0, beyond), std::max(0.0, rise)), 6e-3) << k;
+    ASSERT_NEAR(foot.distance, surface.closest(x).distance, 1e-9) << k;
   }
 }
 
