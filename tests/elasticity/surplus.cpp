@@ -26,7 +26,7 @@ using Place = std::array<std::int64_t, 3>;  ///< [µm]
 struct Estimated {
   VectorXd lambda;                         ///< of the elastic modes
   MatrixXd excess;                         ///< of their stiffness
-  std::map<Place, Eigen::MatrixXd> shape;  ///< (3, modes) by place of a node
+  std::map<Place, Eigen::MatrixXd> shape;  ///< (3, modes) by place of a node, on every rank
 };
 
 /// @param count  of modes, with those of rigid motion
@@ -43,10 +43,18 @@ Estimated estimated(const scene::Body& asked, std::int64_t count) {
     lambda[k] = std::pow(modes.angular_frequency[static_cast<std::size_t>(elastic[k])], 2);
   const MatrixXd shape = modes.shape(Eigen::all, elastic);
   Estimated out{lambda, elasticity::stiffness_errors(mesh, asked.materials, shape, lambda), {}};
-  for (std::size_t i = 0; i < mesh.node.size() && mesh.dim == 3; ++i) {
-    Place place{};
-    for (std::size_t k = 0; k < 3; ++k) place[k] = std::llround(1e6 * mesh.position[3 * i + k]);
-    out.shape[place] = shape.middleRows(3 * mesh.owned(mesh.node[i]), 3);
+  if (mesh.dim != 3) return out;
+  MatrixXd place = MatrixXd::Zero(3, mesh.total_nodes),
+           at = MatrixXd::Zero(3 * mesh.total_nodes, shape.cols());
+  mesh.for_each_owned([&](std::size_t i, std::int64_t row) {
+    for (std::size_t k = 0; k < 3; ++k) place(static_cast<Index>(k), mesh.node[i]) = mesh.position[3 * i + k];
+    at.middleRows(3 * mesh.node[i], 3) = shape.middleRows(3 * row, 3);
+  });
+  for (MatrixXd* of_rank : {&place, &at}) parallel::sum(mesh.comm, *of_rank);
+  for (Index node = 0; node < mesh.total_nodes; ++node) {
+    const Eigen::Matrix<std::int64_t, 3, 1> in_micrometres =
+        (1e6 * place.col(node)).array().round().cast<std::int64_t>();
+    out.shape[{in_micrometres[0], in_micrometres[1], in_micrometres[2]}] = at.middleRows(3 * node, 3);
   }
   return out;
 }
