@@ -5,6 +5,7 @@ mechanics, and the geometry of boxes, judge what the results say."""
 import pickle
 import subprocess
 import sys
+import tomllib
 import unittest
 
 import numpy as np
@@ -45,6 +46,31 @@ rate_hz = 48000
 duration = 0.08
 """
 )
+BALL = """SetFactory("OpenCASCADE");
+Sphere(1) = {0, 0, 0, 0.01};
+Mesh.MeshSizeMax = 0.004;
+Physical Volume("ball") = {1};
+"""
+BALLS = """
+[bodies.upper]
+mesh = "ball.geo"
+contact = "all"
+order = 2
+material = { young = 1e7, poisson = 0.45, density = 1100 }
+translate = [0, 0, 0.01]
+velocity = [0, 0, -1]
+[obstacles.wall]
+normal = [0, 0, 1]
+[contact]
+between = ["upper", "wall"]
+[modes]
+count = 20
+[motion]
+rotation = "finite"
+[time]
+rate_hz = 48000
+duration = 2e-3
+"""
 # All bits of what a program can read of a simulation
 SEEN = """
 def seen(simulation):
@@ -107,6 +133,18 @@ class Meets(ProgramTest):
         )
         self.assertLess(deepest, 2e-4)
         self.assertLess(result.summary["energy_drift"], 1e-10)
+
+    def test_of_equal_balls_is_that_of_a_ball_and_a_wall(self):
+        (self.made / "ball.geo").write_text(BALL)
+        keys = tomllib.loads(BALLS)
+        wall = impact(ricochet.Scene(keys, self.made), self.out).summary
+        lower = {"rotate_deg": [0, 180, 0], "translate": [0, 0, -0.01], "velocity": [0, 0, 1]}
+        keys["bodies"]["lower"] = keys["bodies"]["upper"] | lower
+        keys["contact"]["between"] = ["upper", "lower"]
+        both = impact(ricochet.Scene(keys, self.made), self.out).summary
+        # Patches are as large as the contact: 2.9 % here, and 12 % if they do not yield by their bulges between two bodies.
+        self.assertAlmostEqual(both["peak_force_n"] / wall["peak_force_n"], 1, delta=0.05)
+        self.assertAlmostEqual(both["impulse_ns"] / wall["impulse_ns"], 1, delta=0.01)
 
     def test_of_a_brick_that_falls_on_a_beam_on_the_floor(self):
         result = impact(self.scene, self.out, f"loads.gravity=[0,0,{-GRAVITY}]", "time.duration=0.06")
