@@ -76,8 +76,8 @@ ContactLaw::ContactLaw(Index rows, Index capacity, const SolveOptions& solver, b
       euler_(static_cast<int>(capacity), solver, false, springs),
       mean_(static_cast<int>(capacity), solver, false, springs),
       all_(first_rows(capacity)) {
-  for (Vector* x : {&free, &start, &force_, &end_, &u_, &yielded_, &now_.R, &now_.M, &before_.R, &before_.M,
-                    &after_.R, &after_.M})
+  for (Vector* x : {&free, &start, &force_, &end_, &u_, &yielded_, &products_.now.R, &products_.now.M,
+                    &products_.before.R, &products_.before.M, &products_.after.R, &products_.after.M})
     x->setZero(capacity);
   position_.assign(static_cast<std::size_t>(rows), -1);
   trials_.resize(1);
@@ -120,7 +120,7 @@ ContactLaw::ContactLaw(const Model& model, const StepOptions& options)
 }
 
 void ContactLaw::hold(std::span<const int> rows) noexcept {
-  knows_products_ = false;
+  products_.known = false;
   if (std::equal(rows.begin(), rows.end(), rows_.begin(), rows_.end())) return;
   for (const int row : rows_) position_[row] = -1;
   rows_.assign(rows.begin(), rows.end());
@@ -131,33 +131,35 @@ void ContactLaw::hold(std::span<const int> rows) noexcept {
 }
 
 void ContactLaw::change_matrices() noexcept {
-  knows_products_ = problem_.has_matrices = false;
+  products_.known = problem_.has_matrices = false;
   euler_.change_matrix();
   mean_.change_matrix();
 }
 
 /// M = (S_mean − R)/a. Steps of backward Euler do not use M p.
 void ContactLaw::know_products(const StepMatrices& matrices, const MeanForce& before) noexcept {
-  if (std::exchange(knows_products_, true)) return;
+  if (std::exchange(products_.known, true)) return;
   const Index k = std::ssize(rows_);
   const auto at = std::span(all_).first(rows_.size());
   const std::span<const int> rows = rows_;
   Vector &now = problem_.now, &then = problem_.before;
   now.head(k) = before.end()(rows);
-  yield(matrices, at, now, now_.R);
+  yield(matrices, at, now, products_.now.R);
   if (!before.is_conserving()) return;
   then.head(k) = before.before()(rows);
-  yield(matrices, at, then, before_.R);
-  for (Products* x : {&now_, &before_}) x->M.head(k).setZero();
+  yield(matrices, at, then, products_.before.R);
+  for (Product* x : {&products_.now, &products_.before}) x->M.head(k).setZero();
   {
-    simd::ColumnSum of_now(rows_.size(), now_.M.data()), of_then(rows_.size(), before_.M.data());
+    simd::ColumnSum of_now(rows_.size(), products_.now.M.data()),
+        of_then(rows_.size(), products_.before.M.data());
     for (Index j = 0; j < k; ++j) {
       const double* const column = matrices.S_mean.col(j).data();
       if (now(j) != 0) of_now.subtract(column, -now(j));
       if (then(j) != 0) of_then.subtract(column, -then(j));
     }
   }
-  for (Products* x : {&now_, &before_}) x->M.head(k) = (x->M - x->R).head(k) / conserving_mean.end;
+  for (Product* x : {&products_.now, &products_.before})
+    x->M.head(k) = (x->M - x->R).head(k) / conserving_mean.end;
 }
 
 StepTrial ContactLaw::solve(const StepMatrices& matrices, const MeanForce& before, Slip* slip) noexcept {
@@ -216,9 +218,9 @@ bool ContactLaw::merge_at_closed_points(const StepMatrices& matrices, const Mean
       const double both = S.col(i).head(k).dot(x.head(k)) - yields(i);
       return conserving ? both / conserving_mean.end : both;
     };
-    after_.R(i) = yielded_(i) = of_end(i);
-    after_.M(i) = in_modes(end_, of_end);
-    u_(i) = free(i) - in_modes(force_, of_force) - after_.R(i);
+    products_.after.R(i) = yielded_(i) = of_end(i);
+    products_.after.M(i) = in_modes(end_, of_end);
+    u_(i) = free(i) - in_modes(force_, of_force) - products_.after.R(i);
     if (u_(i) <= gap_(rows_[i])) continue;
     if (islands_.joins(pair)) continue;  // another point has just closed
     trials_[islands_.of_a(pair)].reset();
@@ -249,7 +251,7 @@ StepTrial ContactLaw::solve_island(int island, const StepMatrices& matrices, con
   if (!take_rows(island, before)) {
     for (const int at : p.held) {
       u_(at) = free(at);
-      force_(at) = end_(at) = yielded_(at) = after_.R(at) = after_.M(at) = 0;
+      force_(at) = end_(at) = yielded_(at) = products_.after.R(at) = products_.after.M(at) = 0;
     }
     return {};
   }
@@ -318,8 +320,8 @@ void ContactLaw::store_forces() noexcept {
     force_(at) = p.force(k);
     end_(at) = p.end(k);
     u_(at) = p.u(k);
-    after_.R(at) = yielded_(at) = p.end_rest(k);
-    after_.M(at) = p.end_in_modes(k);
+    products_.after.R(at) = yielded_(at) = p.end_rest(k);
+    products_.after.M(at) = p.end_in_modes(k);
     if (!springs_.empty() && p.end(k) > 0 && p.springs[k].bulge > 0)
       yielded_(at) += p.springs[k].displacement(p.end(k));
   }
@@ -350,9 +352,9 @@ void ContactLaw::gather(const MeanForce& before, const Slip* slip) noexcept {
     const int at = p.held[k], row = rows_[at];
     p.free(k) = free(at);
     p.start(k) = start(at);
-    p.rest(k) = now_.R(at);
-    p.in_modes_now(k) = now_.M(at);
-    p.in_modes_before(k) = before_.M(at);
+    p.rest(k) = products_.now.R(at);
+    p.in_modes_now(k) = products_.now.M(at);
+    p.in_modes_before(k) = products_.before.M(at);
     p.gap(k) = gap_(row);
     p.belt(k) = slip != nullptr && row >= contacts_ ? slip->belt()(row) : 0;
     p.now(k) = before.end()(row);
@@ -499,12 +501,12 @@ void ContactLaw::share_bank(int island, double bank) noexcept {
 }
 
 void ContactLaw::accept(MeanForce& mean, const Vector& end) noexcept {
-  before_.M.swap(now_.M);
-  now_.M.swap(after_.M);
-  now_.R.swap(after_.R);
+  products_.before.M.swap(products_.now.M);
+  products_.now.M.swap(products_.after.M);
+  products_.now.R.swap(products_.after.R);
   // Where the history restarts, the force before is not the one of the step before.
   if (std::any_of(next_.begin(), next_.end(), [](const MeanForce::Pair& pair) { return pair.restarts; }))
-    knows_products_ = false;
+    products_.known = false;
   if (moves_)
     mean.advance(rows_, end, next_);  // all rows with a force are held
   else

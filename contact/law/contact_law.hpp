@@ -91,7 +91,7 @@ class ContactLaw {
 
   /// Computes R p and M p of the forces so far, unless they are known.
   void know_products(const StepMatrices& matrices, const MeanForce& before) noexcept;
-  const Vector& rest() const { return now_.R; }  ///< R p by these forces [m]
+  const Vector& rest() const { return products_.now.R; }  ///< R p by these forces [m]
 
   /// Solves the step. @param before  the forces so far  @param slip  null if no point has friction
   StepTrial solve(const StepMatrices& matrices, const MeanForce& before, Slip* slip) noexcept;
@@ -108,7 +108,7 @@ class ContactLaw {
   ContactSolver& solver() { return euler_; }
 
   void archive(auto& a) {
-    a(free, start, gap_, springs_, euler_, mean_, rows_, position_, knows_products_, now_, before_, after_);
+    a(free, start, gap_, springs_, euler_, mean_, rows_, position_, products_);
     a(force_, end_, u_, yielded_, next_, problem_);
   }
 
@@ -155,12 +155,17 @@ class ContactLaw {
   std::vector<int> rows_, position_;  ///< held rows; position of each row
   std::vector<int> all_;              ///< (capacity) 0, 1, …
   /// Displacements by the forces at an instant, by position [m].
-  struct Products {
+  struct Product {
     Vector R, M;  ///< R p, M p
     void archive(auto& a) { a(R, M); }
   };
-  bool knows_products_ = false;
-  Products now_, before_, after_;  ///< of before, R p is not used
+  /// By those at the start of the step, at the start of the one before, and at the end.
+  struct Products {
+    bool known = false;
+    Product now, before, after;  ///< of before, R p is not used
+    void archive(auto& a) { a(known, now, before, after); }
+  };
+  Products products_;
   Vector force_, end_, u_, yielded_;
 
   Islands islands_{1, {{0, -1}}};

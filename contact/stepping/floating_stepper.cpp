@@ -43,26 +43,24 @@ FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepO
     : Stepper(options, *model),
       state_((check(options), model), options),
       bodies_(floating_bodies(*model)),
-      kept_(bodies_),
+      start_{.bodies = bodies_, .q = {}, .v = {}, .end = {}, .pairs = contact_.mean.pairs()},
       coriolis_(coriolis_of(*state_.system->model)),
       mixes_(!std::ranges::all_of(coriolis_, &Coriolis::empty)),
-      turned_(bodies_.size()),
       turning_(*initial_turning(*model, options)),
       points_(*model, *state_.system, earlier),
       loads_(*state_.system->model, bodies_, state_.forcing, points_),
       travels_(bodies_.size()),
       islands_(static_cast<int>(bodies_.size()), sides_of(*model)),
       // A moving obstacle may speed a body up; without it, the energy of a body bounds its motion.
-      epoch_(model->belts.empty() ? search_every : 1),
+      search_{.every = model->belts.empty() ? search_every : 1},
       carries_(bodies_.size()),
       energy_of_(bodies_.size()),
       thrown_(bodies_.size()),
       stored_(model->pairs.size(), 0),
-      pairs_before_(contact_.mean.pairs()),
-      over_(*state_.system) {
-  for (Vector* x : {&dq_, &modal_force_, &displaced_, &kept_q_, &kept_v_}) x->setZero(model->omega.size());
-  for (Vector* x : {&rest_, &end_before_}) x->setZero(capacity_of(*model));
-  for (std::vector<int>* x : {&written_, &next_written_, &sleeping_})
+      flight_{.over = ModeConstants(*state_.system), .turned = std::vector<Eigen::Vector3d>(bodies_.size())} {
+  for (Vector* x : {&dq_, &modal_force_, &displaced_, &start_.q, &start_.v}) x->setZero(model->omega.size());
+  for (Vector* x : {&rest_, &start_.end}) x->setZero(capacity_of(*model));
+  for (std::vector<int>* x : {&forced_.now, &forced_.before, &forced_.asleep})
     x->reserve(static_cast<std::size_t>(model->rows()));
   slow_since_.resize(bodies_.size());
   rests_.resize(bodies_.size());
@@ -167,12 +165,12 @@ StepStatus FloatingStepper::step() noexcept {
     }
   const StepSystem& system = *state_.system;
   Slip* const slip = contact_.slip.any() ? &contact_.slip : nullptr;
-  if (steps_ >= search_at_) search();
+  if (steps_ >= search_.next) search();
   if (!any_moves()) return rest();
   keep_start();
   const auto undo = [&](StepStatus status) {
     restore();
-    contact_.mean.restore(points_.rows(), end_before_, pairs_before_);
+    contact_.mean.restore(points_.rows(), start_.end, start_.pairs);
     place(time());
     return status;
   };
@@ -192,8 +190,8 @@ StepStatus FloatingStepper::step() noexcept {
   const StepMatrices matrices =
       points_.matrices(bodies_, options_.step, contact_.mean.is_conserving() ? conserving_mean.end : 1);
   const auto k = std::ssize(points_.rows());
-  end_before_.head(k) = end_force()(points_.rows());
-  std::copy(contact_.mean.pairs().begin(), contact_.mean.pairs().end(), pairs_before_.begin());
+  start_.end.head(k) = end_force()(points_.rows());
+  std::copy(contact_.mean.pairs().begin(), contact_.mean.pairs().end(), start_.pairs.begin());
   carry_forces(matrices);
   law_.start.head(k) = points_.at_start().head(k) - rest_.head(k);
   law_.free.head(k) = points_.free().head(k);
@@ -217,17 +215,17 @@ void FloatingStepper::drift(Coriolis::Half half, Vector& q, Vector& v) noexcept 
 
 /// Keeps what drifts change.
 void FloatingStepper::keep_start() noexcept {
-  kept_ = bodies_;
+  start_.bodies = bodies_;
   if (!mixes_) return;
-  kept_q_ = state_.q;
-  kept_v_ = state_.v;
+  start_.q = state_.q;
+  start_.v = state_.v;
 }
 
 void FloatingStepper::restore() noexcept {
-  bodies_ = kept_;
+  bodies_ = start_.bodies;
   if (!mixes_) return;
-  state_.q = kept_q_;
-  state_.v = kept_v_;
+  state_.q = start_.q;
+  state_.v = start_.v;
 }
 
 /// Finds the points that may touch before the next search.
@@ -237,15 +235,15 @@ void FloatingStepper::search() noexcept {
   int epoch = 0;
   for (int woken = 0; woken >= 0;) {
     // A moving support may speed a body up, as a moving obstacle may.
-    const double end = time() + epoch_ * options_.step;
-    epoch = loads_.move(time(), end) || points_.obstacles_move(time(), end) ? 1 : epoch_;
+    const double end = time() + search_.every * options_.step;
+    epoch = loads_.move(time(), end) || points_.obstacles_move(time(), end) ? 1 : search_.every;
     set_travels(epoch * options_.step);
     points_.watch(bodies_, travels_, contact_.mean);
     woken = points_.reached(bodies_);
     if (woken >= 0) wake(woken);
   }
   place(time());
-  search_at_ = steps_ + epoch;
+  search_.next = steps_ + epoch;
 }
 
 /// Bounds what each body may do in a time. Contact passes energy on but does not add any, so that a body has
@@ -446,13 +444,13 @@ bool FloatingStepper::commit(const Work& work, double residual, double time) noe
 
 /// Completes a step that is committed. Vectors of all rows change in few of them.
 StepStatus FloatingStepper::end(const StepTrial& trial) noexcept {
-  for (const int row : next_written_) next_force_(row) = 0;
-  for (const int row : written_) next_end_(row) = 0;
+  for (const int row : forced_.before) next_force_(row) = 0;
+  for (const int row : forced_.now) next_end_(row) = 0;
   double power = 0;
   for (std::size_t pair = 0; pair < stored_.size(); ++pair)
     if (!contact_.mean.pairs()[pair].asleep) stored_[pair] = 0;
   const auto rows = points_.rows();
-  int active = sleeping_active_;
+  int active = forced_.active_asleep;
   for (std::size_t j = 0; j < rows.size(); ++j) {
     const auto at = static_cast<Index>(j);
     const int row = rows[j];
@@ -472,13 +470,13 @@ StepStatus FloatingStepper::end(const StepTrial& trial) noexcept {
     }
     stored_[static_cast<std::size_t>(points_.pair_of(j))] += stored + 0.5 * p * yielded;
   }
-  for (const int row : written_) next_u_(row) = 0;
+  for (const int row : forced_.now) next_u_(row) = 0;
   next_u_(rows) = rest_.head(std::ssize(rows));
   if (trial.several) ++contact_.ambiguous;
   points_.write_forces(law_.end(), bodies_, turning_.candidate_force);
   end_contact(active, power, trial.violation);
-  next_written_.swap(written_);
-  written_.assign(rows.begin(), rows.end());
+  forced_.before.swap(forced_.now);
+  forced_.now.assign(rows.begin(), rows.end());
   ++steps_;
   return StepStatus::ok;
 }
@@ -486,10 +484,10 @@ StepStatus FloatingStepper::end(const StepTrial& trial) noexcept {
 /// Ends a flight over some steps. If it goes on, there is nothing to clear.
 void FloatingStepper::fly(int crossed) noexcept {
   steps_ += crossed;
-  if (written_.empty()) return;
-  for (const int row : written_) contact_.force(row) = next_end_(row) = next_u_(row) = 0;
-  written_.clear();
-  contact_.active = sleeping_active_;
+  if (forced_.now.empty()) return;
+  for (const int row : forced_.now) contact_.force(row) = next_end_(row) = next_u_(row) = 0;
+  forced_.now.clear();
+  contact_.active = forced_.active_asleep;
   contact_.persistency = 0;
   contact_.residual = {};
   contact_.slip.clear();
@@ -497,7 +495,7 @@ void FloatingStepper::fly(int crossed) noexcept {
 
 const Vector& FloatingStepper::displacement() const noexcept {
   points_.write_displacements(bodies_, u_);
-  for (const std::vector<int>* rows : {&written_, &sleeping_})
+  for (const std::vector<int>* rows : {&forced_.now, &forced_.asleep})
     for (const int row : *rows) u_(row) = next_u_(row);
   return u_;
 }
@@ -524,17 +522,18 @@ bool FloatingStepper::push_at(int number, const BodyPlace& place, const Vector3d
 /// Without what each step computes before it is used, and without the constants of flights.
 void FloatingStepper::archive(base::Archive& a) {
   archive_contact(a);
-  a(state_, bodies_, turning_, points_, loads_, travels_, search_at_, clear_until_, look_at_, slow_since_);
-  a(stored_, written_, next_written_, sleeping_, sleeping_active_);
+  a(state_, bodies_, turning_, points_, loads_, travels_, search_.next, search_.clear_until, search_.look_at,
+    slow_since_);
+  a(stored_, forced_.now, forced_.before, forced_.asleep, forced_.active_asleep);
   points_.move_obstacles(time());
 }
 
 /// What was known of the motion of the bodies no longer holds.
-void FloatingStepper::search_anew() noexcept { search_at_ = clear_until_ = steps_; }
+void FloatingStepper::search_anew() noexcept { search_.next = search_.clear_until = steps_; }
 
 /// Steps to the next output sample, or an equal part of them if modes mix.
 int FloatingStepper::steps_to_cross() const noexcept {
-  if (!sleeping_.empty()) return 1;  // whose impulses are those of single steps
+  if (!forced_.asleep.empty()) return 1;  // whose impulses are those of single steps
   const auto steps = static_cast<int>(options_.steps_per_sample - steps_ % options_.steps_per_sample);
   double longest = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < bodies_.size(); ++k)
@@ -552,36 +551,37 @@ int FloatingStepper::cross() noexcept {
   const double from = time(), to = static_cast<double>(steps_ + steps) * options_.step;
   if (!is_steady(to - from) || loads_.act_on_free(from, to)) return 0;
   TurningLoads::release(bodies_);
-  if (steps_ + steps > clear_until_) {
-    if (steps_ < look_at_) return 0;
-    clear_until_ = find_clear_until(to - from);
-    if (steps_ + steps > clear_until_) {
-      look_at_ = steps_ + search_every;  // a look costs as much as some steps
+  if (steps_ + steps > search_.clear_until) {
+    if (steps_ < search_.look_at) return 0;
+    search_.clear_until = find_clear_until(to - from);
+    if (steps_ + steps > search_.clear_until) {
+      search_.look_at = steps_ + search_every;  // a look costs as much as some steps
       return 0;
     }
   }
   set_flight(steps);
   keep_start();
   points_.watch_none();
-  search_at_ = steps_;  // also if the flight fails
+  search_.next = steps_;  // also if the flight fails
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    turned_[k].setZero();
+    flight_.turned[k].setZero();
     if (!bodies_[k].moves()) continue;
-    turned_[k] = bodies_[k].fly(to - from);
-    coriolis_[k].turn(0.5 * turned_[k], to - from, Coriolis::Half::before, state_.q, state_.v);
+    flight_.turned[k] = bodies_[k].fly(to - from);
+    coriolis_[k].turn(0.5 * flight_.turned[k], to - from, Coriolis::Half::before, state_.q, state_.v);
   }
   modal_force_.setZero();
   state_.forcing.interval(from, to, state_.now);
-  Work work = move_modes(over_);
+  Work work = move_modes(flight_.over);
   for (std::size_t k = 0; k < bodies_.size(); ++k)
-    coriolis_[k].turn(0.5 * turned_[k], to - from, Coriolis::Half::after, state_.next_q, state_.next_v);
+    coriolis_[k].turn(0.5 * flight_.turned[k], to - from, Coriolis::Half::after, state_.next_q,
+                      state_.next_v);
   for (std::size_t k = 0; k < bodies_.size(); ++k)
-    work.forcing += bodies_[k].push.dot(bodies_[k].position - kept_[k].position);
+    work.forcing += bodies_[k].push.dot(bodies_[k].position - start_.bodies[k].position);
   if (!commit(work, 0, to)) {
     restore();
     return 0;
   }
-  search_at_ = steps_ + steps;
+  search_.next = steps_ + steps;
   return steps;
 }
 
@@ -617,11 +617,12 @@ std::int64_t FloatingStepper::find_clear_until(double enough) noexcept {
 
 /// Sets the constants of modes over a flight of some steps.
 void FloatingStepper::set_flight(int steps) noexcept {
-  if (steps == constants_of_) return;
-  constants_of_ = steps;
+  if (steps == flight_.steps) return;
+  flight_.steps = steps;
   const Model& model = *state_.system->model;
   for (Index n = 0; n < model.omega.size(); ++n)
-    if (state_.system->h(n) != 0) over_.set_step(n, model.omega(n), model.decay(n), steps * options_.step);
+    if (state_.system->h(n) != 0)
+      flight_.over.set_step(n, model.omega(n), model.decay(n), steps * options_.step);
 }
 
 }  // namespace ricochet::contact

@@ -51,7 +51,7 @@ class FloatingStepper final : public Stepper {
   void put_in(int body, const std::string& name, const Pose& pose);
   bool is_present(int body) const { return bodies_[static_cast<std::size_t>(body)].present; }
   /// The rows that may have a force in the last step: of the step, and of pairs asleep.
-  std::array<std::span<const int>, 2> forced() const { return {written_, sleeping_}; }
+  std::array<std::span<const int>, 2> forced() const { return {forced_.now, forced_.asleep}; }
 
   StepStatus step() noexcept override;
   std::unique_ptr<Stepper> clone() const override { return std::make_unique<FloatingStepper>(*this); }
@@ -104,37 +104,53 @@ class FloatingStepper final : public Stepper {
   double elastic_energy(const FloatingBody& body) const noexcept;
   double swing_energy(const FloatingBody& body, double energy) const noexcept;
 
+  /// What a step begins with, and returns to if it is repeated.
+  struct Start {
+    std::vector<FloatingBody> bodies;
+    Vector q, v;  ///< (N) if nearly equal modes mix
+    Vector end;   ///< p, by position
+    std::vector<MeanForce::Pair> pairs;
+  };
+  /// When points are searched.
+  struct Search {
+    int every;                     ///< steps between two searches
+    std::int64_t next = 0;         ///< step of the next one
+    std::int64_t clear_until = 0;  ///< step before which nothing can touch
+    std::int64_t look_at = 0;      ///< step from which on it is computed anew
+  };
+  /// Rows that may have a force.
+  struct ForcedRows {
+    std::vector<int> now;     ///< of the last step, which may not be 0 in force_ and have their u in next_u_
+    std::vector<int> before;  ///< of the step before it, in next_force_
+    std::vector<int> asleep;  ///< of pairs asleep, with their forces in force_ and in next_force_
+    int active_asleep = 0;    ///< points with a force among these
+  };
+  /// Constants of a flight.
+  struct Flight {
+    ModeConstants over;                   ///< (N)
+    int steps = 0;                        ///< over which it goes
+    std::vector<Eigen::Vector3d> turned;  ///< by body, ∫Ω dt, body axes [rad]
+  };
+
   ModalState state_;
-  std::vector<FloatingBody> bodies_, kept_;  ///< now; at the start of the step
-  std::vector<Coriolis> coriolis_;           ///< by body
-  bool mixes_;                               ///< whether any body has nearly equal modes
-  Vector kept_q_, kept_v_;                   ///< if so, at the start of the step
-  std::vector<Eigen::Vector3d> turned_;      ///< by body, ∫Ω dt of a flight, body axes [rad]
+  std::vector<FloatingBody> bodies_;
+  Start start_;
+  std::vector<Coriolis> coriolis_;  ///< by body
+  bool mixes_;                      ///< whether any body has nearly equal modes
   Turning turning_;
   MovingPoints points_;
   TurningLoads loads_;
   std::vector<MovingPoints::Travel> travels_;
-  Islands islands_;                 ///< scratch: of forces at the start of a step; of what may meet
-  int epoch_;                       ///< steps between two searches
-  std::int64_t search_at_ = 0;      ///< step of the next one
-  std::int64_t clear_until_ = 0;    ///< step before which nothing can touch
-  std::int64_t look_at_ = 0;        ///< step from which on it is computed anew
+  Islands islands_;  ///< scratch: of forces at the start of a step; of what may meet
+  Search search_;
   std::vector<double> slow_since_;  ///< by body [s]
   std::vector<char> rests_;         ///< by island, scratch: whether all its bodies rest
   std::vector<char> carries_;       ///< by island, scratch: whether it has a force at the start of a step
   std::vector<double> energy_of_;   ///< by body, scratch [J]
   std::vector<double> thrown_;      ///< by body, scratch: what obstacles may add to its speed [m/s]
   std::vector<double> stored_;      ///< by pair, in R after the last step [J]
-  Vector end_before_;               ///< p at the start of the step, by position
-  std::vector<MeanForce::Pair> pairs_before_;
-  /// Rows of the last step, which may not be 0 in force_; those of the step before it, in next_force_. The
-  /// former have their u in next_u_.
-  std::vector<int> written_, next_written_;
-  /// Rows of pairs asleep, with their forces in force_ and in next_force_; points with a force among them.
-  std::vector<int> sleeping_;
-  int sleeping_active_ = 0;
-  ModeConstants over_;  ///< (N) of a flight over constants_of_ steps
-  int constants_of_ = 0;
+  ForcedRows forced_;
+  Flight flight_;
   Vector dq_, modal_force_;  ///< (N) of the free motion; of contact under p̄
   Vector displaced_;         ///< (N) q with static displacements
   Vector rest_;              ///< (n) R p + s(λ) at the start, by position

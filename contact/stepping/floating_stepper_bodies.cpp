@@ -25,7 +25,7 @@ FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepO
     turning_.pushed[k] = earlier.turning_.pushed[then];
     turning_.candidate_force[k] = earlier.turning_.candidate_force[then];
   }
-  kept_ = bodies_;
+  start_.bodies = bodies_;
   std::ranges::fill(slow_since_, time());
   carry(earlier.state_.q, state_.q, from.modes);
   carry(earlier.state_.v, state_.v, from.modes);
@@ -46,11 +46,11 @@ FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepO
   for (std::size_t p = 0; p < stored_.size(); ++p)
     if (from.pair[p] >= 0) stored_[p] = earlier.stored_[static_cast<std::size_t>(from.pair[p])];
   const std::vector<int> places = Correspondence::places(from.rows, earlier.next_u_.size());
-  for (const std::vector<int>* rows : {&earlier.written_, &earlier.sleeping_})
+  for (const std::vector<int>* rows : {&earlier.forced_.now, &earlier.forced_.asleep})
     for (const int then : *rows) {
       const int row = places[static_cast<std::size_t>(then)];
       if (row < 0) continue;
-      written_.push_back(row);
+      forced_.now.push_back(row);
       contact_.active += row < points() && end_force()(row) > 0 ? 1 : 0;
     }
   for (int p = 0; p < islands_.pairs(); ++p) contact_.mean.let_sleep(p, false);
@@ -59,7 +59,7 @@ FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepO
   state_.forcing.piece(time());
   state_.ledger = earlier.state_.ledger;
   exchange();
-  look_at_ = steps_;
+  search_.look_at = steps_;
   search_anew();
 }
 
@@ -83,8 +83,8 @@ void FloatingStepper::take_out(int number) noexcept {
     if (pair.first_tangential >= 0)
       for (int i = 0; i < pair.points; ++i) contact_.slip.forget((pair.first_tangential - points()) / 2 + i);
   }
-  contact_.active = sleeping_active_;
-  for (const int row : written_) {
+  contact_.active = forced_.active_asleep;
+  for (const int row : forced_.now) {
     const Model::PairBlock& pair =
         model.pairs[static_cast<std::size_t>(contact_.mean.pair_of_row()[static_cast<std::size_t>(row)])];
     if (pair.a == number || pair.b == number) contact_.force(row) = next_u_(row) = 0;
@@ -113,7 +113,7 @@ void FloatingStepper::put_in(int number, const std::string& name, const Pose& po
   turning_.poses[k] = pose;
   slow_since_[k] = time();
   exchange();
-  look_at_ = steps_;
+  search_.look_at = steps_;
   search_anew();
 }
 

@@ -29,7 +29,7 @@ StepStatus FloatingStepper::rest() noexcept {
 void FloatingStepper::look_for_rest() noexcept {
   const Model& model = *state_.system->model;
   const double g = model.gravity.norm();
-  const double epoch = epoch_ * options_.step;
+  const double epoch = search_.every * options_.step;
   const bool may_rest =
       model.belts.empty() && is_steady(epoch) && !points_.obstacles_move(time(), time() + epoch);
   islands_.separate();
@@ -81,19 +81,19 @@ void FloatingStepper::let_pairs_sleep() noexcept {
         .pairs()[static_cast<std::size_t>(contact_.mean.pair_of_row()[static_cast<std::size_t>(row)])]
         .asleep;
   };
-  for (const int row : next_written_)
+  for (const int row : forced_.before)
     if (sleeps(row)) next_force_(row) = 0;
-  for (const int row : written_) {
+  for (const int row : forced_.now) {
     if (!sleeps(row)) continue;
-    sleeping_.push_back(row);
+    forced_.asleep.push_back(row);
     next_force_(row) = contact_.force(row);
     if (row < points())
-      sleeping_active_ += end_force()(row) > 0 ? 1 : 0;
+      forced_.active_asleep += end_force()(row) > 0 ? 1 : 0;
     else if ((row - points()) % 2 == 0)
       contact_.slip.let_sleep((row - points()) / 2);
   }
-  std::erase_if(written_, sleeps);
-  std::erase_if(next_written_, sleeps);
+  std::erase_if(forced_.now, sleeps);
+  std::erase_if(forced_.before, sleeps);
 }
 
 /// Wakes a body, and all that touch it, directly or through others.
@@ -118,18 +118,18 @@ void FloatingStepper::wake(int number) noexcept {
         if (k >= 0) rouse(k);
     }
   }
-  std::erase_if(sleeping_, [&](int row) {
+  std::erase_if(forced_.asleep, [&](int row) {
     const int pair = contact_.mean.pair_of_row()[static_cast<std::size_t>(row)];
     if (contact_.mean.pairs()[static_cast<std::size_t>(pair)].asleep) return false;
-    written_.push_back(row);
-    next_written_.push_back(row);
+    forced_.now.push_back(row);
+    forced_.before.push_back(row);
     if (row < points())
-      sleeping_active_ -= end_force()(row) > 0 ? 1 : 0;
+      forced_.active_asleep -= end_force()(row) > 0 ? 1 : 0;
     else if ((row - points()) % 2 == 0)
       contact_.slip.wake((row - points()) / 2);
     return true;
   });
-  search_at_ = clear_until_ = steps_;
+  search_.next = search_.clear_until = steps_;
 }
 
 void FloatingStepper::wake_all() noexcept {

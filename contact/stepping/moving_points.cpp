@@ -71,9 +71,8 @@ MovingPoints::MovingPoints(const Model& model, const StepSystem& system, const M
     : pairs_(model.pairs),
       drives_(model.pairs.size()),
       far_(model.pairs.size(), -1),
-      travelled_(model.pairs.size(), std::numeric_limits<double>::infinity()),
-      S_(capacity_of(model)),
-      whole_(capacity_of(model)) {
+      travelled_(model.pairs.size(), std::numeric_limits<double>::infinity()) {
+  for (ReservedMatrix* x : {&flexibility_.S, &flexibility_.whole}) *x = ReservedMatrix(capacity_of(model));
   bodies_.reserve(model.bodies.size());  // copies would lose the reserve of their lists
   for (const Bodies::Block& block : model.bodies) {
     std::shared_ptr<const BodySurface> surface = known_surface(block.kernel);
@@ -85,22 +84,22 @@ MovingPoints::MovingPoints(const Model& model, const StepSystem& system, const M
              held = static_cast<std::size_t>(capacity_of(model));
   points_.resize(m);
   is_watched_.assign(m, false);
-  member_of_.assign(m, -1);
-  for (std::vector<int>* x : {&watched_, &members_, &first_of_}) x->reserve(m);
-  for (std::vector<int>* x : {&rows_, &owner_}) x->reserve(held);
-  levers_.resize(2 * m);
-  lowest_.resize(2 * m);
-  pulls_.resize(2 * m);
+  members_.of_point.assign(m, -1);
+  for (std::vector<int>* x : {&watched_, &members_.points, &members_.first_row}) x->reserve(m);
+  for (std::vector<int>* x : {&members_.rows, &members_.of_row}) x->reserve(held);
+  flexibility_.levers.resize(2 * m);
+  flexibility_.lowest.resize(2 * m);
+  flexibility_.pulls.resize(2 * m);
   crossings_.reserve(m);
   tops_.reserve(most_found);
   summits_.reserve(most_found);
   near_.reserve(m);
   std::size_t most = 0;
   for (const Body& one : bodies_) most = std::max(most, one.used.size());
-  displaced_.assign(7 * (3 * most + 8), 0);
-  columns_.assign(4 * (held + 7), 0);
-  levers_of_.resize(std::min(m, held));
-  excess_.resize(std::min(m, held));
+  flexibility_.displaced.assign(7 * (3 * most + 8), 0);
+  flexibility_.columns.assign(4 * (held + 7), 0);
+  flexibility_.of_member.resize(std::min(m, held));
+  flexibility_.excess.resize(std::min(m, held));
   forced_.reserve(6 * m);
   for (Vector* x : {&start_, &free_, &driven_}) x->setZero(capacity_of(model));
   u_.setZero(model.rows());
@@ -218,14 +217,14 @@ void MovingPoints::add_points(const Model& model, int number) {
 /// Keeps the members that are watched, and the candidates under them.
 void MovingPoints::drop_members() noexcept {
   const auto stays = [&](int i) { return static_cast<bool>(is_watched_[static_cast<std::size_t>(i)]); };
-  std::erase_if(members_, [&](int i) {
-    if (!stays(i)) member_of_[static_cast<std::size_t>(i)] = -1;
+  std::erase_if(members_.points, [&](int i) {
+    if (!stays(i)) members_.of_point[static_cast<std::size_t>(i)] = -1;
     return !stays(i);
   });
-  for (std::size_t s = 0; s < members_.size(); ++s)
-    member_of_[static_cast<std::size_t>(members_[s])] = static_cast<int>(s);
+  for (std::size_t s = 0; s < members_.points.size(); ++s)
+    members_.of_point[static_cast<std::size_t>(members_.points[s])] = static_cast<int>(s);
   for (Body& one : bodies_) std::fill(one.used.begin(), one.used.end(), false);
-  for (const int i : members_)
+  for (const int i : members_.points)
     for (const End& end : points_[static_cast<std::size_t>(i)].end)
       for (std::size_t k = 0; k < static_cast<std::size_t>(end.count); ++k)
         body(end.body).used[static_cast<std::size_t>(end.candidate[k])] = true;
@@ -397,7 +396,7 @@ bool MovingPoints::advance(std::span<const FloatingBody> bodies, const Vector& d
 void MovingPoints::add_members(const MeanForce& forces) noexcept {
   for (const int i : watched_) {
     const Point& point = points_[static_cast<std::size_t>(i)];
-    if (member_of_[static_cast<std::size_t>(i)] >= 0) continue;
+    if (members_.of_point[static_cast<std::size_t>(i)] >= 0) continue;
     double fastest = drives_[static_cast<std::size_t>(point.pair)].farthest;
     for (const End& end : point.end)
       if (end.body >= 0) fastest += body(end.body).fastest + body(end.body).elastic_fastest;
@@ -407,13 +406,13 @@ void MovingPoints::add_members(const MeanForce& forces) noexcept {
           (point.open || repeats(point) || u_(i) - point.gap > deepest_start(point, approaches * fastest)))
         continue;
     }
-    member_of_[static_cast<std::size_t>(i)] = static_cast<int>(members_.size());
-    members_.push_back(i);
+    members_.of_point[static_cast<std::size_t>(i)] = static_cast<int>(members_.points.size());
+    members_.points.push_back(i);
   }
 }
 
 void MovingPoints::join_candidates() noexcept {
-  for (const int i : members_)
+  for (const int i : members_.points)
     for (const End& end : points_[static_cast<std::size_t>(i)].end)
       for (std::size_t k = 0; k < static_cast<std::size_t>(end.count); ++k)
         body(end.body).candidates.join(end.candidate[k]);
@@ -421,8 +420,8 @@ void MovingPoints::join_candidates() noexcept {
 
 /// Sets arms and directions in the middle of the step, U and U + d.
 void MovingPoints::set_rows(std::span<const FloatingBody> bodies, const Vector& dq) noexcept {
-  for (std::size_t s = 0; s < members_.size(); ++s) {
-    Point& point = points_[static_cast<std::size_t>(members_[s])];
+  for (std::size_t s = 0; s < members_.points.size(); ++s) {
+    Point& point = points_[static_cast<std::size_t>(members_.points[s])];
     const FloatingBody& fixed = side(point.own(), bodies).state;
     point.acting = in_world(point, bodies);
     const Vector3d common = fixed.position + fixed.axes * point.place_now;
@@ -446,7 +445,7 @@ void MovingPoints::set_rows(std::span<const FloatingBody> bodies, const Vector& 
     }
     for (int along = 0; along < point.rows(); ++along) {
       const Index at = position(s, along);
-      start_(at) = u_(rows_[static_cast<std::size_t>(at)]);
+      start_(at) = u_(members_.rows[static_cast<std::size_t>(at)]);
       driven_(at) = by_obstacle(along);
       free_(at) = start_(at) + d(along) - by_obstacle(along);
     }
@@ -471,16 +470,16 @@ bool MovingPoints::repeats(const Point& point) const noexcept {
 }
 
 bool MovingPoints::list_rows() noexcept {
-  rows_.clear();
-  owner_.clear();
-  first_of_.clear();
-  for (std::size_t s = 0; s < members_.size(); ++s) {
-    const Point& point = points_[static_cast<std::size_t>(members_[s])];
-    first_of_.push_back(static_cast<int>(rows_.size()));
-    if (std::ssize(rows_) + point.rows() > start_.size()) return false;
+  members_.rows.clear();
+  members_.of_row.clear();
+  members_.first_row.clear();
+  for (std::size_t s = 0; s < members_.points.size(); ++s) {
+    const Point& point = points_[static_cast<std::size_t>(members_.points[s])];
+    members_.first_row.push_back(static_cast<int>(members_.rows.size()));
+    if (std::ssize(members_.rows) + point.rows() > start_.size()) return false;
     for (int along = 0; along < point.rows(); ++along) {
-      rows_.push_back(along == 0 ? members_[s] : point.tangential + along - 1);
-      owner_.push_back(static_cast<int>(s));
+      members_.rows.push_back(along == 0 ? members_.points[s] : point.tangential + along - 1);
+      members_.of_row.push_back(static_cast<int>(s));
     }
   }
   return true;
@@ -488,14 +487,14 @@ bool MovingPoints::list_rows() noexcept {
 
 /// Lists the ends of members on each body.
 void MovingPoints::list_levers() noexcept {
-  for (std::size_t s = 0; s < members_.size(); ++s) {
-    const Point& point = points_[static_cast<std::size_t>(members_[s])];
-    levers_of_[s] = {.rows = point.rows(), .is_summit = point.kind == Kind::summit};
+  for (std::size_t s = 0; s < members_.points.size(); ++s) {
+    const Point& point = points_[static_cast<std::size_t>(members_.points[s])];
+    flexibility_.of_member[s] = {.rows = point.rows(), .is_summit = point.kind == Kind::summit};
   }
   const auto each_end = [&](const auto& visit) {
-    for (std::size_t s = 0; s < members_.size(); ++s)
+    for (std::size_t s = 0; s < members_.points.size(); ++s)
       for (std::size_t side = 0; side < 2; ++side)
-        if (const End& end = points_[static_cast<std::size_t>(members_[s])].end[side]; end.body >= 0)
+        if (const End& end = points_[static_cast<std::size_t>(members_.points[s])].end[side]; end.body >= 0)
           visit(s, side, end, body(end.body));
   };
   for (Body& one : bodies_) one.last_lever = 0;
@@ -506,12 +505,12 @@ void MovingPoints::list_levers() noexcept {
     count += std::exchange(one.last_lever, count);
   }
   each_end([&](std::size_t s, std::size_t side, const End& end, Body& of) {
-    levers_of_[s].body[side] = end.body;
-    levers_of_[s].at[side] = of.last_lever;
-    simd::Lever& lever = levers_[of.last_lever++];
+    flexibility_.of_member[s].body[side] = end.body;
+    flexibility_.of_member[s].at[side] = of.last_lever;
+    simd::Lever& lever = flexibility_.levers[of.last_lever++];
     lever.count = static_cast<std::size_t>(end.count);
     lever.first = static_cast<std::size_t>(position(s, 0));
-    lever.rows = static_cast<std::size_t>(points_[static_cast<std::size_t>(members_[s])].rows());
+    lever.rows = static_cast<std::size_t>(points_[static_cast<std::size_t>(members_.points[s])].rows());
     for (Index x = 0; x < 3; ++x)
       Eigen::Map<Eigen::Vector4d>(lever.row[x]) << end.direction.row(x).transpose(), 0;
     Eigen::Map<Vector3d>(lever.arm) = end.arm;
@@ -523,25 +522,27 @@ void MovingPoints::list_levers() noexcept {
   for (const Body& one : bodies_) {
     auto lowest = static_cast<std::size_t>(one.candidates.joined());
     for (std::size_t e = one.last_lever; e-- > one.first_lever;) {
-      for (std::size_t j = 0; j < levers_[e].count; ++j) lowest = std::min(lowest, levers_[e].at[j]);
-      lowest_[e] = lowest;
+      for (std::size_t j = 0; j < flexibility_.levers[e].count; ++j)
+        lowest = std::min(lowest, flexibility_.levers[e].at[j]);
+      flexibility_.lowest[e] = lowest;
     }
   }
 }
 
 /// Sets by how much the patches of summits are more flexible than their candidates.
 void MovingPoints::compare_patches() noexcept {
-  for (std::size_t s = 0; s < members_.size(); ++s) {
-    if (!levers_of_[s].is_summit) continue;
-    excess_[s].setZero();
+  for (std::size_t s = 0; s < members_.points.size(); ++s) {
+    if (!flexibility_.of_member[s].is_summit) continue;
+    flexibility_.excess[s].setZero();
     for (std::size_t side = 0; side < 2; ++side) {
-      const Point& point = points_[static_cast<std::size_t>(members_[s])];
+      const Point& point = points_[static_cast<std::size_t>(members_.points[s])];
       const End& end = point.end[side];
       if (end.body < 0 || !body(end.body).candidates.yields()) continue;
-      const simd::Lever& lever = levers_[levers_of_[s].at[side]];
+      const simd::Lever& lever = flexibility_.levers[flexibility_.of_member[s].at[side]];
       const Matrix3d of_candidates = body(end.body).candidates.residual().mean(
           std::span(lever.at).first(lever.count), std::span(lever.weight).first(lever.count));
-      excess_[s] += end.direction * (patch(point, end).residual - of_candidates) * end.direction.transpose();
+      flexibility_.excess[s] +=
+          end.direction * (patch(point, end).residual - of_candidates) * end.direction.transpose();
     }
   }
 }
@@ -554,26 +555,26 @@ StepMatrices MovingPoints::matrices(std::span<const FloatingBody> bodies, double
     bodies_[b].shift = 0.5 * step * step * bodies[b].inverse_mass;
     bodies_[b].turn = 0.5 * step * step * bodies[b].inertia.inverse;
   }
-  fill(a, S_);
-  has_whole_ = false;
-  const Symmetric none = StepMatrices::none(), S = S_.view();
+  fill(a, flexibility_.S);
+  flexibility_.has_whole = false;
+  const Symmetric none = StepMatrices::none(), S = flexibility_.S.view();
   return {.R = none, .S = a < 1 ? none : S, .S_mean = a < 1 ? S : none, .rows = this};
 }
 
 Symmetric MovingPoints::S() noexcept {
-  if (!std::exchange(has_whole_, true)) fill(1, whole_);
-  return whole_.view();
+  if (!std::exchange(flexibility_.has_whole, true)) fill(1, flexibility_.whole);
+  return flexibility_.whole.view();
 }
 
 /// Sets a M + R. The rows of one member after another: the displacements of its bodies under forces along
 /// them are the entries below.
 void MovingPoints::fill(double a, ReservedMatrix& to) noexcept {
-  const auto k = static_cast<Index>(rows_.size());
+  const auto k = static_cast<Index>(members_.rows.size());
   auto S = to.begin(k);
   const simd::Dense& loops = simd::dense();
-  double* const columns = columns_.data();
-  for (std::size_t s = 0; s < members_.size(); ++s) {
-    const Levers& member = levers_of_[s];
+  double* const columns = flexibility_.columns.data();
+  for (std::size_t s = 0; s < members_.points.size(); ++s) {
+    const Levers& member = flexibility_.of_member[s];
     const Index first = position(s, 0), rows = member.rows;
     bool adds = false;
     for (std::size_t side = 0; side < 2; ++side) {
@@ -581,7 +582,7 @@ void MovingPoints::fill(double a, ReservedMatrix& to) noexcept {
       const Body& of = body(member.body[side]);
       const MovingCandidates& candidates = of.candidates;
       const std::size_t e = member.at[side];
-      if (!adds && of.last_lever - e < members_.size() - s) {  // it leaves rows out
+      if (!adds && of.last_lever - e < members_.points.size() - s) {  // it leaves rows out
         std::fill(columns + 4 * first, columns + 4 * k, 0.0);
         adds = true;
       }
@@ -592,13 +593,14 @@ void MovingPoints::fill(double a, ReservedMatrix& to) noexcept {
                         .shift = a * of.shift,
                         .turn = {}};
       Eigen::Map<Matrix3d>(yield.turn[0]) = a * of.turn;
-      loops.displace(yield, levers_.data() + e, of.last_lever - e, lowest_[e],
-                     static_cast<std::size_t>(candidates.joined()), displaced_.data(), adds, columns);
+      loops.displace(yield, flexibility_.levers.data() + e, of.last_lever - e, flexibility_.lowest[e],
+                     static_cast<std::size_t>(candidates.joined()), flexibility_.displaced.data(), adds,
+                     columns);
       adds = true;
     }
     if (member.is_summit)
       for (Index i = 0; i < rows; ++i)
-        for (Index c = 0; c < rows; ++c) columns[4 * (first + i) + c] += excess_[s](i, c);
+        for (Index c = 0; c < rows; ++c) columns[4 * (first + i) + c] += flexibility_.excess[s](i, c);
     loops.spread(static_cast<std::size_t>(k), static_cast<std::size_t>(first), static_cast<std::size_t>(rows),
                  columns, S.data(), static_cast<std::size_t>(to.stride()));
   }
@@ -607,23 +609,24 @@ void MovingPoints::fill(double a, ReservedMatrix& to) noexcept {
 void MovingPoints::yield(std::span<const int> at, const Vector& p, Vector& y) noexcept {
   y.head(std::ssize(at)).setZero();
   for (std::size_t k = 0; k < at.size();) {
-    const auto s = static_cast<std::size_t>(owner_[static_cast<std::size_t>(at[k])]);
-    const Levers& member = levers_of_[s];
+    const auto s = static_cast<std::size_t>(members_.of_row[static_cast<std::size_t>(at[k])]);
+    const Levers& member = flexibility_.of_member[s];
     for (std::size_t side = 0; side < 2; ++side)
       if (member.body[side] >= 0) {
         Body& of = body(member.body[side]);
-        pulls_[of.first_lever + of.pulls++] = {member.at[side], k};
+        flexibility_.pulls[of.first_lever + of.pulls++] = {member.at[side], k};
       }
     if (const auto row = static_cast<Index>(k); member.is_summit)
       y.segment(row, member.rows) +=
-          excess_[s].topLeftCorner(member.rows, member.rows) * p.segment(row, member.rows);
+          flexibility_.excess[s].topLeftCorner(member.rows, member.rows) * p.segment(row, member.rows);
     k += static_cast<std::size_t>(member.rows);
   }
   for (Body& one : bodies_)
     if (const std::size_t count = std::exchange(one.pulls, 0); count > 0 && one.candidates.yields())
       simd::dense().yield(static_cast<std::size_t>(one.candidates.joined()), one.candidates.residual().data(),
-                          one.candidates.residual().stride(), levers_.data(), pulls_.data() + one.first_lever,
-                          count, p.data(), displaced_.data(), y.data());
+                          one.candidates.residual().stride(), flexibility_.levers.data(),
+                          flexibility_.pulls.data() + one.first_lever, count, p.data(),
+                          flexibility_.displaced.data(), y.data());
 }
 
 MovingCandidates::Patch MovingPoints::patch(const Point& point, const End& end) const noexcept {
@@ -635,7 +638,7 @@ MovingCandidates::Patch MovingPoints::patch(const Point& point, const End& end) 
 
 /// Candidates of bodies and summits have one. Faces that meet an obstacle have its curvature, too.
 std::optional<PatchSpring> MovingPoints::spring(std::size_t position) const noexcept {
-  if (rows_[position] >= std::ssize(points_)) return std::nullopt;
+  if (members_.rows[position] >= std::ssize(points_)) return std::nullopt;
   const Point& point = member_at(position);
   const int own = point.own().body, solid = point.other().solid;
   if (point.kind == Kind::creases || own < 0) return PatchSpring{};
@@ -659,10 +662,10 @@ MovingPoints::Load MovingPoints::load(int number, const Vector& p, Vector& modal
   Load out;
   const Body& of = body(number);
   const auto joined = static_cast<Index>(of.candidates.joined());
-  Eigen::Map<Eigen::Matrix3Xd> forces(displaced_.data(), 3, joined);
+  Eigen::Map<Eigen::Matrix3Xd> forces(flexibility_.displaced.data(), 3, joined);
   forces.setZero();
   for (std::size_t e = of.first_lever; e < of.last_lever; ++e) {
-    const simd::Lever& lever = levers_[e];
+    const simd::Lever& lever = flexibility_.levers[e];
     Vector3d force = Vector3d::Zero();
     for (std::size_t x = 0; x < lever.rows; ++x)
       force -= p(static_cast<Index>(lever.first + x)) * Eigen::Map<const Vector3d>(lever.row[x]);
@@ -682,7 +685,7 @@ MovingPoints::Load MovingPoints::load(int number, const Vector& p, Vector& modal
 Vector3d MovingPoints::force_on(const End& end, std::size_t member, const Vector& p) const noexcept {
   const Index first = position(member, 0);
   Vector3d out = -p(first) * end.direction.row(0).transpose();
-  if (points_[static_cast<std::size_t>(members_[member])].tangential >= 0)
+  if (points_[static_cast<std::size_t>(members_.points[member])].tangential >= 0)
     out.noalias() -= end.direction.bottomRows<2>().transpose() * p.segment<2>(first + 1);
   return out;
 }
@@ -697,7 +700,7 @@ void MovingPoints::write_frames(std::span<const FloatingBody> bodies, RowFrames&
     out.point_a.row(i) = (of_a ? x : opposite).transpose();
     out.point_b.row(i) = (of_a ? opposite : x).transpose();
     const Matrix3d rows =
-        member_of_[static_cast<std::size_t>(i)] >= 0 ? point.acting : in_world(point, bodies);
+        members_.of_point[static_cast<std::size_t>(i)] >= 0 ? point.acting : in_world(point, bodies);
     out.normal.row(i) = rows.row(0);
     if (point.tangential >= 0)
       out.tangent.middleRows<2>(point.tangential - static_cast<Index>(points_.size())) = rows.bottomRows<2>();
@@ -712,8 +715,8 @@ void MovingPoints::write_forces(const Vector& p, std::span<const FloatingBody> b
     out[static_cast<std::size_t>(number)].segment<3>(3 * candidate).setZero();
     return true;
   });
-  for (std::size_t s = 0; s < members_.size(); ++s)
-    for (const End& end : points_[static_cast<std::size_t>(members_[s])].end) {
+  for (std::size_t s = 0; s < members_.points.size(); ++s)
+    for (const End& end : points_[static_cast<std::size_t>(members_.points[s])].end) {
       const Vector3d force = end.body < 0 ? Vector3d::Zero() : force_on(end, s, p);
       if (force.isZero(0)) continue;
       for (std::size_t j = 0; j < static_cast<std::size_t>(end.count); ++j) {

@@ -119,7 +119,7 @@ class MovingPoints : public RowFlexibility {
   bool advance(std::span<const FloatingBody> bodies, const Vector& dq, double step,
                const MeanForce& forces) noexcept;
 
-  std::span<const int> rows() const { return rows_; }  ///< those of points that may touch
+  std::span<const int> rows() const { return members_.rows; }  ///< those of points that may touch
   /// By position among these rows
   const Vector& at_start() const { return start_; }  ///< U [m]; 0 in tangential rows of points that slide
   const Vector& free() const { return free_; }       ///< U + d [m]
@@ -157,8 +157,7 @@ class MovingPoints : public RowFlexibility {
   /// Without what is computed anew in each step.
   void archive(auto& a) {
     for (Body& one : bodies_) a(one.candidates);
-    a(points_, far_, travelled_, watched_, is_watched_, members_, member_of_, rows_, owner_, first_of_,
-      start_);
+    a(points_, far_, travelled_, watched_, is_watched_, members_, start_);
     a(free_, u_, near_, forced_);
   }
 
@@ -207,11 +206,12 @@ class MovingPoints : public RowFlexibility {
   };
 
   const Point& member_at(std::size_t position) const {
-    return points_[static_cast<std::size_t>(members_[static_cast<std::size_t>(owner_[position])])];
+    return points_[static_cast<std::size_t>(
+        members_.points[static_cast<std::size_t>(members_.of_row[position])])];
   }
   /// Of a row of a member among the rows.
   Eigen::Index position(std::size_t member, int along) const {
-    return static_cast<Eigen::Index>(first_of_[member] + along);
+    return static_cast<Eigen::Index>(members_.first_row[member] + along);
   }
   Body& body(int k) { return bodies_[static_cast<std::size_t>(k)]; }
   const Body& body(int k) const { return bodies_[static_cast<std::size_t>(k)]; }
@@ -292,6 +292,33 @@ class MovingPoints : public RowFlexibility {
   void fill(double a, ReservedMatrix& S) noexcept;
   Eigen::Vector3d force_on(const End& end, std::size_t member, const Vector& p) const noexcept;
 
+  /// Points that may touch, and their rows.
+  struct Members {
+    std::vector<int> points;        ///< their numbers
+    std::vector<int> of_point;      ///< (m) position among members, or −1
+    std::vector<int> rows, of_row;  ///< row and member by position
+    std::vector<int> first_row;     ///< position of the normal row of each member; tangents follow
+    void archive(auto& a) { a(points, of_point, rows, of_row, first_row); }
+  };
+  /// The levers of a member on its bodies; a body is −1 where it has none.
+  struct Levers {
+    std::array<int, 2> body{-1, -1};
+    std::array<std::size_t, 2> at{};
+    Eigen::Index rows = 0;
+    bool is_summit = false;
+  };
+  /// What `matrices` makes of the members of a step.
+  struct Flexibility {
+    std::vector<simd::Lever> levers;      ///< of members, by body
+    std::vector<std::size_t> lowest;      ///< likewise: the first place of an end and those after it
+    std::vector<simd::Pull> pulls;        ///< scratch, as levers
+    std::vector<Levers> of_member;        ///< by member
+    std::vector<Eigen::Matrix3d> excess;  ///< by member, of summits: R of their patches beyond W R Wᵀ
+    base::AlignedVector<double> displaced, columns;  ///< (7,C) of candidates; (n,4) of rows: scratch
+    ReservedMatrix S, whole;                         ///< a M + R; M + R of a step with a < 1
+    bool has_whole = false;
+  };
+
   std::vector<Model::PairBlock> pairs_;
   std::vector<Body> bodies_;
   std::vector<Solid> solids_;
@@ -301,11 +328,8 @@ class MovingPoints : public RowFlexibility {
   std::vector<double> far_;  ///< by pair, distance of bodies that could not meet at the last search, or −1
   std::vector<double> travelled_;  ///< by pair, at most since the distances of its points are known [m]
   std::vector<int> watched_;
-  std::vector<char> is_watched_;   ///< (m)
-  std::vector<int> members_;       ///< points that may touch
-  std::vector<int> member_of_;     ///< (m) position among members, or −1
-  std::vector<int> rows_, owner_;  ///< row and member by position
-  std::vector<int> first_of_;      ///< position of the normal row of each member; tangents follow
+  std::vector<char> is_watched_;  ///< (m)
+  Members members_;
   Vector start_, free_, driven_, u_;
   struct Crossing {
     int of_a, of_b;
@@ -322,21 +346,7 @@ class MovingPoints : public RowFlexibility {
   };
   std::vector<Near> near_;                  ///< by summit
   std::vector<std::array<int, 2>> forced_;  ///< body and candidate with a force in write_forces
-  std::vector<simd::Lever> levers_;         ///< ends of members in this step, by body
-  std::vector<std::size_t> lowest_;         ///< the same: the first place of an end and those after it
-  std::vector<simd::Pull> pulls_;           ///< scratch, as levers_
-  /// The levers of a member on its bodies; a body is −1 where it has none.
-  struct Levers {
-    std::array<int, 2> body{-1, -1};
-    std::array<std::size_t, 2> at{};
-    Eigen::Index rows = 0;
-    bool is_summit = false;
-  };
-  std::vector<Levers> levers_of_;        ///< by member, in this step
-  std::vector<Eigen::Matrix3d> excess_;  ///< by member, of summits: R of their patches beyond W R Wᵀ
-  base::AlignedVector<double> displaced_, columns_;  ///< (7,C) of candidates; (n,4) of rows: scratch
-  ReservedMatrix S_, whole_;                         ///< a M + R; M + R of a step with a < 1
-  bool has_whole_ = false;
+  Flexibility flexibility_;
 };
 
 }  // namespace ricochet::contact
