@@ -35,7 +35,7 @@ from random_solids import SHAPES, geometry
 from ricochet import programs
 from ricochet.errors import RicochetError
 from ricochet.programs import ROOT
-from true_errors import true_error
+from true_errors import knows_shares, true_error
 
 BODY = """
 [bodies.{name}]
@@ -227,7 +227,7 @@ def judged(number, given):
             "error": true_error(found, truth),
             "estimate": estimate["total"],
             "accuracy": accuracy,
-            "known": None not in estimate.values(),
+            "known": knows_shares(estimate),
             "warnings": found["warnings"],
         }
         result.write_text(json.dumps(row, indent=1))

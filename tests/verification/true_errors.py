@@ -228,6 +228,11 @@ def summary_of(scene, sets, out, title, ranks, accuracy=None):
     return json.loads(path.read_text())
 
 
+def knows_shares(estimate):
+    """Whether all shares of an error estimate are known. `until_s`, the end of what it serves, is null if that is the whole run."""
+    return all(value is not None for key, value in estimate.items() if key != "until_s")
+
+
 def true_error(found, truth):
     """The larger error of impulse and rebound, or at rest of force and approach.
 
