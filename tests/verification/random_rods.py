@@ -195,6 +195,8 @@ def run_one(folder, name, kind, drawn, accuracy):
         for kernel in out.glob("*.h5"):
             kernel.unlink()
     found = json.loads(result.read_text())
+    if not found["exit_velocity"]:
+        raise RicochetError("the rods still touch at the end")
     velocity = {"moving": {0: speed - impulse / a.mass}}
     if not clamped:
         velocity["struck"] = {0: impulse / b.mass}
