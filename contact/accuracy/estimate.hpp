@@ -22,9 +22,8 @@
 //                coarsened, or if the coarser points do not hold the bodies as before: not one point of two
 //                on an edge. d₄ is unknown if only the wider ones do not. Coarsened points have the share of
 //                the points before, and the change from them
-//   mesh         |r − r with R less its error| + |r − r with modes less theirs|, with the errors that a
-//   kernel
-//                estimates on its own mesh (kernels/mesh_error.hpp); unknown if one has no estimates
+//   mesh         |r − r with R less its error| + |r − r with modes less theirs|, with the errors that
+//                kernels estimate on their own meshes (kernels/mesh_error.hpp); unknown if one has none
 //   eigensolver  |r − r with frequencies changed by A times their errors| / A,  A · largest error = 1e-3
 //   precision    |r − r in single precision|; in double precision 2⁻²⁹ of it, the ratio of the round-offs
 //   zone         1 if a point whose initial gap is near the reach was pressed, as points beyond may touch too

@@ -77,11 +77,10 @@ Found find(const Model& model, const StepOptions& options, double duration,
       if (!out.touch) {
         set_poses(model, stepper->poses(), start = now - step, out.touch.emplace());
         if (const double angle = turned(*out.touch, stepper->poses()); angle > largest_linear_rotation)
-          throw InputError(
-              base::format("accuracy: loads turn a body by {:.3g} degrees before it touches, and errors are "
-                           "estimated up to "
-                           "{:.3g}: give modes.up_to_hz or modes.count and accuracy = \"off\"",
-                           angle * degrees, largest_linear_rotation * degrees));
+          throw InputError(base::format(
+              "accuracy: loads turn a body by {:.3g} degrees before it touches, and errors are "
+              "estimated up to {:.3g}: give modes.up_to_hz or modes.count and accuracy = \"off\"",
+              angle * degrees, largest_linear_rotation * degrees));
       }
       pressed[p] = true;
       last = now;
