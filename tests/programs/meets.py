@@ -200,6 +200,16 @@ class Meets(ProgramTest):
         ricochet.kernels(scene, 1, self.out)
         return ricochet.Simulation(scene)
 
+    def test_of_a_simulation_that_is_restored_has_the_forces_of_its_state(self):
+        simulation = self.simulation()
+        while not np.any(simulation.force):
+            simulation.step()
+        state = simulation.save()
+        first = simulation.step_block(60, force=True).force
+        simulation.step_block(1000)
+        simulation.restore(state)
+        np.testing.assert_array_equal(simulation.step_block(60, force=True).force, first)
+
     def test_of_a_simulation_changes_its_bodies(self):
         simulation = self.simulation()
         simulation.step_block(480)
