@@ -1,14 +1,18 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Computes the modes of bodies drawn at random, and counts them again.
 
-    scripts/verify --bodies [--count N] [--seed S] [--only K …] [--limit SECONDS]
+    scripts/verify --bodies [--count N] [--seed S] [--only K …] [--limit SECONDS] [--out DIR]
 
 Bodies are rods, boxes, cylinders, balls and angle brackets with elements of order 1 to 4, in materials over twelve
 decades of Young's modulus, free or held, for a number of modes or a band, on one to three ranks. A body passes if
 `ricochet modes` certifies its modes within the limit (default 300 s) and `ricochet modes --verify` finds the same counts
-with matrices assembled anew. Requests beyond what the mesh has, which are refused, are drawn again. Prints Markdown. The
+with matrices assembled anew. Requests beyond what the mesh has, which are refused, are drawn again.
+
+Verdicts are kept in DIR (default out/bodies), and bodies that have one are not computed again: after an interruption, the
+same command goes on. Remove DIR after a change of the programs. Prints Markdown: the failures, then a table by shape. The
 status is 1 if a body fails.
 """
+import collections
 import math
 import os
 import signal
@@ -21,6 +25,9 @@ import numpy as np
 
 from random_solids import SHAPES, geometry
 from ricochet import programs
+from ricochet.programs import ROOT
+from ricochet.progress import Progress
+from ricochet.studies.records import Store
 
 ROD = """Point(1) = {{0, 0, 0}};
 Point(2) = {{{length}, 0, 0}};
@@ -42,7 +49,7 @@ REFUSED = ("free displacements", "hold every node", "the mesh has no modes", "is
 
 
 def write_body(folder, random):
-    """Writes a scene with one body. Returns its kind, order and request."""
+    """Writes a scene with one body. Returns its shape, and its order with the request."""
     kind = str(random.choice(["rod", *SHAPES]))
     order = int(random.integers(1, 5))
     young, density = 10 ** random.uniform(0, 12), 10 ** random.uniform(-1, 4.5)
@@ -72,7 +79,7 @@ def write_body(folder, random):
             request=request,
         )
     )
-    return f"{kind}, order {order}, {request}"
+    return kind, f"order {order}, {request}"
 
 
 def ended(command, limit, **more):
@@ -103,19 +110,26 @@ def answer(scene, ranks, limit, *words):
 
 
 def judged(number, given):
-    """(description, ranks, seconds, complaint)"""
+    """What was drawn, with its verdict"""
     random = np.random.default_rng([given.seed, number])
     ranks = int(random.integers(1, 4))
     while True:
         with tempfile.TemporaryDirectory() as name:
-            body, scene = write_body(Path(name), random), Path(name) / "body.toml"
+            kind, drawn = write_body(Path(name), random)
+            scene = Path(name) / "body.toml"
             start = time.monotonic()
             status, said = answer(scene, ranks, given.limit)
             if status == 2 and any(reason in said for reason in REFUSED):
                 continue
             if status == 0:
                 status, said = answer(scene, ranks, given.limit, "--verify")
-            return body, ranks, time.monotonic() - start, "" if status == 0 else said or f"status {status}"
+            return {
+                "key": f"{given.seed} {number}",
+                "kind": kind,
+                "drawn": f"{drawn}, ranks {ranks}",
+                "seconds": time.monotonic() - start,
+                "complaint": "" if status == 0 else said or f"status {status}",
+            }
 
 
 def add_arguments(parser):
@@ -123,16 +137,27 @@ def add_arguments(parser):
     parser.add_argument("--seed", type=int, default=1, help="seed of the generator (default: 1)")
     parser.add_argument("--only", nargs="+", type=int, metavar="K", help="these bodies alone, by number")
     parser.add_argument("--limit", type=float, default=300, help="time for one body [s] (default: 300)")
+    parser.add_argument("--out", type=Path, default=ROOT / "out" / "bodies", help="(default: out/bodies)")
 
 
 def run(given):
-    failed, slowest = 0, 0.0
-    print("| body | drawn | ranks | seconds | complaint |\n|---|---|---|---|---|")
+    store = Store(given.out / "bodies.jsonl")
     numbers = given.only or range(given.count)
+    progress = Progress(len(numbers))
+    kinds = collections.defaultdict(list)
     for number in numbers:
-        body, ranks, seconds, complaint = judged(number, given)
-        failed += bool(complaint)
-        slowest = max(slowest, seconds)
-        print(f"| {number} | {body} | {ranks} | {seconds:.1f} | {complaint} |", flush=True)
-    print(f"\nFailed: {failed} of {len(numbers)}; the slowest took {slowest:.1f} s.")
-    return failed > 0
+        row = store.rows.get(f"{given.seed} {number}")
+        already = row is not None
+        row = row or store.add(judged(number, given))
+        kinds[row["kind"]].append((number, row))
+        progress.advance(f"{row['kind']}, {row['drawn']}", already=already)
+    failures = [body for bodies in kinds.values() for body in bodies if body[1]["complaint"]]
+    print("| body | drawn | seconds | complaint |\n|---|---|---|---|")
+    for number, row in sorted(failures, key=lambda body: body[0]):
+        print(f"| {number} | {row['kind']}, {row['drawn']} | {row['seconds']:.1f} | {row['complaint']} |")
+    print("\n| shape | bodies | failed | slowest [s] |\n|---|---|---|---|")
+    for kind, bodies in sorted(kinds.items()):
+        failed = sum(bool(row["complaint"]) for _, row in bodies)
+        print(f"| {kind} | {len(bodies)} | {failed} | {max(row['seconds'] for _, row in bodies):.1f} |")
+    print(f"\nFailed: {len(failures)} of {len(numbers)}.")
+    return bool(failures)
