@@ -4,6 +4,19 @@
 #include <algorithm>
 
 namespace ricochet::elasticity {
+namespace {
+
+/// Memory of blocks of K and M of a solid or of a rod [MiB].
+double mib_of(double blocks, int dim) {
+  const double size = dim == 3 ? 3 : 1, entries = size * size;
+  // K and M, the copy of K for products, and that of M, whose blocks are diagonal but stored in full rows.
+  const double matrices = 3 * (8 * entries + 4) + 2 * (8 * size + 4);
+  // Row, column, K, M and K − σM of each entry.
+  const double input = (2 * 4 + 3 * 8) * entries;
+  return blocks * (matrices + input) / (1 << 20);
+}
+
+}  // namespace
 
 double expected_blocks(const mesh::Mesh& mesh, std::int64_t sample) {
   const std::int64_t nodes = mesh.owned_nodes, stride = (nodes + sample - 1) / sample;
@@ -31,13 +44,11 @@ double expected_blocks(const mesh::Mesh& mesh, std::int64_t sample) {
   return (total * (all / static_cast<double>(neighbours.size())) + all) / 2;
 }
 
-double expected_mib(const mesh::Mesh& mesh) {
-  const double size = mesh.dim == 3 ? 3 : 1, entries = size * size;
-  // K and M, the copy of K for products, and that of M, whose blocks are diagonal but stored in full rows.
-  const double matrices = 3 * (8 * entries + 4) + 2 * (8 * size + 4);
-  // Row, column, K, M and K − σM of each entry.
-  const double input = (2 * 4 + 3 * 8) * entries;
-  return expected_blocks(mesh) * (matrices + input) / (1 << 20);
+double expected_mib(const mesh::Mesh& mesh) { return mib_of(expected_blocks(mesh), mesh.dim); }
+
+double least_mib(std::int64_t nodes) {
+  // Each node shares an element with three others at least. Pairs count once.
+  return mib_of(2.5 * static_cast<double>(nodes), 3);
 }
 
 }  // namespace ricochet::elasticity

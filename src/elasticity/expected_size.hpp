@@ -15,4 +15,7 @@ double expected_blocks(const mesh::Mesh& mesh, std::int64_t sample = 4000);
 /// Factors are not included. 0 for a body without elements.
 double expected_mib(const mesh::Mesh& mesh);
 
+/// A lower bound of that memory [MiB] for a whole solid with these nodes, before its mesh is read.
+double least_mib(std::int64_t nodes);
+
 }  // namespace ricochet::elasticity

@@ -32,6 +32,32 @@ mesh::Mesh hand_out(mesh::GlobalMesh whole, const parallel::Teams& teams) {
   return mesh::distribute(std::move(whole), teams.team(), teams.peers());
 }
 
+/// A lower bound of the memory of the matrices of a whole solid [MiB], before its mesh is distributed; 0 for
+/// another body, whose matrices are small or in a file. Collective.
+double least_mib(const scene::Body& body, const Source& source, MPI_Comm comm) {
+  std::int64_t nodes = 0;
+  if (!source.files) {
+    if (source.whole.dim == 3 && !body.imported())
+      nodes = static_cast<std::int64_t>(source.whole.position.size() / 3);
+    return elasticity::least_mib(parallel::of_rank(comm, 0, nodes));
+  }
+  for (const mesh::MshOutline& outline : source.files->outline)
+    for (const mesh::MshNodes& block : outline.nodes) nodes += block.tags.count;
+  return elasticity::least_mib(nodes);
+}
+
+/// The largest number of teams below `count` that memory may allow: the larger a team, the less of its body
+/// does each of its ranks hold. 1 if memory allows no other.
+/// @param need  memory that a rank would still need with `count` teams [MiB]
+/// @param held  memory that it already takes for its share of the body [MiB]
+/// @param room  memory that is free to a rank beside it [MiB]
+int fewer_teams(int ranks, int count, double need, double held, double room) {
+  const double most = count * usable * (room + held) / (need + usable * held);
+  int fewer = count - 1;
+  while (fewer > 1 && (ranks % fewer != 0 || fewer > most)) --fewer;
+  return fewer;
+}
+
 /// Buffers of BLAS and MUMPS, and code that the search touches for the first time. They are part of the
 /// stated memory and of the memory that is not usable.
 constexpr double buffers_mib = 24;
@@ -185,16 +211,25 @@ Discretised discretise(scene::KernelRequest& request, double view_mib, OpenedMes
   parallel::on_all_ranks(comm, [&] {
     in_teams = in_teams && modes::works_in_teams(modes::chosen_eps_type(request.modes.solver));
   });
-  const int most = in_teams ? ranks : 1;
-  for (int count = most;; --count) {
-    if (ranks % count != 0) continue;
-    if (count < most) console.begin(name + ": mesh, for fewer teams");
+  int count = in_teams ? ranks : 1;
+  if (count > 1) {  // memory may not even suffice for so many copies of the mesh
+    const double least = least_mib(request.body, source, comm) / ranks * count,
+                 free_mib = parallel::available_mib(comm);
+    if (least > usable * free_mib) count = fewer_teams(ranks, count, least, 0, free_mib);
+  }
+  for (bool again = false;; again = true) {
+    if (again) console.begin(name + ": mesh, for fewer teams");
+    const double before = base::resident_bytes() / base::mib;
+    const auto held = [&] { return parallel::largest(comm, base::resident_bytes() / base::mib - before); };
     // The source is needed again if memory allows only fewer teams.
     Discretised made = distributed(request, source, count, count == 1, comm, console);
     const double matrices = parallel::largest(comm, elasticity::expected_mib(made.mesh)),
                  free_mib = parallel::available_mib(comm);
     if (matrices > usable * free_mib) {
-      if (count > 1) continue;
+      if (count > 1) {
+        count = fewer_teams(ranks, count, matrices, held(), free_mib);
+        continue;
+      }
       throw InputError(fmt::format(
           "{}: its matrices would need {:.0f} MiB a rank, {:.0f} are free: use more machines or a "
           "coarser mesh",
@@ -236,6 +271,7 @@ Discretised discretise(scene::KernelRequest& request, double view_mib, OpenedMes
                       "machines, a coarser mesh or "
                       "fewer modes",
                       file, need, room));
+    count = fewer_teams(ranks, count, most_needed, held(), room);
   }
 }
 

@@ -35,6 +35,10 @@ void expect_size(const scene::Body& given, int components) {
   EXPECT_EQ(elasticity::expected_blocks(mesh), blocks);
   // The mean over 100 nodes scatters by a tenth of the range of a few to a hundred neighbours.
   EXPECT_NEAR(elasticity::expected_blocks(mesh, 100) / blocks, 1, 0.15);
+  if (components == 1) return;
+  EXPECT_LT(elasticity::least_mib(mesh.total_nodes), elasticity::expected_mib(mesh));
+  // Nodes of solids of order 1 to 4 have up to 125 neighbours in place of three.
+  EXPECT_GT(elasticity::least_mib(mesh.total_nodes), elasticity::expected_mib(mesh) / 40);
 }
 
 TEST(ExpectedSize, counts_the_blocks_of_every_element_and_order) {

@@ -161,12 +161,12 @@ class Modes(ProgramTest):
         self.write("bar.geo", GEO)
         scene = self.write("bar.toml", BAR)
 
-        def run_with(mib):
-            """A run on two ranks of a machine with this memory."""
+        def run_with(mib, ranks=2):
+            """A run on so many ranks of a machine with this memory."""
             meminfo = self.write("meminfo", f"MemAvailable: {mib * 1024} kB\n")
             with unittest.mock.patch.dict(os.environ, {"RICOCHET_TEST_MEMINFO": str(meminfo)}):
                 words = ["--out", self.folder / str(mib), "--set", "bodies.bar.size_factor=0.5"]
-                return Forked("kernel", scene, "-n", "2", *words)
+                return Forked("kernel", scene, "-n", str(ranks), *words)
 
         # 10 530 unknowns: 24 MiB of matrices; on one team of two ranks, 29 MiB a rank for factors and modes.
         done = run_with(26)
@@ -182,6 +182,12 @@ class Modes(ProgramTest):
         self.assertNotIn("at a time", done.out + done.err)  # one team, because two would not fit
         done = self.succeed(run_with(4000))
         self.assertIn("2 at a time", done.out + done.err)
+
+        # Neither four nor two teams of four ranks fit: the number of nodes shows it, or the matrices of four.
+        for mib, times in ((10, 0), (25, 1)):
+            done = run_with(mib, ranks=4)
+            self.assertEqual(done.status, 2, done.err)
+            self.assertEqual((done.out + done.err).count("mesh, for fewer teams"), times, done.err)
 
     def test_a_body_without_a_free_node_is_refused(self):
         self.write("bar.geo", GEO + 'Physical Surface("skin") = Surface{:};\n')
