@@ -75,6 +75,13 @@ double resident_bytes() { return pages().resident * bytes_of_page(); }
 
 void return_freed_memory() { malloc_trim(0); }
 
+void return_large_blocks() {
+  constexpr int large = 1 << 25;  // the most that glibc accepts; smaller blocks are sooner used again
+  mallopt(M_MMAP_MAX, 1 << 16);
+  mallopt(M_MMAP_THRESHOLD, large);
+  mallopt(M_TRIM_THRESHOLD, 2 * large);
+}
+
 double available_bytes() {
   return std::max(0.0, std::min({available_to_machine(), left_by_control_groups(), left_by_user_limit()}));
 }

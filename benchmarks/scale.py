@@ -121,7 +121,7 @@ def laws():
 def memory_gib(law, body, unknowns, modes, teams, ranks):
     """Memory of one rank of a team: its part of the factors, the Lanczos basis and the shapes."""
     column = 8 * unknowns / 2**30
-    shapes = 2 * modes / teams * column
+    shapes = modes / teams * column
     searched = law[body, "factor_mib"](unknowns) / 1024 + 3.2 * min(modes, PER_SHIFT) * column + shapes
     return teams / ranks * searched
 

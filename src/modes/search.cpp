@@ -403,7 +403,7 @@ double expected_mib(const Factorisation& factor, std::int64_t local_rows, std::i
   const auto column = static_cast<double>(local_rows) * sizeof(double) / (1 << 20);
   const double basis = most_vectors * static_cast<double>(std::min(modes, modes_per_shift)) * column,
                shapes = static_cast<double>(modes) / teams * column;
-  return factor.expected_mib() + shapes + std::max(basis, shapes);
+  return factor.expected_mib() + shapes + basis;
 }
 
 Probe end_of_search(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,

@@ -20,7 +20,7 @@ struct Search {
 };
 
 /// Peak memory of the search on this rank, in addition to K and M [MiB]: factors, its share of `modes`
-/// shapes, and either the Lanczos basis or, while they are collected, the shapes once more.
+/// shapes, and the Lanczos basis of a slice.
 double expected_mib(const Factorisation& factor, std::int64_t local_rows, std::int64_t modes,
                     std::int64_t modes_per_shift, int teams);
 

@@ -9,6 +9,8 @@
 #include <limits>
 #include <thread>
 
+#include "base/memory.hpp"
+
 static_assert(!PetscDefined(USE_COMPLEX), "ricochet needs a real build of PETSc");
 
 namespace ricochet::parallel {
@@ -55,6 +57,8 @@ Session::Session() {
   int count = 0;
   char** none = nullptr;
   check(SlepcInitialize(&count, &none, nullptr, nullptr));
+  // SuperLU_DIST, which PETSc loads, lets the allocator keep all memory that is freed.
+  base::return_large_blocks();
   check(PetscPushErrorHandler(keep_message, nullptr));
   MPI_Comm_dup(PETSC_COMM_WORLD, &failed_);
   // Options that are intended for another program of the batch job must not cause output.
