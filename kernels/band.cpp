@@ -188,6 +188,11 @@ double flexibility_error(const BandModes& coarse, const BandModes& fine, RadPerS
   return worst;
 }
 
+std::size_t resolved_modes(const Kernel& kernel) {
+  const auto resolved = static_cast<std::size_t>(resolved_part * static_cast<double>(kernel.dofs));
+  return kernel.dofs > 0 ? std::min(kernel.modes.size(), resolved) : kernel.modes.size();
+}
+
 Contributions::Contributions(const BandModes& modes, RadPerSecond band)
     : count_(modes.lambda.size()), band_(band), gram_(gram(modes)), ascending_(count_) {
   std::vector<double> share(count_, 0.0);

@@ -26,6 +26,13 @@ struct BandModes {
 double flexibility_error(const BandModes& coarse, const BandModes& fine, RadPerSecond band,
                          bool quasi_static);
 
+/// Part of the modes of elements that are modes of the body: the upper half of those of a rod belong to the
+/// elements, whatever their order.
+constexpr double resolved_part = 0.5;
+
+/// Number of the modes of a kernel that its elements resolve.
+std::size_t resolved_modes(const Kernel& kernel);
+
 /// The contribution of each mode beyond its static part, which the residual flexibility keeps if the mode is
 /// truncated.
 class Contributions {

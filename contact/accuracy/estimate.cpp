@@ -201,12 +201,13 @@ std::vector<double> frequency_errors(const kernels::Modes& modes, double low_ran
   return error;
 }
 
-/// A share of the highest frequency or, for a contact-adapted basis, of its band.
+/// A share of the highest frequency that the elements resolve or, for a contact-adapted basis, of its band.
 RadPerSecond end_of(const kernels::Kernel& kernel, double share) {
   const kernels::Modes& modes = kernel.modes;
   if (modes.contact_adapted())
     return RadPerSecond{share * RadPerSecond(Hertz{modes.certificate.upto_hz}).value};
-  return RadPerSecond{modes.size() > 0 ? share * modes.angular_frequency.back() : 0};
+  const std::size_t resolved = kernels::resolved_modes(kernel);
+  return RadPerSecond{resolved > 0 ? share * modes.angular_frequency[resolved - 1] : 0};
 }
 
 /// Changes each frequency by `factor` times its error, up or down at random.

@@ -13,6 +13,7 @@
 
 #include "contact/accuracy/error_report.hpp"
 #include "contact/figures/spectrum.hpp"
+#include "kernels/band.hpp"
 #include "src/accuracy/contact_zone.hpp"
 #include "src/accuracy/local_refinement.hpp"
 #include "src/accuracy/mesh_levels.hpp"
@@ -121,10 +122,10 @@ std::vector<BodySize> predicted(std::vector<BodySize> sizes, const KernelSetting
   return sizes;
 }
 
-/// Whether the elements resolve the modes of the band. The upper half of the modes that elements have, far
-/// less of solids, are those of the elements and not of the body.
+/// Whether the elements resolve the modes of the band.
 bool is_resolved(const std::vector<BodySize>& sizes) {
-  return std::ranges::all_of(sizes, [](const BodySize& size) { return 2 * size.modes <= size.unknowns; });
+  return std::ranges::all_of(
+      sizes, [](const BodySize& size) { return size.modes <= kernels::resolved_part * size.unknowns; });
 }
 
 /// Numbers of candidates that the kernels of a round hold.
@@ -181,11 +182,12 @@ std::string excess(const std::vector<BodySize>& sizes, const Candidates& candida
 Settings following(const Settings& last, Settings next, const std::vector<BodySize>& sizes) {
   next.pilot = false;
   next.found.view = true;
-  next.unknowns_before.clear();
+  next.elements_before.clear();
   for (const BodySize& size : sizes)
     if (last.found.mesh.contains(size.body)) {
       const MeshSettings &was = last.found.mesh.at(size.body), &is = next.found.mesh.at(size.body);
-      if (was != is && was.order == is.order) next.unknowns_before[size.body] = size.unknowns;
+      if (was.size_factor != is.size_factor || was.refine != is.refine)
+        next.elements_before[size.body] = size.elements;
     }
   return next;
 }
@@ -233,8 +235,8 @@ std::optional<FinerNearContact> finer_near_contact(const scene::Scene& scene, co
 std::set<std::string> with_fixed_elements(const Settings& settings, const std::vector<BodySize>& sizes) {
   std::set<std::string> out;
   for (const BodySize& size : sizes)
-    if (const auto before = settings.unknowns_before.find(size.body);
-        before != settings.unknowns_before.end() && before->second == size.unknowns)
+    if (const auto before = settings.elements_before.find(size.body);
+        before != settings.elements_before.end() && before->second == size.elements)
       out.insert(size.body);
   return out;
 }
@@ -274,6 +276,20 @@ class Table {
   Settings with_finer_mesh(Settings settings) const {
     settings.found.mesh = finer_meshes(scene_, std::move(settings.found.mesh), fixed_);
     return settings;
+  }
+
+  /// Elements that resolve the modes of the band, or the finest.
+  Settings with_mesh_for_band(Settings settings) const {
+    while (!resolves_band(settings)) {
+      Settings finer = with_finer_mesh(settings);
+      if (finer.found.mesh == settings.found.mesh) break;
+      settings = std::move(finer);
+    }
+    return settings;
+  }
+
+  bool resolves_band(const Settings& settings) const {
+    return is_resolved(predicted(sizes_, settings_.found, settings.found));
   }
 
   Settings with_finer_elements_near_contact(Settings settings) const {
@@ -334,9 +350,9 @@ class Table {
         break;
       case Cause::modes:
         if (open)
-          row.refined = [](Settings next) {
+          row.refined = [this](Settings next) {
             next.found.up_to.value *= 2;
-            return next;
+            return with_mesh_for_band(std::move(next));
           };
         break;
       case Cause::basis:
@@ -577,14 +593,11 @@ Decision decide(const scene::Scene& scene, const Settings& of_round, const conta
   std::set<Cause> chosen;
   const auto choose = [&](Row& row) {
     Settings refined = row.refined(next);
-    const bool wider =
-        row.cause == Cause::modes && !is_resolved(predicted(sizes, settings.found, refined.found));
-    if (wider && !table.has_finer()) {
+    if (row.cause == Cause::modes && !table.has_finer() && !table.resolves_band(refined)) {
       row.obstacle =
           "its elements have no modes in a wider band, and they are the finest that accuracy chooses";
       return false;
     }
-    if (wider) refined = table.with_finer_mesh(std::move(refined));
     row.obstacle = excess(predicted(sizes, settings.found, refined.found),
                           candidates_of(round.model, settings.found, refined.found));
     if (!row.obstacle.empty()) return false;
@@ -618,9 +631,8 @@ Decision decide(const scene::Scene& scene, const Settings& of_round, const conta
           row.share > worth_while * accuracy)
         choose(row);
   // The band of the pilot may have been doubled.
-  if (pilot && !chosen.empty() && table.has_finer() &&
-      !is_resolved(predicted(sizes, settings.found, next.found))) {
-    next = table.with_finer_mesh(std::move(next));
+  if (pilot && !chosen.empty() && table.has_finer() && !table.resolves_band(next)) {
+    next = table.with_mesh_for_band(std::move(next));
     chosen.insert(Cause::mesh);
   }
   std::string refined;

@@ -20,6 +20,7 @@ struct BodySize {
   double modes = 0;    ///< in the band of the round; of Ritz vectors, an estimate
   double vectors = 0;  ///< modes or Ritz vectors that the kernel holds
   double unknowns = 0;
+  double elements = 0;
   int dimension = 3;      ///< 1: a rod
   double width = 0;       ///< smallest side of a box with the same inertia [m]
   double candidates = 0;  ///< of the kernel, if it holds all because the body turns; otherwise 0

@@ -55,6 +55,7 @@ std::vector<BodySize> sizes_of(const PairedRound& round, Hertz band) {
          .modes = modes_in_band(round.scene, k, kernel, band),
          .vectors = static_cast<double>(kernel.modes.size()),
          .unknowns = static_cast<double>(kernel.dofs),
+         .elements = static_cast<double>(kernel.elements),
          .dimension = kernel.surface.corners() == 1 ? 1 : 3,
          .width = width_of(kernel),
          .candidates = round.scene.motion.is_finite() ? static_cast<double>(kernel.surface.size()) : 0});

@@ -105,7 +105,7 @@ const SectionOf<Settings> settings_keys{"the settings",
                                          {"least_error", scene::Access(&Settings::least_error).if_changed()},
                                          {"idle_rounds", scene::Access(&Settings::idle_rounds).if_changed()},
                                          {"found", Type::table},
-                                         {"unknowns_before", Type::table}}};
+                                         {"elements_before", Type::table}}};
 
 std::string toml_of(const KernelSettings& settings, const std::string& table) {
   std::string text = fmt::format("\n[{}]\n{}", table, kernel_keys.write(settings));
@@ -129,9 +129,9 @@ std::optional<KernelSettings> kernel_settings_of(const scene::Table& root, const
 
 std::string to_toml(const Settings& settings) {
   std::string text = settings_keys.write(settings) + toml_of(settings.found, "found");
-  if (!settings.unknowns_before.empty()) text += "\n[unknowns_before]\n";
-  for (const auto& [body, unknowns] : settings.unknowns_before)
-    text += fmt::format("{} = {}\n", body, scene::toml_number(unknowns));
+  if (!settings.elements_before.empty()) text += "\n[elements_before]\n";
+  for (const auto& [body, elements] : settings.elements_before)
+    text += fmt::format("{} = {}\n", body, scene::toml_number(elements));
   return text;
 }
 
@@ -143,11 +143,11 @@ std::optional<Settings> parse_settings(const std::string& text) try {
   auto found = kernel_settings_of(root, "found");
   if (!found) return std::nullopt;
   settings.found = std::move(*found);
-  if (const toml::table* const before = parsed["unknowns_before"].as_table())
+  if (const toml::table* const before = parsed["elements_before"].as_table())
     for (auto&& [body, node] : *before) {
-      const auto unknowns = node.value<double>();
-      if (!unknowns) return std::nullopt;
-      settings.unknowns_before[std::string(body.str())] = *unknowns;
+      const auto elements = node.value<double>();
+      if (!elements) return std::nullopt;
+      settings.elements_before[std::string(body.str())] = *elements;
     }
   return settings;
 } catch (const toml::parse_error&) {

@@ -41,9 +41,9 @@ struct Settings {
   KernelSettings found;
   /// Whether they are those of the start, whose zone, basis and band no impact has chosen.
   bool pilot = false;
-  /// Of bodies whose elements alone became smaller, the unknowns that they had before. As many unknowns as
-  /// then mean that the geometry fixes the number of elements.
-  std::map<std::string, double> unknowns_before{};
+  /// Of bodies whose elements became smaller, the number of elements before. As many elements as then mean
+  /// that the geometry fixes their number.
+  std::map<std::string, double> elements_before{};
   Hertz rate{0};  ///< rate of contact steps; 0 at rest
   /// How often elements near contact became smaller only because few candidates were pressed.
   int for_few_candidates = 0;

@@ -154,7 +154,8 @@ TEST(Decision, refines_the_mesh_with_a_band_that_its_elements_do_not_have) {
   const Decision found = decide(scene, settings, round, body_of(500, 3000));
   ASSERT_TRUE(found.next);
   EXPECT_EQ(found.reason, "mesh, modes");
-  EXPECT_EQ(found.next->found.mesh, accuracy::meshes_at(scene, 2));
+  // Half of 3000 (4/3)³ unknowns are less than 8 · 500 modes, and those of elements smaller by √2 are more.
+  EXPECT_EQ(found.next->found.mesh, accuracy::meshes_at(scene, 3));
   EXPECT_EQ(decide(scene, settings, round, body_of(180, 3000)).reason, "modes");
 }
 
@@ -162,8 +163,11 @@ TEST(Decision, refines_the_mesh_with_a_band_that_its_elements_do_not_have) {
 Decision after_rounds(const std::vector<double>& errors) {
   const scene::Scene scene = open_scene();
   Decision found{second_round(scene), ""};
-  for (const double error : errors)
-    found = decide(scene, found.next.value(), round_with({{Cause::mesh, error}}), small);
+  std::vector<BodySize> sizes = small;
+  for (const double error : errors) {
+    ++sizes[0].elements;
+    found = decide(scene, found.next.value(), round_with({{Cause::mesh, error}}), sizes);
+  }
   return found;
 }
 
@@ -232,18 +236,45 @@ TEST(Decision, raises_the_order_where_smaller_elements_were_not_made) {
   scene::Scene scene = open_scene();
   accuracy::Settings settings = second_round(scene);
   settings.found.mesh = accuracy::meshes_at(scene, 3);
-  settings.unknowns_before["part"] = 5e3;
+  settings.elements_before["part"] = 500;
   auto round = round_with({{Cause::modes, 1e-4}});
   round.estimate->by_cause[Cause::mesh] = std::nullopt;  // nothing has been compared
-  const Decision made = decide(scene, settings, round_with({{Cause::mesh, 0.1}}), body_of(100, 1e4));
+  std::vector<BodySize> sizes = body_of(100, 1e4);
+  sizes[0].elements = 1000;
+  const Decision made = decide(scene, settings, round_with({{Cause::mesh, 0.1}}), sizes);
   ASSERT_TRUE(made.next);
   EXPECT_EQ(made.next->found.mesh.at("part").order, 4);
-  settings.unknowns_before["part"] = 1e4;
-  const Decision fixed = decide(scene, settings, round, body_of(100, 1e4));
+  settings.elements_before["part"] = 1000;
+  const Decision fixed = decide(scene, settings, round, sizes);
   ASSERT_TRUE(fixed.next);
   EXPECT_EQ(fixed.reason, "mesh");
   EXPECT_EQ(fixed.next->found.mesh.at("part").order, 5);
   EXPECT_EQ(fixed.next->found.mesh.at("part").size_factor, settings.found.mesh.at("part").size_factor);
+}
+
+// Elements of a rod resolve half as many modes as they have unknowns. Twice the band has 140 modes, which 388
+// unknowns of elements of a quarter of the size resolve; where the geometry fixes the elements, the highest
+// order has 194.
+TEST(Decision, resolves_the_wider_band_of_a_rod) {
+  scene::Scene scene = open_scene();
+  scene.bodies[0].materials.emplace_back().area = 1;
+  accuracy::Settings settings = second_round(scene);
+  settings.found.mesh["part"] = {.order = 4};
+  const auto round = round_with({{Cause::modes, 0.1}});
+  const auto mesh_after = [&](double modes) {
+    std::vector<BodySize> rod = body_of(modes, 97);
+    rod[0].dimension = 1;
+    rod[0].elements = 24;
+    const Decision found = decide(scene, settings, round, rod);
+    EXPECT_TRUE(found.next) << found.reason;
+    if (!found.next) return accuracy::MeshSettings{};
+    EXPECT_EQ(found.next->found.up_to.value, 2 * settings.found.up_to.value);
+    return found.next->found.mesh.at("part");
+  };
+  EXPECT_EQ(mesh_after(24), settings.found.mesh.at("part"));
+  EXPECT_EQ(mesh_after(70), (accuracy::MeshSettings{.order = 4, .size_factor = 0.25}));
+  settings.elements_before["part"] = 24;
+  EXPECT_EQ(mesh_after(70), (accuracy::MeshSettings{.order = 8}));
 }
 
 TEST(Decision, claims_nothing_while_a_share_is_unknown) {

@@ -51,7 +51,7 @@ Settings some_settings() {
                              .up_to = Hertz{3e3},
                              .flexibility_error = 0.1,
                              .zone = 1e-3};
-  return {.found = found, .pilot = true, .unknowns_before = {{"block", 5e3}}, .rate = Hertz{1e5}};
+  return {.found = found, .pilot = true, .elements_before = {{"block", 5e3}}, .rate = Hertz{1e5}};
 }
 
 TEST(Settings, are_read_as_written) {
@@ -101,11 +101,11 @@ TEST(Settings, survive_text_with_every_member_whatever_its_value) {
   };
   for (int k = 0; k < 200; ++k) {
     Settings settings;
-    auto& [found, pilot, unknowns_before, rate, for_few_candidates, missed_by, error, least_error,
+    auto& [found, pilot, elements_before, rate, for_few_candidates, missed_by, error, least_error,
            idle_rounds] = settings;
     draw_kernels(found);
     pilot = flip();
-    if (flip()) unknowns_before["a-b_1"] = draw();
+    if (flip()) elements_before["a-b_1"] = draw();
     rate = Hertz{draw()};
     for_few_candidates = static_cast<int>(random() % 5);
     for (double* const value : {&missed_by, &error, &least_error})
