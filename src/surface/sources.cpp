@@ -130,10 +130,11 @@ Located on_body(const mesh::Mesh& mesh, const scene::Body& body, const char* key
   const std::string what =
       fmt::format("{}: {} \"{}\" lies {:.4g} m off bodies.{}, {}", body.mesh.filename().string(), key,
                   source.name, found.distance, body.name, given(source.at));
-  // The coordinates of a drawing may be in its own unit.
+  // The coordinates of a drawing may be in its own unit, and are then far off. A point that is hardly off may
+  // also lie in the body after `scale`, near the origin.
   Vector3 drawn = source.at;
   for (double& x : drawn) x *= body.scale;
-  if (own && body.scale != 1 && locate(mesh, drawn).distance <= tolerance)
+  if (own && found.distance > size_of(mesh) && locate(mesh, drawn).distance <= tolerance)
     throw InputError(
         fmt::format("{}: points are in metres, after scale = {}: write {}", what, body.scale, given(drawn)));
   throw InputError(fmt::format("{}: move it to the nearest point, {}", what, given(found.place)));

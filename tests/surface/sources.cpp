@@ -207,6 +207,9 @@ TEST(Receiver, in_the_unit_of_a_drawing_is_named_in_metres) {
   EXPECT_THAT(
       test::complaint_of([&] { Made(test::block_geo("hex", 2, 0), 1, request); }),
       HasSubstr("points are in metres, after scale = 0.001: write at_body = [0.00025, 0.0005, 0.001]"));
+  request.receivers[0].at = {0.25e-3, 0.5e-3, 1.2e-3};  // hardly off; times the scale, it is in the body, too
+  EXPECT_THAT(test::complaint_of([&] { Made(test::block_geo("hex", 2, 0), 1, request); }),
+              HasSubstr("move it to the nearest point, at_body = [0.00025, 0.0005, 0.001]"));
 }
 
 // Elements of order 3 approximate the area of the unit sphere to about 4e-4, and flat ones to a few per cent.
