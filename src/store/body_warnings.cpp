@@ -87,7 +87,10 @@ std::string pieces_of(const kernels::Kernel& kernel) {
 void add_loose(const scene::Body& body, const kernels::Kernel& kernel, std::vector<std::string>& out) {
   // A connected body has six rigid modes, a rod one. Kernels of other programs do not state their parts.
   const auto rigid = std::ranges::count(kernel.modes.angular_frequency, 0.0);
-  const int most = kernel.surface.corners() == 1 ? 1 : 6;
+  // The key `area` has no effect on solids, and one patch has no more corners than the end of a rod.
+  const bool rod =
+      kernel.surface.corners() == 1 && !body.materials.empty() && body.materials.front().area > 0;
+  const int most = rod ? 1 : 6;
   const std::string modes = fmt::format("{} rigid mode{}", rigid, rigid == 1 ? "" : "s");
   const auto pieces = std::ssize(kernel.piece_elements);
   if (kernel.parts == 1 && pieces > 1)
