@@ -22,11 +22,16 @@ def legendre_at(degree, x):
     return values, np.array([legendre.legval(x, legendre.legder(c)) for c in identity])
 
 
+def orthonormal_basis(gram):
+    """Factors that make functions with these integrals of products orthonormal. The functions keep their parities, because the
+    triangular factor does not mix parities."""
+    return np.linalg.inv(np.linalg.cholesky(gram))
+
+
 def orthonormal(tables, weight=1.0):
-    """The integrals, by pairs of derivatives, in a basis in which weight · tables["00"] is the identity. The functions keep
-    their parities, because the triangular factor does not mix parities."""
-    inverse = np.linalg.inv(np.linalg.cholesky(weight * tables["00"]))
-    return {pair: inverse @ table @ inverse.T for pair, table in tables.items()}
+    """The integrals, by pairs of derivatives, in a basis in which weight · tables["00"] is the identity."""
+    basis = orthonormal_basis(weight * tables["00"])
+    return {pair: basis @ table @ basis.T for pair, table in tables.items()}
 
 
 def isotropic(young, poisson):
@@ -101,30 +106,41 @@ def multiplicities(frequencies, tolerance):
     return [len(group) for group in groups]
 
 
+class Box:
+    """Functions of a box: products of polynomials of up to `degree`, a number or three, in x, y and z, with ∫ ρ f_m f_n = δ_mn. If `clamped`,
+    they vanish on the face at the lowest z."""
+
+    def __init__(self, sides, degree, density, clamped=False):
+        degrees = np.broadcast_to(degree, 3)
+        self.tables, along = {}, []
+        for axis, side, highest in zip("xyz", sides, degrees):
+            points, weights = legendre.leggauss(highest + 3)
+            value, slope = legendre_at(highest, points)
+            end = np.ones(highest + 1)
+            if clamped and axis == "z":
+                value, slope, end = value * (1 + points), slope * (1 + points) + value, 2 * end
+            pair = {"0": value, axis: slope * 2 / side}
+            weight = weights * side / 2
+            factor = density ** (1 / 3)
+            basis = orthonormal_basis(factor * (value * weight) @ value.T)
+            self.tables[axis] = {
+                p + q: basis @ (pair[p] * weight) @ pair[q].T @ basis.T for p in pair for q in pair
+            }
+            along.append(basis @ (end if axis == "z" else value @ weight / side))
+        powers = np.stack(np.meshgrid(*map(np.arange, degrees + 1), indexing="ij"), axis=-1).reshape(-1, 3)
+        self.powers = powers
+        self.mean_on_top = np.prod([one[powers[:, k]] for k, one in enumerate(along)], axis=0)
+
+    def product(self, a, b, rows, columns):
+        """∫ ∂_a f_m ∂_b f_n. The factor ρ^(1/3) of each axis is also contained in the tables of derivatives, so that ∫ ρ f f = 1."""
+        factors = [self.tables[axis][(a if a == axis else "0") + (b if b == axis else "0")] for axis in "xyz"]
+        return product_of(factors, self.powers, rows, columns)
+
+
 def box(sides, degree, density, law, clamped=False, count=None):
-    """Frequencies of a box with the stiffness C_ijkl by polynomials of up to `degree`, a number or three, in x, y and z. If `clamped`,
-    the face at the lowest z is clamped. @param count  of the lowest ones; by default all"""
-    degrees = np.broadcast_to(degree, 3)
-    tables = {}
-    for axis, side, highest in zip("xyz", sides, degrees):
-        points, weights = legendre.leggauss(highest + 3)
-        value, slope = legendre_at(highest, points)
-        if clamped and axis == "z":
-            value, slope = value * (1 + points), slope * (1 + points) + value
-        pair = {"0": value, axis: slope * 2 / side}
-        weight = weights * side / 2
-        tables[axis] = orthonormal(
-            {p + q: (pair[p] * weight) @ pair[q].T for p in pair for q in pair}, density ** (1 / 3)
-        )
-
-    powers = np.stack(np.meshgrid(*map(np.arange, degrees + 1), indexing="ij"), axis=-1).reshape(-1, 3)
-
-    def product(a, b, rows, columns):
-        factors = [tables[axis][(a if a == axis else "0") + (b if b == axis else "0")] for axis in "xyz"]
-        return product_of(factors, powers, rows, columns)
-
-    # The factor ρ^(1/3) of each axis is also contained in the tables of derivatives, so that ∫ ρ f f = 1.
-    return frequencies(product, powers % 2, law, (True, True, not clamped), count)
+    """Frequencies of a `Box` with the stiffness C_ijkl. @param count  of the lowest ones; by default all"""
+    functions = Box(sides, degree, density, clamped)
+    return frequencies(functions.product, functions.powers % 2, law, (True, True, not clamped), count)
 
 
 def disk(radius, thickness, degree, through, density, law):
