@@ -31,6 +31,7 @@ void forget_meshes();
 inline InputError gmsh_error(const std::string& where, std::string message) {
   std::replace_if(
       message.begin(), message.end(), [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
+  message.erase(message.find_last_not_of(' ') + 1);
   if (message.starts_with("Could not read file"))
     return InputError(where + ": gmsh cannot read it: it is damaged, or of another kind: export it again");
   return InputError(where + ": gmsh: " + message);

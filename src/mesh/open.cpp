@@ -326,7 +326,8 @@ bool is_meshed(const scene::Body& body) {
 }
 
 /// Meshes the entities of the model up to this dimension.
-void mesh_model(const scene::Body& body, int dimension) {
+/// @param sewn  what was done to its faces; those that cross each other cannot be meshed
+void mesh_model(const scene::Body& body, int dimension, const std::string& sewn) {
   refuse_points_for_lines(body.mesh.filename().string());
   double own = 1;  // of the file
   gmsh::option::getNumber("Mesh.MeshSizeFactor", own);
@@ -337,7 +338,9 @@ void mesh_model(const scene::Body& body, int dimension) {
     gmsh::model::mesh::setOrder(body.order);
   } catch (...) {
     GmshSession::keep_broken_model();
-    throw;
+    if (sewn.empty()) throw;
+    throw InputError(gmsh_error(sewn, text_of_current_exception()).what() +
+                     std::string(": its faces may cross each other: export the body as a solid, in .step"));
   }
 }
 
@@ -347,7 +350,7 @@ Opened open_model(const scene::Body& body) {
   Opened out{.sewn = open_file(body), .meshed_before = is_meshed(body)};
   if (out.meshed_before) return out;
   if (is_surface(body.mesh)) fill_surface(body.mesh.filename().string());
-  mesh_model(body, gmsh::model::getDimension());
+  mesh_model(body, gmsh::model::getDimension(), out.sewn);
   return out;
 }
 
@@ -358,7 +361,7 @@ Opened open_surface(const scene::Body& body) {
   double own = 0;  // of the file
   gmsh::option::getNumber(curvature, own);
   if (own == 0) gmsh::option::setNumber(curvature, triangles_around);
-  mesh_model(body, 2);
+  mesh_model(body, 2, out.sewn);
   return out;
 }
 
