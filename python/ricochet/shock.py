@@ -30,7 +30,8 @@ def cfc_filter(acceleration: ArrayLike, rate_hz: float, cfc: float, rest: ArrayL
     acceleration: (S) or (S,…) at equal intervals, in any unit.
     rate_hz: samples per second, at least 10 times the class.
     cfc: 60, 180, 600, 1000, or another class.
-    rest: the acceleration before the first sample and after the last one; default: the first sample.
+    rest: the acceleration before the first sample and after the last one; default: the first sample, which suits
+        records that begin before the shock. Of a receiver of a run, `acceleration[0]`.
 
     Returns an array of the same shape. Raises InputError.
     """
@@ -61,7 +62,8 @@ def shock_response_spectrum(
     rate_hz: samples per second. The spectrum is accurate up to a tenth of it.
     frequency_hz: (F) natural frequencies; default: 12 for each octave from 10 Hz to a tenth of the rate.
     q: quality of the oscillators, 1/2ζ.
-    rest: the acceleration before the first sample and after the last one; default: the first sample.
+    rest: the acceleration before the first sample and after the last one; default: the first sample, which suits
+        records that begin before the shock. Of a receiver of a run, `acceleration[0]`.
 
     Raises InputError.
     """
