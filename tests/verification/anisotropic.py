@@ -259,9 +259,9 @@ duration = {steps * step}
         print(
             f"hammer: rebounds at {ours:.5f} m/s, the same polynomials {rebound:.5f}; peaks {peak:.1f} and {forces.max():.1f} N"
         )
-        # Errors of the step, which fall with it: 3e-4 and 1e-3 here. The grain matters far more.
-        self.assertLess(abs(ours / rebound - 1), 6e-4)
-        self.assertLess(abs(peak / forces.max() - 1), 2e-3)
+        # Errors of the step, which fall with it: 5e-4 and 1.2e-3 here. Swapped axes 2 and 3 change both by 2 %.
+        self.assertLess(abs(ours / rebound - 1), 1e-3)
+        self.assertLess(abs(peak / forces.max() - 1), 2.5e-3)
         self.assertGreater(abs(upright.max() / forces.max() - 1), 0.05)
 
 
