@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Frequencies of anisotropic bodies: bricks of each crystal class and of wood, compared with Rayleigh-Ritz solutions in the same space of
-polynomials; a brick and its turned copy; the breathing of a tube whose axes turn about a line; and the blow of a hammer on spruce."""
+polynomials; a brick and its turned copy; the breathing of a tube whose axes turn about a line; and the blow of a hammer on
+spruce."""
 import unittest
 import warnings
 
@@ -96,9 +97,9 @@ def breathing(density, law, degree=12):
 
 
 def blow(functions, law, step, steps):
-    """A brick, clamped below, is struck on its whole top by the hammer at 1 m/s. The forces (steps) [N], and the velocity of the head at
-    the end [m/s]. The motion is exact between the instants of contact, which are found as roots: while they touch, the spring belongs to
-    the structure.
+    """A brick, clamped below, is struck on its whole top by the hammer at 1 m/s. The forces (steps) [N], and the velocity of the
+    head at the end [m/s]. The motion is exact between the instants at which contact begins and ends, which are found as roots:
+    while they touch, the spring belongs to the structure.
     """
     rows = 3 * [np.arange(len(functions.powers))]
     stiffness = scipy.linalg.block_diag(ritz.stiffness_of(functions.product, law, rows), 0)

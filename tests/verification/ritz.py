@@ -107,8 +107,9 @@ def multiplicities(frequencies, tolerance):
 
 
 class Box:
-    """Functions of a box: products of polynomials of up to `degree`, a number or three, in x, y and z, with ∫ ρ f_m f_n = δ_mn. If `clamped`,
-    they vanish on the face at the lowest z."""
+    """Functions of a box: products of polynomials of up to `degree`, a number or three, in x, y and z, with ∫ ρ f_m f_n = δ_mn.
+    If `clamped`, they vanish on the face at the lowest z, and their degree in z is higher by 1. `powers` (functions, 3) are the
+    numbers of the polynomials, and `mean_on_top` (functions) the means over the face at the highest z."""
 
     def __init__(self, sides, degree, density, clamped=False):
         degrees = np.broadcast_to(degree, 3)
@@ -132,7 +133,7 @@ class Box:
         self.mean_on_top = np.prod([one[powers[:, k]] for k, one in enumerate(along)], axis=0)
 
     def product(self, a, b, rows, columns):
-        """∫ ∂_a f_m ∂_b f_n. The factor ρ^(1/3) of each axis is also contained in the tables of derivatives, so that ∫ ρ f f = 1."""
+        """∫ ∂_a f_m ∂_b f_n. The factor ρ^(1/3) of each axis is also in the tables of derivatives, so that ∫ ρ f f = 1."""
         factors = [self.tables[axis][(a if a == axis else "0") + (b if b == axis else "0")] for axis in "xyz"]
         return product_of(factors, self.powers, rows, columns)
 
