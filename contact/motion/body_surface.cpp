@@ -66,9 +66,12 @@ BodySurface::BodySurface(WorldSurface of_body) : projection_(std::move(of_body))
   neighbour_.assign(on.element.size(), {-1, -1, -1});
   crease_.assign(on.element.size(), {true, true, true});
   at_crease_.assign(on.node.size(), false);
+  size_at_.assign(on.node.size(), 0);
   std::vector<std::vector<int>> beside(on.node.size()), elements(on.node.size());
   for (int e = 0; e < static_cast<int>(on.element.size()) && on.corners == 3; ++e) {
-    element_size_ = std::max(element_size_, on.element[at(e)].size);
+    largest_element_ = std::max(largest_element_, on.element[at(e)].size);
+    for (const int node : on.element[at(e)].corner)
+      size_at_[at(node)] = std::max(size_at_[at(node)], on.element[at(e)].size);
     for (int j = 0; j < 3; ++j) {
       const int p = on.element[at(e)].corner[at(j)], q = on.element[at(e)].corner[at((j + 1) % 3)];
       edges[{std::min(p, q), std::max(p, q)}].push_back({e, j});
@@ -80,6 +83,7 @@ BodySurface::BodySurface(WorldSurface of_body) : projection_(std::move(of_body))
           std::max(camber_, 4.0 / 3 * on.element[at(e)].bend[at(j)].norm() + on.element[at(e)].bubble.norm());
     }
   }
+  std::ranges::replace(size_at_, 0.0, largest_element_);  // nodes without elements
   std::set<std::array<int, 2>> creases;
   for (const WorldSurface::Crease& crease : on.crease) creases.insert(crease.node);
   for (const auto& [nodes, sides] : edges) {
@@ -214,7 +218,7 @@ Foot BodySurface::summit(int element, const Height& height) const noexcept {
     visit_beside(best, [&](int number) {
       const Foot there = on_element(number);
       const double of_there = height.of(there.point);
-      if (of_there <= most + 1e-14 * element_size_) return;
+      if (of_there <= most + 1e-14 * largest_element_) return;
       next = there;
       most = of_there;
     });
@@ -253,7 +257,7 @@ void BodySurface::summits(const Vector3d& n, double least, std::vector<Foot>& ou
     if (!surface().element[static_cast<std::size_t>(found.element)].curved || !(n.dot(found.point) > least))
       continue;
     const bool known = std::any_of(out.begin(), out.end(), [&](const Foot& one) {
-      return (one.point - found.point).norm() < indistinct * element_size_;
+      return (one.point - found.point).norm() < indistinct * element_size(found);
     });
     if (!known) out.push_back(found);
   }

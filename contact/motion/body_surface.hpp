@@ -30,7 +30,16 @@ class BodySurface {
 
   const WorldSurface& surface() const { return projection_.surface(); }
   const Eigen::AlignedBox3d& box() const { return box_; }
-  double element_size() const { return element_size_; }  ///< the largest [m]
+  double largest_element() const { return largest_element_; }  ///< its longest edge [m]
+  /// The longest edge of the elements around a node [m].
+  double element_size(int node) const { return size_at_[static_cast<std::size_t>(node)]; }
+  /// The same between nodes: it changes steadily from element to element.
+  double element_size(const Foot& foot) const noexcept {
+    const auto& corner = surface().element[static_cast<std::size_t>(foot.element)].corner;
+    double out = 0;
+    for (std::size_t j = 0; j < 3; ++j) out += foot.weight[j] * element_size(corner[j]);
+    return out;
+  }
 
   /// The foot of x, by a search through the tree. @param within  farther elements are not found; without one,
   /// the element is −1 [m] @param guess  an element that may be near, or −1
@@ -120,7 +129,8 @@ class BodySurface {
 
   SurfaceProjection projection_;
   Eigen::AlignedBox3d box_;
-  double element_size_ = 0, camber_ = 0;
+  double largest_element_ = 0, camber_ = 0;
+  std::vector<double> size_at_;                ///< (nodes) longest edge of the elements around it [m]
   std::vector<std::array<int, 3>> neighbour_;  ///< across the edge from corner j to the next; −1: none
   std::vector<std::array<bool, 3>> crease_;    ///< whether the surface has a crease there, or ends
   std::vector<char> at_crease_;                ///< (nodes) whether one of its edges is one of these

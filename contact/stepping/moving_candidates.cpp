@@ -100,7 +100,8 @@ void MovingCandidates::make_patches(const BodySurface& on) {
     Matrix3d sum = Matrix3d::Zero();
     double weights = 0;
     const auto add = [&](std::size_t j) {
-      const double way = (on.surface().node[i] - on.surface().node[j]).norm() / (1.5 * on.element_size()),
+      const double way = (on.surface().node[i] - on.surface().node[j]).norm() /
+                         (1.5 * on.element_size(static_cast<int>(i))),
                    weight = std::exp(-way * way);
       sum += weight * even(j);
       weights += weight;

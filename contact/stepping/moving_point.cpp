@@ -57,7 +57,7 @@ double climb(Foot& top, const Side& own, Foot& foot, const Side& other) {
     height = {up, to_own * other.shape.curvature(foot) * to_own.transpose(), top.point};
     top = own.shape.summit(top.element, height);
     foot = other.shape.follow(foot, other.place_of(top.point - own.centre, own));
-    if ((top.point - height.at).norm() < shortest_way * own.shape.element_size()) break;
+    if ((top.point - height.at).norm() < shortest_way * own.shape.element_size(top)) break;
   }
   return own.shape.bend_down(top, height);
 }
@@ -193,7 +193,7 @@ void MovingPoint::face(const Side& own, const Side& other) noexcept {
   const Matrix3d to_own = own.state.axes.transpose() * other.state.axes;
   const auto own_place = [&] { return other.place_of(top.point - own.centre, own); };
   const auto is_on_other = [&] { return !other.shape.surface().is_rigid && other.shape.is_at_crease(foot); };
-  const double size = own.shape.element_size(), least = least_curvature / size;
+  const double size = own.shape.element_size(top), least = least_curvature / size;
   bool climbs_on_other = false;
   for (int round = 0;; ++round) {
     const Vector3d before = foot.normal;

@@ -250,11 +250,16 @@ Vector3d MovingPoints::normal_in_world(const Point& point,
   return point.over_half_space() ? own : Vector3d(side(point.other(), bodies).state.axes * own);
 }
 
-/// The element size of the finer of its bodies [m].
+/// The element size there of the finer of its bodies [m].
 double MovingPoints::smallest_element(const Point& point) const noexcept {
   double out = std::numeric_limits<double>::infinity();
-  for (const End& end : point.end)
-    if (end.body >= 0) out = std::min(out, body(end.body).shape().element_size());
+  for (const End& end : point.end) {
+    if (end.body < 0) continue;
+    double size = 0;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(end.count); ++k)
+      size += end.weight[k] * body(end.body).shape().element_size(end.candidate[k]);
+    out = std::min(out, size);
+  }
   return out;
 }
 
@@ -326,7 +331,8 @@ void MovingPoints::place(int number, std::span<const FloatingBody> bodies, const
     const Vector3d w = elastic(point.own());
     point.place_now = point.place + w;
     u_(number) = point.gap - (point.distance - point.nearer(w, elastic(point.other()), own, other));
-    if (point.open) u_(number) = point.gap - std::max(std::abs(point.distance), other.shape.element_size());
+    if (point.open)
+      u_(number) = point.gap - std::max(std::abs(point.distance), other.shape.largest_element());
     return;
   }
   if (point.kind == Kind::summit && !point.open) follow_summit(point, bodies);

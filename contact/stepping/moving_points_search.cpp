@@ -28,7 +28,7 @@ double MovingPoints::rise_of(const Model::PairBlock& pair) const noexcept {
   const BodySurface &a = body(pair.a).shape(), &b = shape_of_b(pair);
   const bool a_is_finer = std::cmp_equal(pair.candidates_of_a, a.surface().node.size());
   const bool creased = !a.surface().crease.empty() || !b.surface().crease.empty();
-  return a.camber() + b.camber() + (creased ? (a_is_finer ? a : b).element_size() / std::sqrt(3.0) : 0);
+  return a.camber() + b.camber() + (creased ? (a_is_finer ? a : b).largest_element() / std::sqrt(3.0) : 0);
 }
 
 /// By how much the elastic displacements may bring a point nearer [m].
@@ -115,7 +115,7 @@ double MovingPoints::clearance(const Model::PairBlock& pair, std::span<const Flo
   double facet = 0;
   Vector3d out_of_a = Vector3d::Zero();
   for (const int k : {pair.a, pair.b})
-    if (k >= 0) facet = std::max(facet, body(k).shape().element_size() / std::sqrt(3.0));
+    if (k >= 0) facet = std::max(facet, body(k).shape().largest_element() / std::sqrt(3.0));
   for (int i = pair.first_point; i < pair.first_point + pair.candidates(); ++i) {
     const Point& point = points_[static_cast<std::size_t>(i)];
     const Side own = side(point.own(), bodies), other = side(point.other(), bodies);
@@ -271,7 +271,7 @@ void MovingPoints::list_summits(int number, std::span<const FloatingBody> bodies
         !(is_curved(own, summit.top) || is_curved(other, summit.foot)))
       continue;
     const bool known = std::any_of(summits_.begin(), summits_.end(), [&](const Point& one) {
-      return (one.place - summit.place).norm() < same_summit * own.shape.element_size();
+      return (one.place - summit.place).norm() < same_summit * own.shape.element_size(summit.top);
     });
     if (!known) summits_.push_back(summit);
   }
@@ -304,7 +304,7 @@ void MovingPoints::find_summits(int number, std::span<const FloatingBody> bodies
       Point& point = points_[static_cast<std::size_t>(i)];
       if (is_watched_[static_cast<std::size_t>(i)]) continue;
       const bool pressed = has_force(i, forces);
-      const double element = smallest_element(point), near = near_summit * element;
+      const double near = near_summit * smallest_element(point);
       const auto found = std::find_if(summits_.begin(), summits_.end(), [&](const Point& one) {
         return !follow || (!point.open && (one.place - point.place).norm() < near);
       });
@@ -315,11 +315,11 @@ void MovingPoints::find_summits(int number, std::span<const FloatingBody> bodies
         point.open = false;
         summits_.erase(found);
         watch(i);
-        list_near(i, bodies, near);
+        list_near(i, bodies, near_summit * smallest_element(point));
       } else if (!follow) {
         point.open = true;
         if (pressed) watch(i);
-        u_(i) = point.gap - std::min(margin, element);
+        u_(i) = point.gap - std::min(margin, body(pair.a).shape().largest_element());
       }
     }
 }

@@ -603,6 +603,40 @@ TEST(Rolling, of_a_soft_ball_rests_on_many_points) {
   EXPECT_GE(most, 4);
 }
 
+/// Long elements far from the touch do not change it: a ball whose other side is drawn out like a bullet
+/// meets the floor with the force of the ball, to round-off.
+TEST(Rolling, of_a_bullet_on_its_tip_is_that_of_a_ball) {
+  const double mass = 0.03, radius = 0.01, flexibility = 3e-3;
+  const auto outward = [](const Vector3d& x) { return x; };
+  const auto drawn_out = [&](double times) {
+    return deformed_sphere(
+        mass, Vector3d::Constant(0.4 * mass * radius * radius),
+        [&](const Vector3d& x) -> Vector3d {
+          return radius * Vector3d(x.x(), x.y(), x.z() < 0 ? x.z() : times * x.z());
+        },
+        outward, flexibility, 0.3 * radius, 0);
+  };
+  const kernels::Kernel round = drawn_out(1), bullet = drawn_out(10);
+  PlacedBody body;
+  body.velocity = {0, 0, -0.1};
+  const auto start = [&](const kernels::Kernel& kernel) {
+    return make_stepper(over_floor(kernel, body, {0.5, 0.5, 0}, {0, 0, -g}), stepping(20'000));
+  };
+  const auto of_ball = start(round), of_bullet = start(bullet);
+  double peak = 0, apart = 0;
+  int most = 0;
+  for (int k = 0; k < 2000; ++k) {
+    ASSERT_EQ(of_ball->step(), StepStatus::ok);
+    ASSERT_EQ(of_bullet->step(), StepStatus::ok);
+    const double force = of_ball->force().head(of_ball->points()).sum();
+    most = std::max(most, of_ball->active());
+    peak = std::max(peak, force);
+    apart = std::max(apart, std::abs(of_bullet->force().head(of_bullet->points()).sum() - force));
+  }
+  EXPECT_GE(most, 4);
+  EXPECT_LT(apart, 1e-9 * peak);
+}
+
 /// A ball with spin falls and bounces, on R in double precision, in single precision, and compressed. What
 /// differs is the residual displacement, by the stated error.
 TEST(Rolling, on_a_compact_flexibility_is_that_on_the_whole_one) {
