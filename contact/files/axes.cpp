@@ -2,6 +2,7 @@
 #include "contact/files/axes.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <initializer_list>
 #include <string>
 #include <string_view>
@@ -84,11 +85,29 @@ Scales scales_of(const std::string& dataset, bool turns) {
   return {"/node_" + parts[1]};  // /stress/BODY
 }
 
+/// Of a motion, by the surface of a body, an obstacle or a pair, KIND/NAME.
+Scales scales_of_motion(const std::string& dataset) {
+  const std::vector<std::string> parts = parts_of(dataset);
+  if (parts.size() == 1) return {dataset};  // time
+  const std::string group = "/" + parts[0] + "/" + parts[1], &quantity = parts[2];
+  if (quantity == "element") return {group + "/facet", group + "/corner"};
+  const std::string node = group + (parts[0] == "contact" ? "/candidate" : "/node");
+  const auto vectors = {"position", "deformation", "velocity", "push"};
+  return std::ranges::find(vectors, quantity) != vectors.end() ? Scales{node, shared::component}
+                                                               : Scales{node};
+}
+
+void name(base::hdf5::Writer& file, const std::function<Scales(const std::string&)>& scales) {
+  const auto datasets = file.datasets();  // a copy: scales are added
+  for (const auto& dataset : datasets) file.name_dimensions(dataset, scales(dataset.name));
+}
+
 }  // namespace
 
 void name_axes(base::hdf5::Writer& file, bool turns) {
-  const auto datasets = file.datasets();  // a copy: scales are added
-  for (const auto& dataset : datasets) file.name_dimensions(dataset, scales_of(dataset.name, turns));
+  name(file, [turns](const std::string& dataset) { return scales_of(dataset, turns); });
 }
+
+void name_axes_of_motion(base::hdf5::Writer& file) { name(file, scales_of_motion); }
 
 }  // namespace ricochet::contact

@@ -12,4 +12,7 @@ namespace ricochet::contact {
 /// @param turns  whether rows of contact are ragged, with finite rotations
 void name_axes(base::hdf5::Writer& file, bool turns);
 
+/// The same for a motion for ParaView (docs/formats/result.md).
+void name_axes_of_motion(base::hdf5::Writer& file);
+
 }  // namespace ricochet::contact

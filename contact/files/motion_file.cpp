@@ -7,6 +7,7 @@
 #include <map>
 
 #include "base/xdmf.hpp"
+#include "contact/files/axes.hpp"
 
 namespace ricochet::contact {
 namespace {
@@ -216,6 +217,7 @@ void MotionFile::commit(const std::string& run) {
   std::error_code ignored;
   std::filesystem::remove(xdmf(), ignored);
   if (!run.empty()) file_.attribute("/", "run", run);
+  name_axes_of_motion(file_);
   file_.commit();
   write_xdmf();
 }

@@ -2,6 +2,8 @@
 """Units of scene keys, from the reference printed by `ricochet-contact --keys`, and keys in words."""
 import re
 
+from ricochet import programs
+
 
 def units(reference: str) -> dict[str, str]:
     """The unit of each key, by its dotted name with NAME in place of a body or an obstacle."""
@@ -13,6 +15,11 @@ def units(reference: str) -> dict[str, str]:
         elif row := re.match(r"\| `([^`]+)` \| [^|]* \| ([^|]*) \|", line):
             found[within + row[1]] = row[2].strip()
     return found
+
+
+def all_units() -> dict[str, str]:
+    """As `units`, of the reference of the program."""
+    return units(programs.call([programs.BIN / "ricochet-contact", "--keys"], capture=True))
 
 
 def unit(key: str, units: dict[str, str]) -> str:

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The dimension scales of results: each dimension of each dataset has a name and a length that agrees, where netCDF-4 looks for it.
-With xarray, groups open with these names."""
+"""The dimension scales of results, motions and studies: each dimension of each dataset has a name and a length that agrees, where
+netCDF-4 looks for it. With xarray, groups open with these names."""
 
 import importlib.util
 import unittest
@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 
 import scenes
-from programs import ProgramTest, impact
+from programs import Command, ProgramTest, impact
 
 OUTPUT = """
 [output]
@@ -64,16 +64,27 @@ def dimensions_of(path):
     return found
 
 
+def engines():
+    """xarray with each of its readers of HDF5; nothing where it is not installed."""
+    if importlib.util.find_spec("xarray") is None:
+        return
+    import xarray
+
+    for engine, module in (("h5netcdf", "h5netcdf"), ("netcdf4", "netCDF4")):
+        if importlib.util.find_spec(module):
+            yield xarray, engine
+
+
 class Dimensions(ProgramTest):
     def setUp(self):
         super().setUp()
         self.out = self.folder / "out"
         self.write("block.geo", scenes.skewed_block(1.2))
 
-    def block(self, more=""):
+    def block(self, more="", output=OUTPUT):
         body = "material = { density = 2.0, young = 3.0, poisson = 0.3 }\nvelocity = [0, 0, -0.5]"
         text = scenes.block_on_floor(
-            "Block", "count = 12", "gap = 1e-3", "rate_hz = 400.0\nduration = 0.5", body, OUTPUT + more
+            "Block", "count = 12", "gap = 1e-3", "rate_hz = 400.0\nduration = 0.5", body, output + more
         )
         return impact(self.write("block.toml", text), self.out)
 
@@ -115,16 +126,64 @@ class Dimensions(ProgramTest):
         }.items():
             self.assertEqual(found[name], scales, name)
 
+    def test_of_a_motion_are_nodes_and_components(self):
+        result = self.block(output=OUTPUT.replace("view = true", "view = true\nvtk_every = 50"))
+        path = result.path.with_name("block.motion.h5")
+        found = dimensions_of(path)
+        for name, scales in {
+            "bodies/block/element": ["/bodies/block/facet", "/bodies/block/corner"],
+            "bodies/block/position/000001": ["/bodies/block/node", "/component"],
+            "bodies/block/von_mises/000001": ["/bodies/block/node"],
+            "contact/1/force/000000": ["/contact/1/candidate"],
+            "contact/1/push/000000": ["/contact/1/candidate", "/component"],
+        }.items():
+            self.assertEqual(found[name], scales, name)
+        for xarray, engine in engines():
+            with xarray.open_dataset(path, group="bodies/block/velocity", engine=engine) as velocity:
+                self.assertEqual(velocity["000002"].dims, ("node", "component"))
+                self.assertEqual(velocity["000002"].attrs["units"], "m/s")
+
+    def test_of_a_study_are_its_impacts_and_the_times_of_records(self):
+        self.block()  # also writes the scene
+        self.write(
+            "drops.toml",
+            'title = "Drops"\nscene = "block.toml"\nkeep = ["force", "receivers", "acceleration", "gauges", "bodies", "energy"]\n'
+            '[grid]\n"bodies.block.velocity[2]" = [-0.5, -1.0]\n"contact.scheme" = ["compliant", "impulse"]\n',
+        )
+        self.succeed(Command("sweep", self.folder / "drops.toml", "--ranks", "1"))
+        path = self.out / "drops.sweep.h5"
+        found = dimensions_of(path)
+        impact = "/histories/0003/"
+        for name, scales in {
+            "status": ["/impact"],
+            "inputs/contact.scheme": ["/impact"],
+            "outputs/peak_force_n": ["/impact"],
+            "histories/0003/contact/total_force": [impact + "contact/time"],
+            "histories/0003/receivers/mic/velocity": [impact + "receivers/time", impact + "component"],
+            "histories/0003/gauges/foil/stress": [impact + "gauges/time", impact + "stress_component"],
+            "histories/0003/energy/total": [impact + "time"],
+        }.items():
+            self.assertEqual(found[name], scales, name)
+        with h5py.File(path) as file:
+            for name, unit in {
+                "inputs/bodies.block.velocity[2]": "m/s",
+                "outputs/peak_force_n": "N",
+                "outputs/restitution": "1",
+                "outputs/real_time_factor": "1",
+                "outputs/contact_start_s": "s",
+                "outputs/acceleration.mic.peak": "m/s^2",
+            }.items():
+                self.assertEqual(file[name].attrs["units"], unit, name)
+            self.assertNotIn("units", file["inputs/contact.scheme"].attrs)
+        for xarray, engine in engines():
+            with xarray.open_dataset(path, group="outputs", engine=engine) as outputs:
+                self.assertEqual(outputs["peak_force_n"].dims, ("impact",))
+            with xarray.open_dataset(path, group="histories/0001/receivers/mic", engine=engine) as mic:
+                self.assertEqual(mic["velocity"].dims, ("time", "component"))
+
     def assert_xarray(self, result):
         """Groups open in xarray, where it is installed."""
-        for engine in ("h5netcdf", "netcdf4"):
-            if (
-                importlib.util.find_spec("xarray") is None
-                or importlib.util.find_spec({"netcdf4": "netCDF4"}.get(engine, engine)) is None
-            ):
-                continue
-            import xarray
-
+        for xarray, engine in engines():
             with xarray.open_dataset(result.path, group="contact", engine=engine) as contact:
                 self.assertEqual(contact["force"].dims, ("time", "candidate"))
                 np.testing.assert_array_equal(contact["time"], result.contact_time)

@@ -31,17 +31,18 @@ import os
 import re
 from pathlib import Path
 
-from ricochet import programs, scene_keys
+from ricochet import scene_keys
 from ricochet.cli.options import add_study, count, say, writing
 from ricochet.errors import InputError, RicochetError, SolverError
 from ricochet.studies import stage_log
 from ricochet.studies.figures import is_record
 from ricochet.studies.histories import not_kept
 from ricochet.studies.journal import outputs
+from ricochet.studies.labels import of_magnitude
 from ricochet.studies.records import Row
 from ricochet.studies.study import Study, meant
 from ricochet.studies.sweep import Sweep
-from ricochet.studies.table import Table, of_magnitude
+from ricochet.studies.table import Table
 
 TOUCHING = "the bodies still touch at the end"  # in the warning of such an impact
 LONGEST = "time.longest"  # likewise, if it was to end when they have parted
@@ -140,13 +141,13 @@ class Drawn:
         """Draws the picture and returns its path."""
         name, *against = self.names
         picture = Path(f"{sweep.stem}.{name.replace('/', '_')}.png")
-        keys = programs.call([programs.BIN / "ricochet-contact", "--keys"], capture=True)
+        units = scene_keys.all_units()
         from ricochet.studies import chart, history_chart
 
         if self.record:
-            history_chart.draw(table, sweep.results, name, against[0], picture, scene_keys.units(keys))
+            history_chart.draw(table, sweep.results, name, against[0], picture, units)
         else:
-            chart.draw(table.with_values(self.names), name, against, picture, scene_keys.units(keys))
+            chart.draw(table.with_values(self.names), name, against, picture, units)
         return picture
 
 

@@ -15,6 +15,7 @@ from typing import Any, BinaryIO, NamedTuple
 import h5py
 import numpy as np
 
+from ricochet import dimensions
 from ricochet.arrays import Floats
 from ricochet.errors import InputError
 from ricochet.stress import von_mises
@@ -129,6 +130,21 @@ def copy(file: h5py.File, sources: Sequence[Source], words: Sequence[str], rows:
             for name in wanted:
                 if name in image:  # with sampled responses, energies are not known
                     image.copy(name, target)
+        name_dimensions(target)
+
+
+def name_dimensions(impact: h5py.Group) -> None:
+    """Names the dimensions of the records of an impact: their times, and the components of vectors and stresses."""
+    for place in (place for place in names_in(impact).values() if place.measure is None):
+        time, data = impact[place.time], impact[place.values]
+        if not h5py.h5ds.is_scale(time.id):
+            time.make_scale("time")
+            time.attrs["units"] = time.attrs["unit"]
+        scales = [time]
+        if data.ndim == 2:
+            word = {3: "component", 6: "stress_component"}[data.shape[1]]
+            scales.append(dimensions.of_length(impact, word, data.shape[1]))
+        dimensions.name(data, scales, data.attrs["unit"])
 
 
 class Record(NamedTuple):

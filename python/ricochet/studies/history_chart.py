@@ -16,8 +16,9 @@ from ricochet.errors import InputError
 from ricochet.files import save_picture
 from ricochet.pictures.style import DPI, WIDTH, in_style, prefixed, with_unit
 from ricochet.studies import histories
-from ricochet.studies.chart import LINES, axis, label, looks_logarithmic, text
+from ricochet.studies.chart import LINES, axis, looks_logarithmic, text
 from ricochet.studies.histories import Record
+from ricochet.studies.labels import label
 from ricochet.studies.table import Table
 
 MOST = 400  # maximum number of impacts; of more, some at equal distances are drawn

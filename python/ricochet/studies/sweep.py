@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ricochet import programs
+from ricochet import programs, scene_keys
 from ricochet.errors import InputError, failure
 from ricochet.programs import Show
 from ricochet.progress import Progress
@@ -178,7 +178,7 @@ class Sweep:
         ]
         table = Table(self.study, rows)
         table.write_csv(Path(f"{self.stem}.sweep.csv"))
-        table.write_hdf5(self.results, sources)
+        table.write_hdf5(self.results, sources, scene_keys.all_units())
         return table
 
 

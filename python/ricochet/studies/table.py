@@ -14,11 +14,12 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from ricochet import files
+from ricochet import dimensions, files
 from ricochet.errors import InputError
 from ricochet.studies import histories
 from ricochet.studies.histories import Source
 from ricochet.studies.journal import outputs, warnings_of
+from ricochet.studies.labels import of_magnitude, unit_of
 from ricochet.studies.records import Row
 from ricochet.studies.study import Study, utf8
 
@@ -46,13 +47,13 @@ class Table:
         columns = zip(*inputs, *self.outputs.values(), texts, self.status, self.error)
         files.write_csv(path, titles, columns)
 
-    def write_hdf5(self, path: Path, sources: Sequence[Source]) -> None:
+    def write_hdf5(self, path: Path, sources: Sequence[Source], units: dict[str, str]) -> None:
         """Writes /inputs/KEY, /outputs/NAME, /status, /error and /warning_texts, each with a value for each
         setting; texts and lists as JSON, and the warnings of a setting as lines. If the study keeps records,
-        copies those of `sources` to /histories. Raises OSError."""
+        copies those of `sources` to /histories. `units`: of scene keys (scene_keys.units). Raises OSError."""
         image = io.BytesIO()  # written to memory first, because HDF5 crashes if the disk is full
         with h5py.File(image, "w") as file:
-            self._fill(file)
+            self._fill(file, units)
         if not self.keep:
             files.write(path, image.getbuffer())
             return
@@ -69,18 +70,23 @@ class Table:
                 size = file.id.get_filesize()
             os.truncate(place, size)  # the space that was reserved and is not needed
 
-    def _fill(self, file: h5py.File) -> None:
+    def _fill(self, file: h5py.File, units: dict[str, str]) -> None:
         file.attrs["format"], file.attrs["version"] = "ricochet-sweep", 1
         file.attrs["title"], file.attrs["scene"] = self.title, self.scene
-        for key, column in self.inputs.items():
-            file.create_dataset(f"inputs/{key.replace('/', '_')}", data=as_array(column))
-        for name, column in self.outputs.items():
-            file.create_dataset(f"outputs/{name}", data=np.array(column, dtype=float))
-        file["status"] = np.array(self.status, dtype=np.int8)
-        file.create_dataset("error", data=self.error, dtype=h5py.string_dtype())
-        file.create_dataset(
-            "warning_texts", data=list(map("\n".join, self.warnings)), dtype=h5py.string_dtype()
-        )
+        impact = dimensions.scale(file, "impact", np.arange(len(self.status)))
+        columns = [
+            (f"inputs/{key.replace('/', '_')}", key, as_array(self.inputs[key])) for key in self.inputs
+        ]
+        columns += [(f"outputs/{name}", name, np.array(self.outputs[name], float)) for name in self.outputs]
+        for place, column, values in columns:
+            unit = unit_of(column, units) if values.dtype == float else ""
+            dimensions.name(file.create_dataset(place, data=values), [impact], unit)
+        for title, texts, kind in (
+            ("status", self.status, np.int8),
+            ("error", self.error, h5py.string_dtype()),
+            ("warning_texts", list(map("\n".join, self.warnings)), h5py.string_dtype()),
+        ):
+            dimensions.name(file.create_dataset(title, data=texts, dtype=kind), [impact])
 
     def _fingerprint(self, sources: Sequence[Source]) -> str:
         """Identifies the content of the HDF5 file, so that records are not copied again for nothing."""
@@ -143,11 +149,6 @@ def as_array(column: list[Any]) -> NDArray[Any]:
         return np.array(column, dtype=float)
     texts = [value if isinstance(value, str) else json.dumps(value) for value in column]
     return np.array(texts, dtype=h5py.string_dtype())
-
-
-def of_magnitude(name: str) -> str:
-    """NAME of "abs(NAME)"; another name as it is."""
-    return name[4:-1] if name.startswith("abs(") and name.endswith(")") else name
 
 
 def magnitude(name: str, value: Any) -> float:
