@@ -40,7 +40,7 @@ struct MovingPoint {
     std::array<double, 3> weight{};
     // In the middle of a step, in the axes of the body
     Eigen::Vector3d arm{0, 0, 0};
-    Eigen::Matrix3d direction;  ///< its rows: those of the point, with the sign of the end
+    Eigen::Matrix3d direction{};  ///< its rows: those of the point, with the sign of the end
 
     /// Takes those of some candidates of the body that have a weight.
     void set(const std::array<int, 3>& candidates, const std::array<double, 3>& weights) noexcept;
