@@ -56,6 +56,21 @@ class Friction(ProgramTest):
         warned = self.succeed(contact(self.scene, self.out, "contact.friction=0", motion)).err
         self.assertIn("has no effect without friction", warned)
 
+    def test_does_not_flicker_between_stick_and_slip_at_its_limit(self):
+        """Pulled by exactly μ times its weight, a damped box comes to rest and stays in its states. Without damping its points
+        bounce, so that the count has something to find."""
+        scene = self.write("limit.toml", SCENE.replace("velocity = [1, 0, 0]\n", ""))
+        pulls = (["loads.gravity=[2.943,0,-9.81]"], ["loads.gravity=[1.7658,2.3544,-9.81]"])
+        for sets, calm in ((pulls[0], True), (pulls[1], True), ([*pulls[0], "bodies.box.damping={}"], False)):
+            result = impact(scene, self.out, *sets)
+            before, after = result.state[:-1], result.state[1:]
+            changes = (before != after) & (before > 0) & (after > 0)
+            late = result.contact_time[1:] > 0.1
+            self.assertGreater(changes[~late].sum(), 0)
+            self.assertEqual(late.sum() > 0 and changes[late].sum() == 0, calm, sets)
+            if calm:
+                self.assertLessEqual(changes.sum(axis=0).max(), 8)  # a few while it settles
+
     def test_at_rest_takes_loads_in_as_many_parts_as_asked_for(self):
         self.write("push.csv", "t, factor\n0, 0\n1, 1\n")
         text = SCENE.replace("velocity = [1, 0, 0]\n", "").replace("gap", 'scheme = "static"\ngap')
