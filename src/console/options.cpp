@@ -78,6 +78,11 @@ void add_impact_options(CLI::App& app, Options& options, Texts& texts) {
       app.add_flag("--vtk", options.vtk,
                    "Write the motion for ParaView: <title>.motion.xdmf, about 200 frames, or one "
                    "every output.vtk_every steps");
+  app.add_option("--snapshots-up-to", options.snapshots_mb,
+                 "Keep up to 400 snapshots of at most this many MB, although the scene has no "
+                 "output.snapshot_every (default: 0)")
+      ->type_name("MB")
+      ->check(CLI::NonNegativeNumber);
   app.add_flag("--batch", options.batch, "Answer requests on standard input, a line of JSON each")
       ->excludes(vtk);
   app.add_option("--fclib", texts.fclib,
@@ -115,8 +120,9 @@ Elsewhere elsewhere_of(const Program& program) {
   Elsewhere elsewhere{{"-n", "ricochet kernel, modes and run"},
                       {"--ranks", "ricochet kernel, modes and run"}};
   const std::vector<const char*> of_others =
-      program.impacts ? std::vector{"--check", "--verify", "--plan", "--view-up-to"}
-                      : std::vector{"--vtk", "--batch", "--fclib", "--fclib-every", "--write-scene"};
+      program.impacts
+          ? std::vector{"--check", "--verify", "--plan", "--view-up-to"}
+          : std::vector{"--vtk", "--batch", "--fclib", "--fclib-every", "--write-scene", "--snapshots-up-to"};
   for (const char* option : of_others)
     elsewhere[option] = program.impacts ? "ricochet kernel" : "ricochet impact";
   return elsewhere;

@@ -24,6 +24,7 @@ struct Options {
   bool verify = false;          ///< ricochet-kernel: count the modes of stored kernels again
   bool plan = false;            ///< ricochet-kernel: state memory and time on 1, 2, 4, … ranks and stop
   double view_mib = 0;          ///< ricochet-kernel: size up to which a surface is kept unasked [MiB]
+  double snapshots_mb = 0;      ///< ricochet-contact: size up to which snapshots are kept unasked [MB]
   bool vtk = false;             ///< ricochet-contact: write the motion for ParaView
   bool batch = false;           ///< ricochet-contact: requests on stdin, answers on stdout
   std::filesystem::path fclib;  ///< ricochet-contact: folder of complementarity problems; empty: none

@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "base/atomic_file.hpp"
 #include "base/hdf5_reader.hpp"
 #include "contact/files/summary_file.hpp"
@@ -16,6 +19,8 @@ namespace ricochet::impact {
 namespace fs = std::filesystem;
 
 namespace {
+
+constexpr double most_snapshots = 400;  // that nobody asked for
 
 /// Identifies the run by what went into it and what came out, without times. Equal runs thus have equal
 /// files.
@@ -66,8 +71,19 @@ std::optional<int> ImpactFiles::problems() const {
   return problems_->written();
 }
 
+/// Whether snapshots are kept that the scene does not ask for.
+bool ImpactFiles::adds_snapshots(const Impact& impact) const {
+  return options_.snapshots_mb > 0 && impact.scene.output.snapshot_every == 0 && impact.model;
+}
+
 const contact::RecorderOptions& ImpactFiles::recorder_options(const Impact& impact) {
-  const scene::Scene& scene = impact.scene;
+  scene::Scene scene = impact.scene;
+  if (adds_snapshots(impact)) {
+    const double coordinates = std::max(1.0, static_cast<double>(impact.model->omega.size()));
+    const double most = std::clamp(options_.snapshots_mb * 1e6 / (8 * coordinates), 1.0, most_snapshots);
+    scene.output.snapshot_every =
+        std::max<std::int64_t>(1, std::llround(std::ceil(static_cast<double>(impact.samples()) / most)));
+  }
   result_ = {.path = result(),
              .title = scene.title,
              .scene = scene::to_toml(scene),
@@ -84,9 +100,9 @@ void ImpactFiles::prepared(const Impact& impact) {
   base::check_place(result());
 }
 
-/// The frames of the motion are spread over the run.
+/// The frames of the motion and snapshots that nobody asked for are spread over the run.
 bool ImpactFiles::needs_steps(const Impact& impact) const {
-  return options_.motion && impact.scene.output.vtk_every == 0;
+  return (options_.motion && impact.scene.output.vtk_every == 0) || adds_snapshots(impact);
 }
 
 void ImpactFiles::started(const Impact& impact, const contact::Stepper& stepper) {

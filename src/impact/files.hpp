@@ -18,6 +18,7 @@ namespace ricochet::impact {
 struct ImpactFileOptions {
   std::filesystem::path folder;
   bool motion = false;
+  double snapshots_mb = 0;  ///< size up to which snapshots are kept although the scene asks for none [MB]
   std::filesystem::path problems{};  ///< folder of complementarity problems; empty: none
   int problems_every = 1;            ///< every n-th step with contact is written
 };
@@ -45,6 +46,7 @@ class ImpactFiles : public ImpactObserver {
 
  private:
   std::filesystem::path with(const char* ending) const;
+  bool adds_snapshots(const Impact& impact) const;
   const contact::RecorderOptions& recorder_options(const Impact& impact);
 
   ImpactFileOptions options_;

@@ -65,7 +65,7 @@ int run_contact(const console::Options& options, std::ostream& out) {
 
   console::Console console(options.quiet, console::peak_memory_mib, options.watch);
   store::KernelStore store;
-  ImpactFiles files({folder, motion, options.fclib, options.fclib_every});
+  ImpactFiles files({folder, motion, options.snapshots_mb, options.fclib, options.fclib_every});
   auto [impact, summary] = run_impact({scene, folder, motion}, store, console, files);
   if (files.problems())
     console.say(fmt::format("{}: {} problems", options.fclib.string(), *files.problems()));

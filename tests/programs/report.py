@@ -115,6 +115,15 @@ class Unasked(ReportTest):
         self.assertEqual(self.snapshots(), 376)
         self.assertEqual(len(set(self.out.glob("*.kernel.h5")) - kernels), 1)
 
+    def test_run_keeps_snapshots_where_accuracy_chooses_the_rate(self):
+        text = self.scene.read_text().split("[modes]")[0]
+        end = '[contact]\nbetween = ["moving", "resting"]\ngap = 0.5\n[time]\nduration = 2\n'
+        self.scene.write_text(text.replace("order = 2\n", "") + end)
+        with mock.patch.object(self, "SETS", []):
+            self.run_it()
+            self.assertGreater(self.snapshots(), 10)
+            self.assertIn("up to date", self.run_it().out)
+
     def test_run_leaves_finished_kernels_and_large_surfaces_alone(self):
         self.succeed(kernel(self.scene, self.out, *self.SETS))
         finished = set(self.out.glob("*.kernel.h5"))

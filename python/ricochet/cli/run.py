@@ -11,7 +11,6 @@ are kept, and up to 400 snapshots.
 import argparse
 import contextlib
 import json
-import math
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,6 @@ from ricochet.cli import plot
 from ricochet.cli.modes import stored
 from ricochet.cli.options import add_low_pass, add_run, words_for_programs
 from ricochet.errors import InputError
-from ricochet.studies import workers
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -32,8 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 VIEW_MIB = 64  # largest visualisation surface of a body that is kept although the scene does not ask for it
-SNAPSHOTS = 400  # most snapshots that are kept in the same way
-SNAPSHOTS_MB = 8  # size of their modal coordinates
+SNAPSHOTS_MB = 8  # size of the modal coordinates of snapshots that are kept in the same way
 
 
 def asked_output(options: argparse.Namespace) -> dict[str, Any]:
@@ -56,42 +53,13 @@ def words_for_surfaces(output: dict[str, Any]) -> list[programs.Word]:
     return [] if decides else ["--view-up-to", str(VIEW_MIB)]
 
 
-def simulated_time(options: argparse.Namespace, table: dict[str, Any]) -> float:
-    """Of the impact [s]. One that ends when bodies have parted is computed for it, without files; if it fails, the run itself
-    says why."""
-    duration = table["time"]["duration"]
-    if duration != "until parted":
-        return float(duration)
-    command = [str(programs.BIN / "ricochet-contact"), str(options.scene), "--batch"]
-    command += map(str, words_for_programs(options))
-    ((_, line, _),) = workers.in_parallel(1, command, [{"set": []}])
-    summary = json.loads(line).get("summary", {})
-    return float(summary.get("duration_s", table["time"]["longest"]))
-
-
-def words_for_snapshots(
-    options: argparse.Namespace, output: dict[str, Any], table: dict[str, Any]
-) -> list[programs.Word]:
-    """Words that let ricochet-contact keep snapshots, if all kernels have surfaces and the scene does not decide this. None
-    if the run itself chooses the rate, for its accuracy."""
-    if "snapshot_every" in output or output.get("view") is False or not table.get("bodies"):
+def words_for_snapshots(options: argparse.Namespace, output: dict[str, Any]) -> list[programs.Word]:
+    """Words that let ricochet-contact keep snapshots, if all kernels have surfaces and the scene does not decide this."""
+    if "snapshot_every" in output or output.get("view") is False:
         return []
-    still = table["contact"]["scheme"] == "static"
-    if not still and "rate_hz" not in table["time"]:
-        return []
-    import h5py
-
-    coordinates = 0
-    for path in (kernels := stored(options)).values():
-        with h5py.File(path) as file:
-            if "view" not in file:
-                return []
-            coordinates += len(file["modes/angular_frequency"])
-    if not kernels:
-        return []
-    steps = 1.0 if still else simulated_time(options, table) * table["time"]["rate_hz"]
-    most = min(SNAPSHOTS, SNAPSHOTS_MB * 1e6 / (8 * max(coordinates, 1)))
-    return ["--set", f"output.snapshot_every={max(1, math.ceil(steps / max(most, 1)))}"]
+    kernels = stored(options)
+    seen = kernels and all(map(has_surface, kernels.values()))
+    return ["--snapshots-up-to", str(SNAPSHOTS_MB)] if seen else []
 
 
 def newer(target: Path, *sources: Path) -> bool:
@@ -111,6 +79,13 @@ def lacks_kernels(result: Path) -> bool:
     return bool(json.loads(summary_of(result).read_text()).get("needs_turning_kernels"))
 
 
+def has_surface(kernel: Path) -> bool:
+    import h5py
+
+    with h5py.File(kernel) as file:
+        return "view" in file
+
+
 def same(made: dict[str, Any], asked: dict[str, Any]) -> bool:
     """Whether a result is of the resolved scene that is asked for, which may have left its rotation to the run, and rate
     and precision to its accuracy."""
@@ -123,9 +98,10 @@ def same(made: dict[str, Any], asked: dict[str, Any]) -> bool:
     return made | {"motion": motion} == asked | {"motion": asked.get("motion", {})}
 
 
-def current(result: Path, scene: dict[str, Any], folder: Path) -> bool:
+def current(result: Path, scene: dict[str, Any], folder: Path, snapshots: bool) -> bool:
     """Whether the result file is complete and belongs to this resolved scene, the surfaces of its obstacles, which are named from
-    `folder`, these kernels and this program."""
+    `folder`, these kernels and this program. With `snapshots` it also has some.
+    """
     import h5py
 
     if not result.exists() or not summary_of(result).exists():
@@ -136,6 +112,10 @@ def current(result: Path, scene: dict[str, Any], folder: Path) -> bool:
             made = tomllib.loads(file.attrs["scene"].decode())
         if lacks_kernels(result):
             return False
+        if snapshots:
+            if not made["output"]["snapshot_every"]:
+                return False
+            made["output"]["snapshot_every"] = scene["output"]["snapshot_every"]
     except (OSError, KeyError, AttributeError, TypeError, ValueError):  # not a result of ricochet-contact
         return False
     surfaces = [folder / one["surface"] for one in scene.get("obstacles", {}).values() if "surface" in one]
@@ -156,11 +136,9 @@ def run(options: argparse.Namespace) -> None:
         programs.kernel(options.scene, [*words, *surfaces], options.ranks)
     result = out / f"{slug}.result.h5"
     table = tomllib.loads(programs.resolved(options.scene, words))  # with settings chosen for its accuracy
-    if snapshots := words_for_snapshots(options, output, table):
-        words = [*words, *snapshots]
-        table["output"]["snapshot_every"] = int(str(snapshots[1]).rpartition("=")[2])
-    wanted = ["--write-scene", options.write_scene] if options.write_scene else []
-    if not wanted and current(result, table, options.scene.parent):
+    snapshots = words_for_snapshots(options, output)
+    wanted = [*snapshots, *(["--write-scene", options.write_scene] if options.write_scene else [])]
+    if not options.write_scene and current(result, table, options.scene.parent, bool(snapshots)):
         print(f"{result}: up to date")
     else:
         programs.contact(options.scene, [*words, *wanted])
