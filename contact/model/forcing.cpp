@@ -246,10 +246,11 @@ void refuse_sag(const Model& model) {
   double mass = 0;
   for (const Bodies::Block& body : model.bodies) mass = std::max(mass, body.mass);
   weight *= std::sqrt(mass) * model.gravity.norm();
-  if (depth <= 1e-9 * u.cwiseAbs().maxCoeff() + 1e-12 * weight) return;
+  const double negligible = 1e-9 * u.cwiseAbs().maxCoeff() + 1e-12 * weight;
+  if (depth <= negligible) return;
   for (const Model::Forcing& one : model.forcing) {
     const double sudden = one.history.dead() ? 0 : one.history.at(0) * one.displacement(i);
-    if (depth - sudden > 0 || one.support) continue;
+    if (depth - sudden > negligible || one.support) continue;
     throw InputError(base::format(
         "loads: \"{}\" begins with the factor {:.6g} at t = 0, and a sudden load presses its points {:.6g} m "
         "into what they touch before contact can answer. Begin its history with 0, and let it rise within a "
