@@ -74,7 +74,9 @@ class Friction(ProgramTest):
     def test_names_a_sudden_load_on_a_body_that_lies_on_the_floor(self):
         """Its weight deforms it by round-off, as a free body falls; the sudden push presses its foot into the floor."""
         self.write("push.csv", "0, 1\n1, 1\n")
-        push = 'body = "box"\nat = [0.0351225, 0.3491522, 0.2469295]\nvector = [1, 0, 0]\nhistory = "push.csv"\n'
+        push = (
+            'body = "box"\nat = [0.0351225, 0.3491522, 0.2469295]\nvector = [1, 0, 0]\nhistory = "push.csv"\n'
+        )
         text = SCENE.replace("velocity = [1, 0, 0]\n", "").replace("gap = 1e-6", "gap = 0")
         scene = self.write("push.toml", f'{text}[[loads.point]]\nname = "push"\n{push}')
         self.succeed(kernel(scene, self.out))

@@ -420,7 +420,7 @@ for line in sys.stdin:
         self.succeed(self.sweep(self.study(keep + text)))
         modes, table = self.rows()
         with h5py.File(self.out / "rods.sweep.h5") as file:  # table kernels know no energies
-            self.assertEqual(sorted(file["histories/0001"]), ["bodies", "contact", "time"])
+            self.assertEqual(sorted(file["histories/0001"]), ["bodies", "component", "contact", "time"])
             one, other = (file[f"histories/000{k}"] for k in (0, 1))
             np.testing.assert_array_equal(one["time"], other["time"])
             for name in ("bodies/moving/velocity", "bodies/resting/velocity"):  # summed in another order
