@@ -142,6 +142,7 @@ Dialled dial(const Subject& subject, Model model, DialRequest request) {
       options.precision = *(out.precision = chosen_precision(*estimator, request, subject.requested));
     out.estimate = estimator->estimate(options);
     out.mesh_near_contact = estimator->mesh_near_contact();
+    out.on_sharp_edge = of_all.on_sharp_edge();
     out.quantities = estimator->quantities(options);
     refuse_growing_changes(*out.estimate, estimator->growing_change(), request.accuracy);
   } catch (TurnsTooFar& turned) {

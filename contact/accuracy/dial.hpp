@@ -22,6 +22,7 @@ struct Dialled {
   std::optional<Precision> precision{};       ///< if it was open
   std::optional<ErrorEstimate> estimate{};    ///< no value if nothing touches or a body turns too far
   std::optional<Errors> mesh_near_contact{};  ///< part of the share of the mesh by elements near contact
+  bool on_sharp_edge = false;                 ///< Estimator::on_sharp_edge
   std::optional<Quantities> quantities{};     ///< with the settings; no value if a step fails
 };
 

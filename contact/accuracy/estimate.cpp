@@ -108,12 +108,24 @@ struct Support {
   int kind = 0;  ///< 1: at one place, 2: along a line, 3: on a surface; 0 without points
 };
 
+/// At rest, no point is known not to be pressed.
+bool is_pressed(const Quantities& run, Eigen::Index i) {
+  return run.pressed.empty() || run.pressed[static_cast<std::size_t>(i)];
+}
+
+/// A patch that bulges by more than this part of its side is curved; flat ones do by round-off.
+constexpr double curved = 1e-6;
+
+bool is_curved(const Model& model, Eigen::Index i) {
+  return model.bulge.size() > 0 && model.bulge(i) > curved * std::sqrt(model.area(i));
+}
+
 std::vector<Support> supports(const Model& model, const Quantities& run) {
   std::vector<Support> out;
   for (const Model::PairBlock& pair : model.pairs) {
     std::vector<Eigen::Index> pressed;
     for (int i = pair.first_point; i < pair.first_point + pair.points; ++i)
-      if (run.pressed.empty() || run.pressed[static_cast<std::size_t>(i)]) pressed.push_back(i);
+      if (is_pressed(run, i)) pressed.push_back(i);
     Support& here = out.emplace_back();
     if (pressed.empty()) continue;
     here = {static_cast<int>(pressed.size()), 1};
@@ -150,10 +162,23 @@ bool is_determinate(const std::vector<Support>& supports) {
 bool is_smooth(const Model& model, const Quantities& run, const std::vector<Support>& supports) {
   if (std::ranges::any_of(supports, [](const Support& s) { return s.kind > 1; })) return false;
   for (Eigen::Index i = 0; i < model.points(); ++i)
-    if (run.pressed.empty() || run.pressed[static_cast<std::size_t>(i)])
-      if (model.bulge.size() == 0 || !(model.bulge(i) > 0)) return false;
+    if (is_pressed(run, i) && !is_curved(model, i)) return false;
   return true;
 }
+
+/// Whether bodies meet along an edge between flat faces.
+bool is_sharp_edge(const Model& model, const Quantities& run, const std::vector<Support>& supports) {
+  if (std::ranges::none_of(supports, [](const Support& s) { return s.kind == 2; })) return false;
+  for (Eigen::Index i = 0; i < model.points(); ++i)
+    if (is_pressed(run, i) && is_curved(model, i)) return false;
+  return true;
+}
+
+/// Least share of the points where touches repeat on a sharp edge. Its contact is about a thousandth of the
+/// distance of points wide, and its flexibility grows by as much with each halving down to there. Each
+/// changed the impulse of a steel bracket by 0.001 to 0.003; as changes also shift the touches that follow,
+/// one of them alone may be far smaller.
+constexpr double of_sharp_edge = 0.03;
 
 bool is_rod(const kernels::Kernel& kernel) { return kernel.surface.corners() == 1; }
 
@@ -410,8 +435,12 @@ std::optional<Errors> Estimator::spacing(StepOptions options) {
   const auto twice = wider ? wider->quantities(options) : std::nullopt;
   const std::vector<Support> left = twice ? supports(wider->model_, *twice) : std::vector<Support>{};
   const bool comparable = twice && holds_alike(support, left) && !is_determinate(left);
-  return remaining(*last, comparable ? change(once, twice) : std::nullopt,
-                   is_smooth(model_, *base, support) ? of_smooth_points : of_series);
+  Errors out = remaining(*last, comparable ? change(once, twice) : std::nullopt,
+                         is_smooth(model_, *base, support) ? of_smooth_points : of_series);
+  on_sharp_edge_ = base->touches_repeat() && is_sharp_edge(model_, *base, support);
+  if (on_sharp_edge_)
+    for (auto& [quantity, error] : out) error = std::max(error, of_sharp_edge);
+  return out;
 }
 
 std::optional<Errors> Estimator::mesh(const StepOptions& options, const Quantities& base) {

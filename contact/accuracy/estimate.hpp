@@ -21,7 +21,8 @@
 //                meet at one place, 1 elsewhere. Unknown if a pair of surfaces has one point, which cannot be
 //                coarsened, or if the coarser points do not hold the bodies as before: not one point of two
 //                on an edge. d₄ is unknown if only the wider ones do not. Coarsened points have the share of
-//                the points before, and the change from them
+//                the points before, and the change from them. At least 0.03 where touches repeat on a sharp
+//                edge
 //   mesh         |r − r with R less its error| + |r − r with modes less theirs|, with the errors that
 //                kernels estimate on their own meshes (kernels/mesh_error.hpp); unknown if one has none
 //   eigensolver  |r − r with frequencies changed by A times their errors| / A,  A · largest error = 1e-3
@@ -102,6 +103,8 @@ class Estimator {
   /// The largest change of a requested quantity by the upper half of the band, of those that exceed twice the
   /// changes by the bands below; 0 if there is none. Set by estimate().
   double growing_change() const { return growing_change_; }
+  /// Whether bodies land on a sharp edge again and again. Set by spacing() of points that are not coarsened.
+  bool on_sharp_edge() const { return on_sharp_edge_; }
   /// The errors of all causes. The subject must touch (`Quantities::touched`).
   ErrorEstimate estimate(const StepOptions& options);
 
@@ -131,6 +134,7 @@ class Estimator {
   std::map<std::pair<double, double>, std::optional<Quantities>> up_to_;  ///< by share of the band and step
   std::optional<Errors> mesh_near_contact_;
   double growing_change_ = 0;
+  bool on_sharp_edge_ = false;
 };
 
 }  // namespace ricochet::contact

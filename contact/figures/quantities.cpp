@@ -15,6 +15,9 @@
 namespace ricochet::contact {
 namespace {
 
+/// Part of the contact that a touch has at least if it decides the impact.
+constexpr double of_deciding_touch = 0.75;
+
 /// Between two looks at the rotation of the bodies, which hardly changes meanwhile.
 constexpr std::int64_t steps_between_turns = 8;
 
@@ -107,6 +110,11 @@ class QuantityObserver {
 bool Quantities::touched() const {
   const auto push = figures.find(figures.contains(Quantity::impulse) ? Quantity::impulse : Quantity::force);
   return push != figures.end() && push->second.value.maxCoeff() > 0;
+}
+
+bool Quantities::touches_repeat() const {
+  const auto duration = figures.find(Quantity::duration);
+  return duration != figures.end() && longest_touch < of_deciding_touch * duration->second.value.maxCoeff();
 }
 
 Errors distances(const Quantities& a, const Quantities& b) {

@@ -29,6 +29,8 @@ struct Quantities {
   /// with the area of this point [m].
   double missed_by = std::numeric_limits<double>::infinity(), spacing_there = 0;
   bool touched() const;
+  /// Whether bodies land again, or chatter: no touch has three quarters of the contact.
+  bool touches_repeat() const;
 };
 
 /// Relative error of each quantity of `b`, with the scales of `a`.

@@ -98,11 +98,11 @@ std::optional<double> within_flight(const scene::Scene& scene) {
 
 double zone_near_contact(const contact::Quantities& run) { return 2 * run.nearer; }
 
-double zone_with_finer_elements(const contact::Model& model, const contact::Quantities& run) {
+double zone_with_finer_elements(const contact::Model& model, const contact::Quantities& run, double wanted) {
   double zone = zone_near_contact(run);
   for (const contact::Model::PairBlock& pair : model.pairs)
     if (const int pressed = points_pressed(pair, run); pressed > 0) {
-      const double denser = times_denser(pressed);
+      const double denser = times_denser(pressed, wanted);
       zone = std::max(zone, 2 * gap_of_ring(model, pair, run) / (denser * denser));
     }
   return zone;

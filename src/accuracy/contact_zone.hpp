@@ -27,7 +27,7 @@ double zone_near_contact(const contact::Quantities& run);
 /// The zone for a mesh with the smaller elements of local_refinement.hpp [m]: `zone_near_contact`, but at
 /// least three points more than were pressed. The gap grows with the square of the distance on rounded
 /// surfaces.
-double zone_with_finer_elements(const contact::Model& model, const contact::Quantities& run);
+double zone_with_finer_elements(const contact::Model& model, const contact::Quantities& run, double wanted);
 
 /// The number of points that were pressed in a pair of surfaces, if the zone of contact is smaller than their
 /// distance: fewer than four, or than three along a line. The smallest such number; no value if there is

@@ -29,8 +29,9 @@ namespace {
 constexpr double expected = 1.0 / 3;
 
 /// Cost of refining a cause, relative to that of the kernels of the last round. Another mesh is a new
-/// problem with two to three times as many unknowns; the others add vectors on the same mesh.
-constexpr double cost_of_mesh = 3, cost_of_vectors = 1.3;
+/// problem with two to three times as many unknowns; the others add vectors on the same mesh, eight times as
+/// many if they are modes of solids.
+constexpr double cost_of_mesh = 3, cost_of_vectors = 1.3, cost_of_modes_of_solids = 4;
 
 /// Factor by which the next order is expected to reduce the share of the mesh. From order 2 to 3, errors of
 /// frequencies fell to between a seventh and a seventeenth on three bodies, those of flexibilities to between
@@ -48,10 +49,13 @@ bool is_open(const scene::Scene& scene) { return scene.modes.open(); }
 /// Ritz vectors cost a few solves for each candidate, whatever the band; modes cost a solve or two for each
 /// mode in it. With few modes and many candidates, as in flat contact, modes are therefore cheaper.
 /// The ends of rods meet with a shock, whose resonances only modes have. A body that turns has its whole
-/// surface as candidates.
-scene::Basis cheaper_basis(const scene::Scene& scene, const KernelSettings& settings,
-                           const contact::Model& model, const std::vector<BodySize>& sizes) {
-  if (scene.motion.is_finite()) return scene::Basis::modes;
+/// surface as candidates. Where touches repeat, bodies still ring from the touch before, Ritz vectors at
+/// frequencies of their own, and what follows is chaotic: for a bracket on an edge, a change of a velocity by
+/// 1e-12 changed the impulse by up to 0.008; of modes, by less than 1e-4.
+scene::Basis basis_of_next(const scene::Scene& scene, const KernelSettings& settings,
+                           const contact::Dialled& round, const std::vector<BodySize>& sizes) {
+  const contact::Model& model = round.model;
+  if (scene.motion.is_finite() || round.quantities->touches_repeat()) return scene::Basis::modes;
   double modes = 0;
   for (const BodySize& size : sizes) modes += size.modes;
   const double candidates = settings.zone ? expected_candidates(model, settings, *settings.zone)
@@ -61,12 +65,18 @@ scene::Basis cheaper_basis(const scene::Scene& scene, const KernelSettings& sett
   return few || rods ? scene::Basis::modes : scene::Basis::contact;
 }
 
-/// Number of times that the band is doubled after the pilot.
-constexpr int most_doublings = 2;
+/// Whether twice the band has eight times as many vectors, and not twice as many.
+bool has_modes_of_solids(scene::Basis basis, const std::vector<BodySize>& sizes) {
+  return basis == scene::Basis::modes &&
+         std::ranges::any_of(sizes, [](const BodySize& size) { return size.dimension == 3; });
+}
 
-/// The band after the pilot: it is doubled as often as its share of the error suggests, but not beyond the
-/// band that the force fills, below which all but ε² of the energy of the force lies.
-Hertz band_after_pilot(const Settings& settings, const contact::Dialled& pilot, double accuracy) {
+/// The band after the pilot: it is doubled as often as its share of the error suggests, but at most twice,
+/// modes of solids once, and not beyond the band that the force fills, below which all but ε² of the energy
+/// of the force lies.
+Hertz band_after_pilot(const Settings& settings, const contact::Dialled& pilot,
+                       const std::vector<BodySize>& sizes, double accuracy) {
+  const int most_doublings = has_modes_of_solids(settings.found.basis, sizes) ? 1 : 2;
   Hertz band = settings.found.up_to;
   const double share = pilot.estimate->share(Cause::modes).value_or(0);
   // Where other shares are far larger, that of the band is not yet known.
@@ -194,8 +204,9 @@ Settings following(const Settings& last, Settings next, const std::vector<BodySi
 
 /// Smaller elements near contact, and what follows from them.
 struct FinerNearContact {
-  std::map<std::string, std::vector<scene::FineBall>> balls;
-  double cost;  ///< relative to that of the kernels of the last round
+  double denser = 2;  ///< factor by which the distance of candidates falls
+  std::map<std::string, std::vector<scene::FineBall>> balls{};
+  double cost = 1;  ///< relative to that of the kernels of the last round
 };
 
 KernelSettings with_balls(KernelSettings settings,
@@ -215,20 +226,19 @@ double unknowns_of(const std::vector<BodySize>& sizes) {
 std::optional<FinerNearContact> finer_near_contact(const scene::Scene& scene, const Settings& settings,
                                                    const contact::Dialled& round,
                                                    const std::vector<BodySize>& sizes,
-                                                   const std::set<std::string>& fixed) {
-  auto balls = balls_near_contact(scene, settings.found.mesh, round);
-  for (const std::string& body : fixed) balls.erase(body);
-  const KernelSettings finer = with_balls(settings.found, balls);
+                                                   const std::set<std::string>& fixed, double denser) {
+  FinerNearContact out{.denser = denser,
+                       .balls = balls_near_contact(scene, settings.found.mesh, round, denser)};
+  for (const std::string& body : fixed) out.balls.erase(body);
+  const KernelSettings finer = with_balls(settings.found, out.balls);
   if (finer == settings.found ||
       expected_candidates(round.model, finer, zone_near_contact(*round.quantities)) > most_candidates)
     return std::nullopt;
   const std::vector<BodySize> then = predicted(sizes, settings.found, finer);
-  if (!excess(then, {.count = expected_candidates(round.model, finer,
-                                                  zone_with_finer_elements(round.model, *round.quantities))})
-           .empty())
-    return std::nullopt;
-  return FinerNearContact{std::move(balls),
-                          std::max(cost_of_vectors, unknowns_of(then) / unknowns_of(sizes))};
+  const double zone = zone_with_finer_elements(round.model, *round.quantities, denser);
+  if (!excess(then, {.count = expected_candidates(round.model, finer, zone)}).empty()) return std::nullopt;
+  out.cost = std::max(cost_of_vectors, unknowns_of(then) / unknowns_of(sizes));
+  return out;
 }
 
 /// Bodies whose geometry fixes the number of elements, since smaller ones were asked for but not made.
@@ -247,6 +257,7 @@ struct Row {
   double share = 0;                             ///< that its refinement reduces
   bool unknown = false;                         ///< whether the share must be measured by a refinement first
   double cost = 1;                              ///< relative to that of the kernels of the last round
+  double leaves = expected;                     ///< part of the share that its refinement leaves
   std::function<Settings(Settings)> refined{};  ///< the settings with the refinement; null: there is none
   std::string obstacle{};                       ///< why there is none
 };
@@ -267,7 +278,17 @@ class Table {
     const bool concentrated =
         (!settings.pilot && settings.found.zone) ||
         (!round.quantities->pressed.empty() && zone_of(round.model, *round.quantities).has_value());
-    if (concentrated) local_ = finer_near_contact(scene, settings, round, sizes, fixed_);
+    if (!concentrated) return;
+    const auto with_distance = [&](double denser) {
+      return finer_near_contact(scene, settings, round, sizes, fixed_, denser);
+    };
+    const bool quarter =
+        round.estimate && expected * near_contact() > *scene.accuracy / round.estimate->scatter() / 2;
+    if (quarter) local_ = with_distance(4);
+    // A quarter that was asked for before has not been made, or did not help.
+    const auto asked = balls_near_contact(scene, settings.found.mesh, round, 4);
+    if (!local_ && !(quarter && with_balls(settings.found, asked) == settings.found))
+      local_ = with_distance(2);
   }
 
   bool has_finer() const { return finer_; }
@@ -295,8 +316,8 @@ class Table {
   Settings with_finer_elements_near_contact(Settings settings) const {
     settings.found = with_balls(std::move(settings.found), local_->balls);
     if (settings.found.zone && round_.quantities->nearer > 0)
-      settings.found.zone = zone_with_finer_elements(round_.model, *round_.quantities);
-    if (is_open(scene_)) settings.found.basis = cheaper_basis(scene_, settings.found, round_.model, sizes_);
+      settings.found.zone = zone_with_finer_elements(round_.model, *round_.quantities, local_->denser);
+    if (is_open(scene_)) settings.found.basis = basis_of_next(scene_, settings.found, round_, sizes_);
     return settings;
   }
 
@@ -330,6 +351,20 @@ class Table {
 
   double share(Cause cause) const { return round_.estimate->share(cause).value_or(0); }
 
+  /// The part of the share of the mesh that elements near contact have.
+  double mesh_near_contact() const {
+    double near = 0;
+    if (round_.mesh_near_contact)
+      for (const Quantity quantity : round_.estimate->requested)
+        near = std::max(near, round_.mesh_near_contact->at(quantity));
+    return std::min(near, share(Cause::mesh));
+  }
+
+  /// What smaller elements near contact reduce.
+  double near_contact() const {
+    return round_.estimate->combined({share(Cause::spacing), mesh_near_contact()});
+  }
+
   Row row_of(Cause cause) const {
     Row row{.cause = cause, .share = share(cause), .cost = cost_of_vectors};
     const bool open = is_open(scene_);
@@ -343,12 +378,14 @@ class Table {
         break;
       case Cause::spacing:
       case Cause::rotation:  // of linear rotations with coarse patches, above all
-        if (local_) {
+        if (local_ && !(round_.on_sharp_edge && !settings_.pilot)) {
           row.cost = local_->cost;
+          row.leaves = std::pow(expected, std::log2(local_->denser));
           row.refined = [this](Settings next) { return with_finer_elements_near_contact(std::move(next)); };
         }
         break;
       case Cause::modes:
+        if (has_modes_of_solids(settings_.found.basis, sizes_)) row.cost = cost_of_modes_of_solids;
         if (open)
           row.refined = [this](Settings next) {
             next.found.up_to.value *= 2;
@@ -390,13 +427,9 @@ class Table {
       to.unknown |= from.unknown;
       from.refined = nullptr;
     };
-    if (local_ && round_.mesh_near_contact) {
-      double near = 0;
-      for (const Quantity quantity : round_.estimate->requested)
-        near = std::max(near, round_.mesh_near_contact->at(quantity));
-      near = std::min(near, mesh->share);
-      mesh->share -= near;
-      spacing->share = round_.estimate->combined({spacing->share, near});
+    if (local_) {
+      mesh->share -= mesh_near_contact();
+      spacing->share = near_contact();
     } else if (!local_ && finer_ && !gives_spacing(scene_)) {
       give(*spacing, *mesh);
       if (rotation != rows.end()) give(*rotation, *mesh);
@@ -429,7 +462,9 @@ class Table {
         return given("time.precision");
       case Cause::spacing:
         return gives_spacing(scene_) ? given("contact.spacing")
-                                     : "its elements are the finest that accuracy chooses";
+               : round_.on_sharp_edge
+                   ? "touches repeat on a sharp edge, which yields the more, the smaller its elements"
+                   : "its elements are the finest that accuracy chooses";
       case Cause::zone:
         return scene_.motion.is_finite() ? "bodies approach faster after they touch" : given("contact.reach");
       case Cause::rotation:
@@ -460,15 +495,15 @@ std::vector<std::size_t> worth_refining(const std::vector<Row>& rows, const std:
     const double above = above_wanted(left);
     if (!rows[k].unknown && !(above > 0 && rows[k].share > worth_while * above)) continue;
     out.push_back(k);
-    left[k] *= expected;
+    left[k] *= rows[k].leaves;
   }
   std::vector<std::size_t> smallest_first = out;
   std::ranges::sort(smallest_first, {}, [&](std::size_t k) { return rows[k].share; });
   for (const std::size_t k : smallest_first) {
     if (rows[k].unknown) continue;
-    left[k] /= expected;
+    left[k] /= rows[k].leaves;
     if (above_wanted(left) > 0)
-      left[k] *= expected;
+      left[k] *= rows[k].leaves;
     else
       std::erase(out, k);
   }
@@ -524,12 +559,15 @@ constexpr int most_for_few_candidates = 3;
 constexpr double still_as_large = 0.7;
 constexpr int most_idle_rounds = 2;
 
+bool is_known(const contact::ErrorEstimate& estimate) {
+  return std::ranges::all_of(estimate.by_cause, [](const auto& share) { return share.second.has_value(); });
+}
+
 /// The settings with what the error of their round adds to the history of the search. Stored settings may be
 /// those of another impact, whose history says nothing of this one.
 Settings with_error(Settings settings, const contact::Dialled& round) {
   const double stored = std::exchange(settings.error, 0);
-  const auto is_known = [](const auto& share) { return share.second.has_value(); };
-  if (!round.estimate || !std::ranges::all_of(round.estimate->by_cause, is_known)) return settings;
+  if (!round.estimate || !is_known(*round.estimate)) return settings;
   const double error = round.estimate->total();
   if (stored > 0 && std::abs(error - stored) > 1e-2 * stored) {
     settings.least_error = 0;
@@ -541,19 +579,25 @@ Settings with_error(Settings settings, const contact::Dialled& round) {
   return settings;
 }
 
-bool refines_for_few(const Table& table, const Settings& settings, const contact::Dialled& round) {
+/// After the pilot, an error that is known and below this part of the accuracy is small enough, although few
+/// candidates make it uncertain.
+constexpr double certain = 0.1;
+
+bool refines_for_few(const Table& table, const Settings& settings, const contact::Dialled& round,
+                     double accuracy) {
   return table.has_local() && settings.for_few_candidates < most_for_few_candidates &&
+         !(!settings.pilot && is_known(*round.estimate) && round.estimate->total() <= certain * accuracy) &&
          few_pressed(round.model, *round.quantities);
 }
 
 /// Zone, basis and band by the impact of the pilot.
 Settings tuned_by_pilot(const scene::Scene& scene, Settings settings, const contact::Dialled& round,
                         const std::vector<BodySize>& sizes) {
-  const Hertz band = band_after_pilot(settings, round, *scene.accuracy / round.estimate->scatter());
   if (has_zone(scene)) settings.found.zone = zone_of(round.model, *round.quantities);
   if (!is_open(scene)) return settings;
-  settings.found.basis = cheaper_basis(scene, settings.found, round.model, sizes);
-  settings.found.up_to = band;
+  settings.found.basis = basis_of_next(scene, settings.found, round, sizes);
+  settings.found.up_to =
+      band_after_pilot(settings, round, sizes, *scene.accuracy / round.estimate->scatter());
   return settings;
 }
 
@@ -569,7 +613,7 @@ Decision decide(const scene::Scene& scene, const Settings& of_round, const conta
   std::vector<Row> rows = table.rows();
   const bool pilot = settings.pilot && round.quantities;
   Settings next = pilot ? tuned_by_pilot(scene, settings, round, sizes) : settings;
-  if (round.quantities && refines_for_few(table, settings, round))
+  if (round.quantities && refines_for_few(table, settings, round, accuracy))
     if (const auto spacing = std::ranges::find(rows, Cause::spacing, &Row::cause); spacing != rows.end()) {
       spacing->unknown = true;
       ++next.for_few_candidates;
@@ -590,6 +634,12 @@ Decision decide(const scene::Scene& scene, const Settings& of_round, const conta
   const auto above_wanted = [&](const std::vector<double>& shares) {
     return round.estimate->combined(shares) - std::max(accuracy, 2 * round.estimate->combined(fixed));
   };
+  const auto end = [&]() -> Decision {
+    // Without the rows that were left because others matter more.
+    std::erase_if(rows, [](const Row& row) { return row.obstacle.empty(); });
+    return {{}, hindrance(rows, accuracy)};
+  };
+  if (measured && above_wanted(left) <= 0) return end();
   std::set<Cause> chosen;
   const auto choose = [&](Row& row) {
     Settings refined = row.refined(next);
@@ -618,17 +668,17 @@ Decision decide(const scene::Scene& scene, const Settings& of_round, const conta
     for (const std::size_t k : worth_refining(rows, done, left, above_wanted)) {
       done[k] = true;
       if (choose(rows[k])) {
-        left[k] *= expected;
+        left[k] *= rows[k].leaves;
       } else {
         fixed[k] = rows[k].share;
         again = true;
       }
     }
-  // New kernels anyway; but twice the band has eight times the modes of a solid.
+  // New kernels anyway; but what multiplies their cost waits until it is needed.
   if (chosen.contains(Cause::mesh) || chosen.contains(Cause::spacing))
     for (Row& row : rows)
-      if (row.refined && row.cause != Cause::modes && !chosen.contains(row.cause) &&
-          row.share > worth_while * accuracy)
+      if (row.refined && row.cost < cost_of_mesh && row.cause != Cause::modes &&
+          !chosen.contains(row.cause) && row.share > worth_while * accuracy)
         choose(row);
   // The band of the pilot may have been doubled.
   if (pilot && !chosen.empty() && table.has_finer() && !table.resolves_band(next)) {
@@ -638,9 +688,7 @@ Decision decide(const scene::Scene& scene, const Settings& of_round, const conta
   std::string refined;
   for (const Cause cause : chosen) refined += (refined.empty() ? "" : ", ") + std::string(name_of(cause));
   if (!refined.empty()) return {following(settings, std::move(next), sizes), refined};
-  // Without the rows that were left because others matter more.
-  std::erase_if(rows, [](const Row& row) { return row.obstacle.empty(); });
-  return {{}, hindrance(rows, accuracy)};
+  return end();
 }
 
 }  // namespace ricochet::accuracy

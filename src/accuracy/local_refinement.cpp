@@ -50,8 +50,8 @@ bool same_geometry(const scene::Body& a, const scene::Body& b) {
 }  // namespace
 
 std::map<std::string, std::vector<scene::FineBall>> balls_near_contact(
-    const scene::Scene& scene, const std::map<std::string, MeshSettings>& mesh,
-    const contact::Dialled& round) {
+    const scene::Scene& scene, const std::map<std::string, MeshSettings>& mesh, const contact::Dialled& round,
+    double wanted) {
   std::map<std::string, std::vector<scene::FineBall>> out;
   if (!round.quantities || round.quantities->pressed.empty()) return out;
   const Model& model = round.model;
@@ -63,7 +63,7 @@ std::map<std::string, std::vector<scene::FineBall>> balls_near_contact(
     if (gives_spacing(scene, model, pair)) continue;
     int pressed = 0;
     for (int i = 0; i < pair.points; ++i) pressed += is_pressed(pair.first_point + i);
-    const double denser = times_denser(pressed), spread = pressed < few ? 1 : 2;
+    const double denser = times_denser(pressed, wanted), spread = pressed < few ? 1 : 2;
     for (Eigen::Index i = pair.first_point; i < pair.first_point + pair.points; ++i) {
       if (!is_pressed(i)) continue;
       const double next = two_digits(distance_to_next(model, pair, i));
@@ -93,7 +93,7 @@ std::map<std::string, std::vector<scene::FineBall>> balls_near_contact(
   return out;
 }
 
-double times_denser(int pressed) { return pressed < few ? 4 : 2; }
+double times_denser(int pressed, double wanted) { return pressed < few ? 4 : wanted; }
 
 double unknowns_in(const std::vector<scene::FineBall>& balls, int order, double distance) {
   // Half of each sphere lies in the body. Spheres around several balls are shared among those that they

@@ -149,11 +149,11 @@ TEST(Zone, with_finer_elements_keeps_candidates_around_a_single_one_that_was_pre
   run.pressed.assign(static_cast<std::size_t>(grid.model.gap.size()), false);
   run.pressed[run.pressed.size() / 2] = true;
   run.nearer = 1e-9;
-  const double reach = std::sqrt(2 * radius * accuracy::zone_with_finer_elements(grid.model, run));
+  const double reach = std::sqrt(2 * radius * accuracy::zone_with_finer_elements(grid.model, run, 2));
   EXPECT_GT(reach, spacing / 4);
   EXPECT_LT(reach, spacing);
   run.nearer = 1;
-  EXPECT_EQ(accuracy::zone_with_finer_elements(grid.model, run), 2);
+  EXPECT_EQ(accuracy::zone_with_finer_elements(grid.model, run, 2), 2);
 }
 
 TEST(FewPressed, is_the_number_of_candidates_that_do_not_resolve_a_contact) {

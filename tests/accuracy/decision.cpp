@@ -112,6 +112,13 @@ TEST(Decision, refines_nothing_that_matters_less_than_what_is_given) {
       decide(scene, settings, round_with({{Cause::mesh, 6e-3}, {Cause::spacing, 0.014}}), small);
   EXPECT_FALSE(found.next);
   EXPECT_EQ(found.reason, "spacing contributes 0.014: contact.spacing is given");
+  // Nor the band of a pilot, which would be doubled.
+  accuracy::Settings first = settings;
+  first.pilot = true;
+  auto pilot = round_with({{Cause::modes, 6e-3}, {Cause::spacing, 0.014}});
+  pilot.quantities.emplace();
+  pilot.quantities->force = {0, 1, 0, 0};
+  EXPECT_FALSE(decide(scene, first, pilot, small).next);
   const Decision coarse =
       decide(scene, settings, round_with({{Cause::mesh, 6e-2}, {Cause::spacing, 0.014}}), small);
   EXPECT_TRUE(coarse.next);
@@ -305,6 +312,34 @@ TEST(Decision, compares_ritz_vectors_of_the_next_round_with_the_modes_of_its_ban
   EXPECT_EQ(basis(), scene::Basis::contact);
   sizes[0].modes = 150;
   EXPECT_EQ(basis(), scene::Basis::modes);
+}
+
+/// The settings after a pilot with 40 candidates, whose contact lasts for 1 ms with a longest touch [s].
+accuracy::Settings after_pilot_with_touch(double longest, double share_of_modes = 1e-4) {
+  const scene::Scene scene = open_scene();
+  accuracy::Settings settings = second_round(scene);
+  settings.pilot = true;
+  contact::Dialled round = round_with({{Cause::mesh, 0.1}, {Cause::modes, share_of_modes}});
+  round.quantities.emplace();
+  round.quantities->longest_touch = longest;
+  round.quantities->figures[Quantity::duration] = {.value = contact::Vector::Constant(1, 1e-3),
+                                                   .scale = 1e-3};
+  round.quantities->force.assign(64, 0);
+  round.quantities->force[1] = 1;  // a pulse, which fills any band
+  round.model.gap.setZero(40);
+  return decide(scene, settings, round, body_of(1000, 1e4)).next.value();
+}
+
+// Ritz vectors are fewer than 1000 modes, but ring at frequencies of their own when the body lands again.
+TEST(Decision, chooses_modes_where_touches_repeat) {
+  EXPECT_EQ(after_pilot_with_touch(0.8e-3).found.basis, scene::Basis::contact);
+  EXPECT_EQ(after_pilot_with_touch(0.7e-3).found.basis, scene::Basis::modes);
+}
+
+// Twice the band of a solid has eight times the modes, and twice the Ritz vectors.
+TEST(Decision, doubles_the_band_of_modes_of_a_solid_once_and_that_of_ritz_vectors_twice) {
+  EXPECT_EQ(after_pilot_with_touch(0.8e-3, 0.1).found.up_to.value, 4e4);
+  EXPECT_EQ(after_pilot_with_touch(0.7e-3, 0.1).found.up_to.value, 2e4);
 }
 
 // The poles of spheres of coarse elements, and means of patches at edges, lie farther apart than in the

@@ -95,7 +95,7 @@ const std::vector<BodySize> small{{"upper", 10, 1e3, 5e2}, {"lower", 10, 1e3, 5e
 // The point 2 mm along y lies there in the lower body. The upper one was turned and moved: x = Rᵀ (y − 1, …).
 TEST(Balls, lie_at_the_pressed_points_in_the_axes_of_the_mesh) {
   const scene::Scene scene = scene_of_two();
-  const auto balls = balls_near_contact(scene, accuracy::meshes_at(scene, 0), round_of(3, {}));
+  const auto balls = balls_near_contact(scene, accuracy::meshes_at(scene, 0), round_of(3, {}), 2);
   ASSERT_EQ(balls.size(), 2U);
   // Two in each body, and those of the other body, because one mesh serves both.
   ASSERT_EQ(balls.at("lower").size(), 4U);
@@ -113,13 +113,16 @@ TEST(Balls, lie_at_the_pressed_points_in_the_axes_of_the_mesh) {
 // Elements of order 2 have two candidates along an edge.
 TEST(Balls, halve_the_distance_of_candidates_or_quarter_it_if_few_are_pressed) {
   const scene::Scene scene = scene_of_two();
-  const auto ball = [&](int pressed) {
-    return balls_near_contact(scene, accuracy::meshes_at(scene, 0), round_of(pressed, {})).at("lower")[0];
+  const auto ball = [&](int pressed, double wanted = 2) {
+    const auto balls =
+        balls_near_contact(scene, accuracy::meshes_at(scene, 0), round_of(pressed, {}), wanted);
+    return balls.at("lower")[0];
   };
   EXPECT_NEAR(ball(2).size, 2 * next / 4, 1e-9);
   EXPECT_NEAR(ball(2).radius, next, 1e-9);
   EXPECT_NEAR(ball(3).size, 2 * next / 2, 1e-9);
   EXPECT_NEAR(ball(3).radius, 2 * next, 1e-9);
+  EXPECT_NEAR(ball(3, 4).size, 2 * next / 4, 1e-9);
 }
 
 // A ball reaches one distance beyond the points that it serves: two of a line, then the next two.
@@ -128,7 +131,7 @@ TEST(Balls, are_as_few_as_reach_one_distance_beyond_every_pressed_point) {
   scene.bodies[1].mesh = "other.step";
   const int pressed = 9;
   const auto balls =
-      balls_near_contact(scene, accuracy::meshes_at(scene, 0), round_of(pressed, {})).at("lower");
+      balls_near_contact(scene, accuracy::meshes_at(scene, 0), round_of(pressed, {}), 2).at("lower");
   EXPECT_EQ(balls.size(), 5U);
   for (int i = 0; i < pressed; ++i)
     EXPECT_TRUE(std::ranges::any_of(balls, [&](const scene::FineBall& ball) {
@@ -139,12 +142,12 @@ TEST(Balls, are_as_few_as_reach_one_distance_beyond_every_pressed_point) {
 TEST(Balls, are_not_for_bodies_or_candidates_that_a_scene_gives) {
   scene::Scene scene = scene_of_two();
   scene.bodies[1].refine_open = false;
-  const auto balls = balls_near_contact(scene, accuracy::meshes_at(scene, 0), round_of(3, {}));
+  const auto balls = balls_near_contact(scene, accuracy::meshes_at(scene, 0), round_of(3, {}), 2);
   EXPECT_EQ(balls.size(), 1U);
   EXPECT_EQ(balls.count("upper"), 1U);
   scene.contact.pairs[0].spacing = 1e-3;
-  EXPECT_TRUE(balls_near_contact(scene, accuracy::meshes_at(scene, 0), round_of(3, {})).empty());
-  EXPECT_TRUE(balls_near_contact(scene_of_two(), {}, round_of(0, {})).empty());
+  EXPECT_TRUE(balls_near_contact(scene, accuracy::meshes_at(scene, 0), round_of(3, {}), 2).empty());
+  EXPECT_TRUE(balls_near_contact(scene_of_two(), {}, round_of(0, {}), 2).empty());
 }
 
 // A cube of side 1 that is filled with elements of size s has 6 s⁻³ to 12 s⁻³ tetrahedra (of gmsh: 1.1·10⁴ at
@@ -179,6 +182,25 @@ TEST(Decision, makes_elements_smaller_where_a_small_part_is_pressed) {
   EXPECT_TRUE(flat.next->found.mesh.at("upper").refine.empty());
 }
 
+// Half of the distance is expected to leave a third of the share: 0.005 of 0.015, and more of 0.02.
+TEST(Decision, quarters_the_distance_of_candidates_where_half_of_it_does_not_suffice) {
+  const scene::Scene scene = scene_of_two();
+  const auto size = [&](double share) {
+    const auto round = round_of(4, {{Cause::mesh, 1e-4}, {Cause::spacing, share}});
+    return decide(scene, first_round(scene), round, small).next.value().found.mesh.at("lower").refine[0].size;
+  };
+  EXPECT_NEAR(size(0.02), size(0.0149) / 2, 1e-9);
+}
+
+// Elements near contact that cost less than an order, which they make unnecessary.
+TEST(Decision, keeps_the_order_where_elements_near_contact_suffice) {
+  const scene::Scene scene = scene_of_two();
+  auto round = round_of(4, {{Cause::mesh, 0.018}, {Cause::spacing, 0.01}});
+  round.mesh_near_contact = contact::Errors{{Quantity::impulse, 0.01}};
+  const Decision found = decide(scene, first_round(scene), round, small);
+  EXPECT_EQ(found.reason, "spacing");
+}
+
 /// Settings of a round whose elements near contact were the last to become smaller.
 accuracy::Settings after_local(const scene::Scene& scene, int level = 1) {
   accuracy::Settings settings = first_round(scene);
@@ -189,18 +211,32 @@ accuracy::Settings after_local(const scene::Scene& scene, int level = 1) {
   return settings;
 }
 
+TEST(Decision, refines_a_sharp_edge_on_which_touches_repeat_once_and_says_why) {
+  const scene::Scene scene = scene_of_two();
+  auto round = round_of(4, {{Cause::mesh, 1e-4}, {Cause::spacing, 0.03}});
+  round.on_sharp_edge = true;
+  accuracy::Settings settings = first_round(scene);
+  settings.pilot = true;
+  EXPECT_EQ(decide(scene, settings, round, small).reason, "spacing");
+  const Decision found = decide(scene, after_local(scene), round, small);
+  EXPECT_FALSE(found.next);
+  EXPECT_EQ(found.reason,
+            "spacing contributes 0.03: touches repeat on a sharp edge, which yields the more, the smaller "
+            "its elements");
+}
+
 // The share of the mesh is that of elements near contact if the flexibility there has most of it.
 TEST(Decision, refines_the_elements_to_which_the_share_of_the_mesh_is_due) {
   const scene::Scene scene = scene_of_two();
   const accuracy::Settings settings = after_local(scene);
-  contact::Dialled round = round_of(4, {{Cause::mesh, 0.1}, {Cause::spacing, 1e-3}});
+  contact::Dialled round = round_of(4, {{Cause::mesh, 0.05}, {Cause::spacing, 1e-3}});
   round.mesh_near_contact = contact::Errors{{Quantity::impulse, 1e-3}};
   const Decision everywhere = decide(scene, settings, round, small);
   ASSERT_TRUE(everywhere.next);
   EXPECT_EQ(everywhere.reason, "mesh");
   EXPECT_GT(everywhere.next->found.mesh.at("upper").order, settings.found.mesh.at("upper").order);
   EXPECT_EQ(everywhere.next->found.mesh.at("upper").refine, settings.found.mesh.at("upper").refine);
-  round.mesh_near_contact = contact::Errors{{Quantity::impulse, 0.099}};
+  round.mesh_near_contact = contact::Errors{{Quantity::impulse, 0.049}};
   const Decision near = decide(scene, settings, round, small);
   ASSERT_TRUE(near.next);
   EXPECT_EQ(near.reason, "spacing");
@@ -212,7 +248,7 @@ TEST(Decision, refines_the_elements_to_which_the_share_of_the_mesh_is_due) {
 // never more.
 TEST(Decision, makes_elements_smaller_until_four_candidates_touch_but_not_for_ever) {
   const scene::Scene scene = scene_of_two();
-  const auto round = round_of(1, {{Cause::mesh, 1e-4}, {Cause::spacing, 1e-4}});
+  const auto round = round_of(1, {{Cause::mesh, 1e-4}, {Cause::spacing, 2e-3}});
   accuracy::Settings settings = after_local(scene);
   std::vector<BodySize> sizes = small;
   int rounds = 0;
@@ -231,7 +267,11 @@ TEST(Decision, makes_elements_smaller_until_four_candidates_touch_but_not_for_ev
   }
   EXPECT_EQ(rounds, 3);
   EXPECT_FALSE(
-      decide(scene, after_local(scene), round_of(4, {{Cause::mesh, 1e-4}, {Cause::spacing, 1e-4}}), small)
+      decide(scene, after_local(scene), round_of(4, {{Cause::mesh, 1e-4}, {Cause::spacing, 2e-3}}), small)
+          .next);
+  // A tenth of the accuracy leaves room for what one candidate does not show.
+  EXPECT_FALSE(
+      decide(scene, after_local(scene), round_of(1, {{Cause::mesh, 1e-4}, {Cause::spacing, 5e-4}}), small)
           .next);
 }
 
@@ -239,7 +279,7 @@ TEST(Decision, does_not_ask_for_the_same_elements_again) {
   const scene::Scene scene = scene_of_two();
   const auto round = round_of(4, {{Cause::mesh, 1e-4}, {Cause::spacing, 0.1}});
   accuracy::Settings settings = after_local(scene);
-  for (auto& [body, balls] : balls_near_contact(scene, settings.found.mesh, round))
+  for (auto& [body, balls] : balls_near_contact(scene, settings.found.mesh, round, 4))
     settings.found.mesh[body].refine = balls;
   EXPECT_EQ(decide(scene, settings, round, small).reason, "mesh");
 }
