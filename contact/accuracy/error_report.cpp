@@ -20,8 +20,9 @@ std::string way_to_measure(Cause cause) {
     case Cause::modes:
       return " (results change more with each wider band, or it has too few modes: raise modes.up_to_hz)";
     case Cause::spacing:
-      return " (fewer points would not hold the bodies in the same way: refine the mesh where they touch, or "
-             "lower contact.spacing)";
+      return " (fewer points would not hold the bodies in the same way, or touches repeat on a sharp edge, "
+             "which yields the more, the finer the mesh: compare runs with finer elements where they touch, "
+             "or with a lower contact.spacing)";
     case Cause::basis:
       return " (Ritz vectors of rods ring: use modes.basis = \"modes\")";
     default:

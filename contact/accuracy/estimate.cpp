@@ -174,12 +174,6 @@ bool is_sharp_edge(const Model& model, const Quantities& run, const std::vector<
   return true;
 }
 
-/// Least share of the points where touches repeat on a sharp edge. Its contact is about a thousandth of the
-/// distance of points wide, and its flexibility grows by as much with each halving down to there. Each
-/// changed the impulse of a steel bracket by 0.001 to 0.003; as changes also shift the touches that follow,
-/// one of them alone may be far smaller.
-constexpr double of_sharp_edge = 0.03;
-
 bool is_rod(const kernels::Kernel& kernel) { return kernel.surface.corners() == 1; }
 
 bool are_rods(const Model& model) {
@@ -435,12 +429,13 @@ std::optional<Errors> Estimator::spacing(StepOptions options) {
   const auto twice = wider ? wider->quantities(options) : std::nullopt;
   const std::vector<Support> left = twice ? supports(wider->model_, *twice) : std::vector<Support>{};
   const bool comparable = twice && holds_alike(support, left) && !is_determinate(left);
-  Errors out = remaining(*last, comparable ? change(once, twice) : std::nullopt,
-                         is_smooth(model_, *base, support) ? of_smooth_points : of_series);
+  // The flexibility of an edge grows by as much with each halving of the distance, down to the width of its
+  // contact. Where bodies land again, it also shifts the touches that follow, and the change by one halving
+  // may be small by accident.
   on_sharp_edge_ = base->touches_repeat() && is_sharp_edge(model_, *base, support);
-  if (on_sharp_edge_)
-    for (auto& [quantity, error] : out) error = std::max(error, of_sharp_edge);
-  return out;
+  if (on_sharp_edge_) return std::nullopt;
+  return remaining(*last, comparable ? change(once, twice) : std::nullopt,
+                   is_smooth(model_, *base, support) ? of_smooth_points : of_series);
 }
 
 std::optional<Errors> Estimator::mesh(const StepOptions& options, const Quantities& base) {

@@ -21,8 +21,7 @@
 //                meet at one place, 1 elsewhere. Unknown if a pair of surfaces has one point, which cannot be
 //                coarsened, or if the coarser points do not hold the bodies as before: not one point of two
 //                on an edge. d₄ is unknown if only the wider ones do not. Coarsened points have the share of
-//                the points before, and the change from them. At least 0.03 where touches repeat on a sharp
-//                edge
+//                the points before, and the change from them. Unknown where touches repeat on a sharp edge
 //   mesh         |r − r with R less its error| + |r − r with modes less theirs|, with the errors that
 //                kernels estimate on their own meshes (kernels/mesh_error.hpp); unknown if one has none
 //   eigensolver  |r − r with frequencies changed by A times their errors| / A,  A · largest error = 1e-3

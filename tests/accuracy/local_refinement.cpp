@@ -213,7 +213,8 @@ accuracy::Settings after_local(const scene::Scene& scene, int level = 1) {
 
 TEST(Decision, refines_a_sharp_edge_on_which_touches_repeat_once_and_says_why) {
   const scene::Scene scene = scene_of_two();
-  auto round = round_of(4, {{Cause::mesh, 1e-4}, {Cause::spacing, 0.03}});
+  auto round = round_of(4, {{Cause::mesh, 1e-4}});
+  round.estimate->by_cause[Cause::spacing] = std::nullopt;
   round.on_sharp_edge = true;
   accuracy::Settings settings = first_round(scene);
   settings.pilot = true;
@@ -221,8 +222,8 @@ TEST(Decision, refines_a_sharp_edge_on_which_touches_repeat_once_and_says_why) {
   const Decision found = decide(scene, after_local(scene), round, small);
   EXPECT_FALSE(found.next);
   EXPECT_EQ(found.reason,
-            "spacing contributes 0.03: touches repeat on a sharp edge, which yields the more, the smaller "
-            "its elements");
+            "the share of the spacing is unknown: touches repeat on a sharp edge, which yields the more, the "
+            "smaller its elements");
 }
 
 // The share of the mesh is that of elements near contact if the flexibility there has most of it.
