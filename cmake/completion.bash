@@ -3,7 +3,7 @@
 # files that they read. In a checkout: source cmake/completion.bash
 
 # Prints "KEY=" for each key of --set, with the names of the bodies and obstacles of the scene $2, and "KEY=VALUE" for each
-# value of keys that have a choice. $1: ricochet-contact.
+# value of keys that have a choice, if it is one word. $1: ricochet-contact.
 _ricochet_keys() {
     local key name names
     "$1" --keys 2>/dev/null | awk -F' *[|] *' '
@@ -12,7 +12,7 @@ _ricochet_keys() {
             key = within substr($2, 2, length($2) - 2) "="
             print key
             if ($3 == "true or false") { print key "true"; print key "false" }
-            for (choices = $6; match(choices, /"[^"]+"/); choices = substr(choices, RSTART + RLENGTH))
+            for (choices = $6; match(choices, /"[^" ]+"/); choices = substr(choices, RSTART + RLENGTH))
                 print key substr(choices, RSTART + 1, RLENGTH - 2)
         }' |
         while read -r key; do
