@@ -579,6 +579,31 @@ TEST(SpacingShare, is_unknown_where_fewer_points_would_let_the_body_turn) {
   EXPECT_TRUE(share(0, 1));
 }
 
+// A plate that lands on an edge, once, or again under its weight.
+TEST(SpacingShare, is_unknown_where_touches_repeat_on_a_sharp_edge) {
+  Kernel kernel = rigid_plate();
+  kernel.surface.residual_flexibility.assign(27 * 27, 0);
+  for (std::size_t i = 0; i < 27; ++i) kernel.surface.residual_flexibility[i * 28] = 1e-5;
+  kernel.loads.body_force_residual.assign(81, 0);
+  const auto place = [](const std::vector<Kernel>& kernels) {
+    return build_model({{.name = "plate",
+                         .kernel = kernels.data(),
+                         .rotation = turn(1, {1, 0, 0}),
+                         .translation = {0, 0, 1},
+                         .velocity = {0, 0, -1}}},
+                       {{.name = "floor", .normal = {0, 0, 1}}},
+                       {PairRequest{"plate", "floor", {}, 0.001, {}, 1}}, {0, 0, -20});
+  };
+  const auto on_edge = [&](double duration) {
+    Estimated of({.rebuild = place, .kernels = {kernel}, .duration = duration});
+    const bool known = of.estimator.estimate({.step = 1e-4}).share(Cause::spacing).has_value();
+    EXPECT_EQ(known, !of.estimator.on_sharp_edge());
+    return of.estimator.on_sharp_edge();
+  };
+  EXPECT_FALSE(on_edge(0.1));
+  EXPECT_TRUE(on_edge(0.3));
+}
+
 TEST(Inertia, leaves_static_responses_and_halves_the_instant_one_to_the_impulse) {
   const Kernel kernel = block(5);
   Model model = build_model(
