@@ -425,15 +425,15 @@ std::optional<Errors> Estimator::spacing(StepOptions options) {
   const auto last = change(base, once);
   const std::vector<Support> support = supports(model_, *base);
   if (!last || !holds_alike(support, supports(wide->model_, *once))) return std::nullopt;
-  Estimator* const wider = wide->coarser();
-  const auto twice = wider ? wider->quantities(options) : std::nullopt;
-  const std::vector<Support> left = twice ? supports(wider->model_, *twice) : std::vector<Support>{};
-  const bool comparable = twice && holds_alike(support, left) && !is_determinate(left);
   // The flexibility of an edge grows by as much with each halving of the distance, down to the width of its
   // contact. Where bodies land again, it also shifts the touches that follow, and the change by one halving
   // may be small by accident.
   on_sharp_edge_ = base->touches_repeat() && is_sharp_edge(model_, *base, support);
   if (on_sharp_edge_) return std::nullopt;
+  Estimator* const wider = wide->coarser();
+  const auto twice = wider ? wider->quantities(options) : std::nullopt;
+  const std::vector<Support> left = twice ? supports(wider->model_, *twice) : std::vector<Support>{};
+  const bool comparable = twice && holds_alike(support, left) && !is_determinate(left);
   return remaining(*last, comparable ? change(once, twice) : std::nullopt,
                    is_smooth(model_, *base, support) ? of_smooth_points : of_series);
 }

@@ -639,7 +639,8 @@ Decision decide(const scene::Scene& scene, const Settings& of_round, const conta
     std::erase_if(rows, [](const Row& row) { return row.obstacle.empty(); });
     return {{}, hindrance(rows, accuracy)};
   };
-  if (measured && above_wanted(left) <= 0) return end();
+  // Where no refinement measures a share, the others cannot show that the accuracy is met either.
+  if ((measured && above_wanted(left) <= 0) || (round.on_sharp_edge && !pilot)) return end();
   std::set<Cause> chosen;
   const auto choose = [&](Row& row) {
     Settings refined = row.refined(next);

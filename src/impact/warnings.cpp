@@ -64,9 +64,8 @@ std::string impossible_restitution(const contact::Summary& summary) {
       "restitution {:.4g} is {}: {}", e, e < 0 ? "below 0" : "above 1",
       e < 0
           ? "the bodies as a whole still approach each other when contact last ends. A corner may leave "
-            "while "
-            "the centre of a body that turns goes on; otherwise, parts without candidates pass through each "
-            "other. See the motion, and whether contact names all surfaces that meet"
+            "while the centre of a body that turns goes on; otherwise, parts without candidates pass through "
+            "each other. See the motion, and whether contact names all surfaces that meet"
           : "loads, moving supports, rotation or vibration before contact fed the rebound, so it is not a "
             "property of the impact");
 }
