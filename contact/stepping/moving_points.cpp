@@ -286,7 +286,8 @@ double MovingPoints::square_way(const Point& candidate, const Point& summit) con
 
 /// Lets candidates near a summit touch only when the surface is pressed by as much as it falls away from the
 /// summit over an element: by f (h/r)², if it falls by f at the distance r, in the direction in which it
-/// falls least.
+/// falls least. Where elastic displacements make it rise in one, the summit is not the nearest place, and
+/// none of them stands back: at f = 0, no candidate is nearer than the summit, so that none is moved by it.
 void MovingPoints::stand_back() noexcept {
   for (auto first = near_.begin(); first != near_.end();) {
     const auto end =
@@ -304,6 +305,7 @@ void MovingPoints::stand_back() noexcept {
       if (square > 0.25 * h * h)
         fall = std::min(fall, (point.gap - u_(one->candidate) - height) * h * h / square);
     }
+    if (!(fall > 0)) first = end;
     for (; first != end; ++first)
       u_(first->candidate) = std::min(
           u_(first->candidate), points_[static_cast<std::size_t>(first->candidate)].gap - height - fall);

@@ -42,10 +42,11 @@ inline kernels::Kernel rigid_body(double mass, const Vector3d& moments, const st
 }
 
 inline std::shared_ptr<const Model> over_floor(const kernels::Kernel& kernel, PlacedBody body,
-                                               const Friction& friction, const Vector3d& gravity) {
+                                               const Friction& friction, const Vector3d& gravity,
+                                               double gap = 0) {
   body.name = "body";
   body.kernel = &kernel;
-  PairRequest pair{"body", "floor", {}, 0.0, {}};
+  PairRequest pair{"body", "floor", {}, gap, {}};
   pair.friction = friction;
   pair.everywhere = true;
   return std::make_shared<const Model>(
