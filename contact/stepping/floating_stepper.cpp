@@ -195,6 +195,7 @@ StepStatus FloatingStepper::step() noexcept {
   carry_forces(matrices);
   law_.start.head(k) = points_.at_start().head(k) - rest_.head(k);
   law_.free.head(k) = points_.free().head(k);
+  let_in();
   const StepTrial trial = law_.solve(matrices, contact_.mean, slip);
   if (!has_forces(trial.status)) return undo(failure(trial.status));
   const Work work = kick(trial);
@@ -351,6 +352,21 @@ void FloatingStepper::carry_forces(const StepMatrices& matrices) noexcept {
   for (std::size_t j = 0; j < rows.size(); ++j)
     if (const PatchSpring spring = spring_of(rows[j]); spring.bulge > 0)
       rest_(static_cast<Index>(j)) += spring.displacement(end_force()(rows[j]));
+}
+
+/// Of pairs with summits, points that are inside at the start without a force, or because they have jumped,
+/// may stay as deep as they are, until they rise.
+void FloatingStepper::let_in() noexcept {
+  const auto rows = points_.rows();
+  for (std::size_t j = 0; j < rows.size(); ++j) {
+    const int row = rows[j];
+    if (row >= points()) continue;
+    if (state_.system->model->pairs[static_cast<std::size_t>(points_.pair_of(j))].summits == 0) continue;
+    const double begin = state_.system->gap(row), u = std::max(begin, law_.start(static_cast<Index>(j)));
+    const bool jumped = points_.has_jumped(j),
+               stays = !jumped && (end_force()(row) != 0 || contact_.mean.before()(row) != 0);
+    law_.gap(row) = stays ? std::min(law_.gap(row), u) : u;
+  }
 }
 
 /// Changes velocities, angular momenta and modes by the mean forces of the step.

@@ -86,6 +86,7 @@ class FloatingStepper final : public Stepper {
   simd::Oscillators oscillators(const FloatingBody& body, const ModeConstants& over) noexcept;
   void drift(Coriolis::Half half, Vector& q, Vector& v) noexcept;
   void keep_start() noexcept;
+  void let_in() noexcept;
   void restore() noexcept;
   int steps_to_cross() const noexcept;
   int cross() noexcept;

@@ -36,6 +36,8 @@ FloatingStepper::FloatingStepper(std::shared_ptr<const Model> model, const StepO
   std::vector<Correspondence::Run> tangents;
   for (const auto& [f_then, f, count] : from.friction) tangents.push_back({2 * f_then, 2 * f, 2 * count});
   carry(earlier.turning_.frames.tangent, turning_.frames.tangent, tangents);
+  for (const auto& [then, now, size] : from.points)
+    for (int i = 0; i < size; ++i) law_.gap(now + i) = earlier.law_.gap(then + i);
   contact_.mean.take(earlier.contact_.mean, from);
   contact_.slip.take(earlier.contact_.slip, from);
   carry(earlier.contact_.force, contact_.force, from.rows);

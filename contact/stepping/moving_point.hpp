@@ -67,6 +67,7 @@ struct MovingPoint {
   std::array<int, 2> crease{-1, -1};  ///< that cross, of a and of b
   bool open = true;                   ///< whether its sides do not face each other, so that they cannot touch
   double distance = 0;                ///< now, without elastic displacements [m]
+  Eigen::Vector3d stood{0, 0, 0};     ///< place of a summit in the step before [m]
   std::array<End, 2> end{};           ///< on a and on b
   Eigen::Vector3d place_now{0, 0, 0};  ///< of the common place, in the axes of own(), from its centre [m]
   Eigen::Matrix3d acting = Eigen::Matrix3d::Zero();  ///< its rows in the middle of the step, world axes
@@ -97,7 +98,7 @@ struct MovingPoint {
 
   void archive(auto& a) {
     a(kind, pair, candidate, tangential, gap, place, initial, row, foot, top, crease, open, distance, end);
-    a(place_now, acting);
+    a(place_now, acting, stood);
   }
 
  private:

@@ -276,6 +276,15 @@ void MovingPoints::follow_summit(Point& point, std::span<const FloatingBody> bod
   point.place_now = point.place + w;
 }
 
+bool MovingPoints::has_jumped(std::size_t position) noexcept {
+  Point& point =
+      points_[static_cast<std::size_t>(members_.points[static_cast<std::size_t>(members_.of_row[position])])];
+  if (point.kind != Kind::summit) return false;
+  const double way = (point.place - point.stood).norm();
+  point.stood = point.place;
+  return way > 0.5 * smallest_element(point);
+}
+
 /// Square of the way from a candidate to a summit, on the body of the candidate [m²].
 double MovingPoints::square_way(const Point& candidate, const Point& summit) const noexcept {
   const Vector3d there = candidate.kind == Kind::candidate_of_b

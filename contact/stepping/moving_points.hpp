@@ -131,6 +131,8 @@ class MovingPoints : public RowFlexibility {
   int pair_of(std::size_t position) const { return member_at(position).pair; }
   /// Whether the point moves along its bodies, so that its tangential displacements are sums over steps.
   bool slides(std::size_t position) const { return member_at(position).kind != Kind::half_space; }
+  /// Whether the point is a summit that has come from another element. To be asked once in a step.
+  bool has_jumped(std::size_t position) noexcept;
   /// The spring of the point in this step; no value for a tangential row.
   std::optional<PatchSpring> spring(std::size_t position) const noexcept;
   /// The flexibilities of a step. @param a  weight of the end in the mean; 1: of backward Euler throughout
