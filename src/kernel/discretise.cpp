@@ -32,6 +32,11 @@ mesh::Mesh hand_out(mesh::GlobalMesh whole, const parallel::Teams& teams) {
   return mesh::distribute(std::move(whole), teams.team(), teams.peers());
 }
 
+/// For a message: what may be used of the memory that is free to a rank [MiB].
+std::string usable_of(double free_mib) {
+  return fmt::format("{:.0f} of {:.0f} free ones may be used", usable * free_mib, free_mib);
+}
+
 /// A lower bound of the memory of the matrices of a whole solid [MiB], before its mesh is distributed; 0 for
 /// another body, whose matrices are small or in a file. Collective.
 double least_mib(const scene::Body& body, const Source& source, MPI_Comm comm) {
@@ -231,9 +236,8 @@ Discretised discretise(scene::KernelRequest& request, double view_mib, OpenedMes
         continue;
       }
       throw InputError(fmt::format(
-          "{}: its matrices would need {:.0f} MiB a rank, {:.0f} are free: use more machines or a "
-          "coarser mesh",
-          file, matrices, free_mib));
+          "{}: its matrices would need {:.0f} MiB a rank, {}: use more machines or a coarser mesh", file,
+          matrices, usable_of(free_mib)));
     }
     assemble(request, made, comm, console);
     made.factor = std::make_unique<modes::Factorisation>(made.matrices.stiffness, made.matrices.mass,
@@ -260,17 +264,15 @@ Discretised discretise(scene::KernelRequest& request, double view_mib, OpenedMes
                             made.resident_mib + most_needed + buffers_mib, made.resident_mib + room));
     if (most_needed <= usable * room) return made;
     if (count == 1 && flexibility > need)
-      throw InputError(
-          fmt::format("{}: the residual flexibility between {} candidates would need {:.0f} MiB a rank, "
-                      "{:.0f} are free: name "
-                      "a smaller contact surface, set contact.reach or contact.spacing, or use more machines",
-                      file, made.patches.geometry.size(), flexibility, room));
+      throw InputError(fmt::format(
+          "{}: the residual flexibility between {} candidates would need {:.0f} MiB a rank, "
+          "{}: name a smaller contact surface, set contact.reach or contact.spacing, or use more machines",
+          file, made.patches.geometry.size(), flexibility, usable_of(room)));
     if (count == 1)
       throw InputError(
-          fmt::format("{}: its factorisation would need {:.0f} MiB a rank, {:.0f} are free: use more "
-                      "machines, a coarser mesh or "
-                      "fewer modes",
-                      file, need, room));
+          fmt::format("{}: its factorisation would need {:.0f} MiB a rank, {}: use more machines, a coarser "
+                      "mesh or fewer modes",
+                      file, need, usable_of(room)));
     count = fewer_teams(ranks, count, most_needed, held(), room);
   }
 }
@@ -297,9 +299,8 @@ void check_memory(const scene::KernelRequest& request, const Discretised& made, 
                               : ""));
   if (need > usable * (there - before))
     throw InputError(fmt::format(
-        "{}: {} modes would need {:.0f} MiB a rank, {:.0f} are free: use more machines, a coarser mesh or "
-        "fewer modes",
-        request.body.mesh.filename().string(), modes, need, there - before));
+        "{}: {} modes would need {:.0f} MiB a rank, {}: use more machines, a coarser mesh or fewer modes",
+        request.body.mesh.filename().string(), modes, need, usable_of(there - before)));
 }
 
 void check_body(const scene::KernelRequest& request, OpenedMeshes& meshes, MPI_Comm comm,
