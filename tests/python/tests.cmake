@@ -7,6 +7,7 @@ set_tests_properties(python/commands python/geometry python/histories PROPERTIES
 add_program_test(python api)
 add_program_test(python friction)
 add_program_test(python groups)
+add_program_test(python threads)
 add_program_test(python notebooks LONG)
 add_program_test(python style)
 add_test(NAME python/style_of_all COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/python/style.py --all)
