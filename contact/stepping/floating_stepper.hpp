@@ -15,6 +15,9 @@
 //     that of before.
 //   - A gap may be below 0 at the start, since the drift is a rotation and the step took it for a straight
 //     line, by (ΩΔ)³ r/24. Where they cannot pay for pushing the point out, it may only not sink further.
+//     A point that is inside before it has a force, or because it is a summit that has jumped along an edge,
+//     is not pushed out at all: elastic displacements have bent the edge, or a candidate no longer stands
+//     back. It touches as deep as it is.
 //
 // Bodies of an island that have come to rest on obstacles that do not move fall asleep: they stay where they
 // are, with their last forces and at no cost, until a search finds that a body in motion may reach one of
